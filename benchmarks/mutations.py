@@ -2,8 +2,8 @@
 
 Each mutation of `mutation_table` is made in a copy of the sources, and the tests that should see it are run there up
 to the first failure. ``--all`` goes on and counts every failing test; words choose groups or names that contain them.
-All of them together write docs/mutations.md. The exit code is 1 where one survives. ``check`` runs no test: it says
-which lines are no longer in the sources.
+What is run is written to docs/mutations.md; with words, the rows of the others stay as they were run last. The exit
+code is 1 where one survives. ``check`` runs no test: it says which lines are no longer in the sources.
 """
 
 import os
@@ -26,6 +26,7 @@ _PYTEST = (
     "-p", "no:cacheprovider", "--tb=no", "-rfE",
 )  # fmt: skip
 _SHOWN = 3  # failing tests that are named
+_NONE = "**none**"
 _LONGEST = 600  # s; tests that hang have seen it
 
 
@@ -108,32 +109,53 @@ def run(folder: Path, mutation: Mutation, everything: bool) -> Outcome:
     return Outcome(mutation, tuple(failed))
 
 
-def page(outcomes: list[Outcome], everything: bool) -> str:
-    """The outcome as a page."""
-    caught = sum(outcome.caught for outcome in outcomes)
+def rows_of(text: str) -> dict[tuple[str, str], str]:
+    """The rows of a page by group and name."""
+    rows: dict[tuple[str, str], str] = {}
+    group = ""
+    for line in text.splitlines():
+        if line.startswith("## "):
+            group = line.removeprefix("## ").lower()
+        elif line.startswith("| ") and not line.startswith("| what was made wrong |"):
+            rows[group, line.split(" | ")[0].removeprefix("| ")] = line
+    return rows
+
+
+def _row(outcome: Outcome, everything: bool) -> str:
+    named = "<br>".join(f"`{test.removeprefix('tests/')}`" for test in outcome.failed[:_SHOWN])
+    count = f"{len(outcome.failed)}: " if everything and outcome.caught else ""
+    file = outcome.mutation.file.removeprefix("src/slopekit/")
+    return f"| {outcome.mutation.name} | `{file}` | {count}{named or _NONE} |"
+
+
+def page(outcomes: Sequence[Outcome], everything: bool, before: str = "") -> str:
+    """The outcome as a page.
+
+    Parameters
+    ----------
+    before : the page so far; its rows stay where nothing was run again and the mutation is still there
+    """
+    rows = rows_of(before)
+    rows |= {(one.mutation.group.lower(), one.mutation.name): _row(one, everything) for one in outcomes}
+    there = [one for one in MUTATIONS if (one.group.lower(), one.name) in rows]
+    caught = sum(_NONE not in rows[one.group.lower(), one.name] for one in there)
     lines = [
         "# What the tests see when the code is a little wrong", "",
         "`python -m benchmarks.mutations` breaks one line at a time in a copy of the sources, by 1 % or by a term, a "
-        f"sign or a bound: {caught} of {len(outcomes)} mutations are caught.",
+        f"sign or a bound: {caught} of {len(there)} mutations are caught.",
         "The tests that should see it are run " + (
             "to their end." if everything else "up to the first that fails; `--all` counts every one."
-        ), "",
+        ) + " Words run some of them: the other rows are those of the run before.", "",
     ]  # fmt: skip
-    for group in dict.fromkeys(outcome.mutation.group for outcome in outcomes):
+    for group in dict.fromkeys(one.group for one in there):
         lines += [
             f"## {group.capitalize()}",
             "",
             "| what was made wrong | file | tests that fail |",
             "|---|---|---|",
+            *(rows[group.lower(), one.name] for one in there if one.group == group),
+            "",
         ]
-        for outcome in outcomes:
-            if outcome.mutation.group != group:
-                continue
-            named = "<br>".join(f"`{test.removeprefix('tests/')}`" for test in outcome.failed[:_SHOWN])
-            count = f"{len(outcome.failed)}: " if everything and outcome.caught else ""
-            file = outcome.mutation.file.removeprefix("src/slopekit/")
-            lines.append(f"| {outcome.mutation.name} | `{file}` | {count}{named or '**none**'} |")
-        lines.append("")
     return "\n".join(lines)
 
 
@@ -161,8 +183,8 @@ def main(words: list[str]) -> int:
     print(f"{len(outcomes) - len(survivors)} of {len(outcomes)} caught")
     if survivors:
         print("survive: " + "; ".join(survivors))
-    if not chosen:
-        PAGE.write_text(page(outcomes, everything), encoding="utf-8")
+    before = PAGE.read_text(encoding="utf-8") if chosen and PAGE.exists() else ""
+    PAGE.write_text(page(outcomes, everything, before), encoding="utf-8")
     return 1 if survivors else 0
 
 

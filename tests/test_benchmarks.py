@@ -55,3 +55,16 @@ def test_every_mutation_still_changes_a_line() -> None:
     first = mutations.MUTATIONS[0]
     gone = [replace(first, old="no such line"), replace(first, file="src/gone.py"), replace(first, tests=("tests/no",))]
     assert len(mutations.stale(gone)) == len(gone)
+
+
+def test_what_is_run_again_takes_its_row_and_leaves_the_others() -> None:
+    """A page out of itself is itself; one that survives counts as that."""
+    page = mutations.PAGE.read_text(encoding="utf-8")
+    assert mutations.page([], False, page) == page
+    assert len(mutations.rows_of(page)) == len(mutations.MUTATIONS)
+    one = mutations.MUTATIONS[3]
+    again = mutations.page([mutations.Outcome(one, ())], False, page)
+    changed = [line for line in again.splitlines() if line not in page.splitlines()]
+    assert changed[1:] == [f"| {one.name} | `{one.file.removeprefix('src/slopekit/')}` | **none** |"]
+    caught = len(mutations.MUTATIONS) - page.count("**none**") - 1
+    assert f"{caught} of {len(mutations.MUTATIONS)} mutations are caught" in changed[0]

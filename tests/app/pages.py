@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from slopekit.app.server import Desk, application
+from slopekit.app.desk import Desk
+from slopekit.app.server import application
 from slopekit.app.session import opened_template
 
 TOKEN, PORT = "token-of-the-test", 8123

@@ -5,8 +5,8 @@ import threading
 
 import pytest
 
+from slopekit.app.desk import jobs_of
 from slopekit.app.jobs import WHAT, Jobs, run_job
-from slopekit.app.server import jobs_of
 from slopekit.app.session import Session
 from slopekit.core.errors import DesignError
 from slopekit.design.files import with_values
@@ -70,6 +70,9 @@ def test_a_scatter_of_the_design_can_be_taken_out():
     names = [one["label"] for one in found["sensitivity"]]
     assert not any("clay" in name for name in names)
     assert any("rough" in name for name in names)
+    means = with_values(moment.design, {"strength.clay.phi": 24.0, "strength.clay.c": 15.0})  # as the template has them
+    assert found["pf"] == prob(means, 200, confirm=0).leading.probability
+    assert found["histogram"]["edges"] == prob(means, 200, confirm=0).to_dict()["histogram"]["edges"]
 
 
 def test_bolts_are_those_of_the_study():

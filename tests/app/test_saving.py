@@ -155,8 +155,9 @@ def test_another_difference_than_the_one_that_was_seen_is_not_written(file):
     session = changed(file)
     seen = change_of(session).diff
     session.set({"slope.height": 71}, final=True)
-    with pytest.raises(DesignError, match="E546"):
-        save(session, None, seen)
+    for other in (seen, "", change_of(session).diff + " "):
+        with pytest.raises(DesignError, match="E546"):
+            save(session, None, other)
     assert file.read_bytes() == BLOCK.encode()
 
 

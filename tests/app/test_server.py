@@ -5,12 +5,17 @@ import gc
 import json
 import random
 import shlex
+from concurrent.futures import Future
+from dataclasses import replace
 
 import pytest
 
-from slopekit.app.answers import answer_of
-from slopekit.app.server import HEADERS, LARGEST, LARGEST_SURVEY, Desk, parsed
-from slopekit.app.session import Session, opened_file
+from slopekit.app.answers import analysed, answer_of, net_of
+from slopekit.app.desk import Desk, Wanted
+from slopekit.app.messages import LARGEST, LARGEST_SURVEY, parsed
+from slopekit.app.server import HEADERS, application
+from slopekit.app.session import Session, opened_file, opened_template
+from slopekit.app.verbs import take
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse
@@ -62,6 +67,19 @@ def test_another_host_is_refused(desk, host):
 def test_another_origin_is_refused(desk, origin):
     assert asyncio.run(got(desk, f"/{TOKEN}/", {"host": HOST, "origin": origin}))[0] == 403
     assert asyncio.run(refused(desk, f"/{TOKEN}/link", {"host": HOST, "origin": origin})) == 4403
+
+
+@pytest.mark.parametrize(
+    "more", [(b"host", HOST.encode()), (b"Host", b"evil.example"), (b"origin", b"http://evil.example")]
+)
+def test_headers_that_stand_twice_are_refused(desk, more):
+    """One reader of them may take the first, another the last."""
+    own = [(name.encode(), value.encode()) for name, value in OWN.items()]
+    guard = application(desk)
+    for kind, path in (("http", f"/{TOKEN}/"), ("websocket", f"/{TOKEN}/link")):
+        assert guard.refused({"type": kind, "path": path, "headers": own}) == ""
+        for headers in ([*own, more], [more, *own]):
+            assert guard.refused({"type": kind, "path": path, "headers": headers}), (kind, headers)
 
 
 def test_a_socket_without_an_origin_is_refused(desk):
@@ -194,6 +212,19 @@ def test_a_page_is_greeted_with_the_design_and_its_answer(desk):
     assert answer["scene"] == json.loads(json.dumps(viewer_data(result.to_dict())))
     assert answer["net"]["planes"][0] == {"name": "J1", "dip": 45.0, "dip_direction": 115.0,
                                           "path": "joints.J1.plane"}  # fmt: skip
+
+
+def test_what_governs_is_the_difference_that_another_design_makes(desk):
+    """The friction of both joints a degree up, by the library; the circle of the net is the least of them."""
+    answer, result = analysed(desk.session.now)
+    up = result.design.with_strengths(
+        tuple(replace(one, friction_angle_deg=one.friction_angle_deg + 1.0) for one in result.design.strengths)
+    )
+    more = analyse(up).fos.closed_form - result.fos.closed_form
+    said = {one["path"]: one["text"] for one in answer["governs"]}
+    assert said["strength.weak.phi"] == f"φ +1° {more:+.2f}"
+    scattered = Session.of_template("wedge-scatter").now  # 24° and 33°
+    assert (answer["net"]["friction"], net_of(scattered, None)["friction"]) == (20.0, 24.0)
 
 
 def test_set_is_answered_with_the_number_that_the_library_gives(desk):
@@ -382,6 +413,41 @@ def test_what_is_handed_over_is_the_design_on_the_page(on_disk):
     assert f"{answer['fos']['limit']:.4f}".encode() in files["page"][2]
     assert files["dxf"][2].lstrip().startswith(b"0")
     assert [path.suffix for path in on_disk.session.opened.path.parent.glob("*.*")] == [".yaml"]
+
+
+def test_what_was_not_analysed_since_it_changed_is_analysed_for_whom_it_is_handed_to(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+
+    asyncio.run(scene())
+    first = desk.result_document()["fos"]["limit"]
+    desk.session.set({DIP: 50}, final=True)  # nobody asked for its answer
+    assert desk.result_document()["fos"]["limit"] == analyse(desk.session.design).fos.limit != first
+
+
+def test_an_answer_of_a_design_that_was_left_is_not_kept(desk):
+    """It comes when another is open already."""
+    moment = desk.session.now
+    found: Future = Future()
+    found.set_result(analysed(moment))
+    take(desk, opened_template("plane"))
+    desk._analysed(Wanted(None, {}, moment, True, {}), found)
+    assert (desk.last, desk.result, desk.last_moment) == (None, None, None)
+    desk._analysed(Wanted(None, {}, desk.session.now, True, {}), found)
+    assert desk.last_moment is desk.session.now
+
+
+@pytest.mark.parametrize(("waits", "code"), [(3, None), (4, "E544")])
+def test_no_more_than_a_few_surveys_wait(desk, waits, code):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            desk.waiting = waits
+            return await page.ask(do="survey", name="a.csv", text=SURVEY)
+
+    said = [fault["code"] for fault in asyncio.run(scene()).get("faults", [])]
+    assert (code in said) == (code is not None)
 
 
 SURVEY = "name,dip,dip_direction,set\nA,45,115,1\nB,45,245,2\nC,80,350,2\nD,95,1,2\n"

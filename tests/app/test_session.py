@@ -86,6 +86,9 @@ def test_a_fault_leaves_the_last_sound_design(wedge):
     wedge.set({DIP: 55}, final=True)
     assert wedge.now.faults == ()
     assert (wedge.design.joints[0].dip_deg, wedge.design.height_m) == (55.0, 60.0)
+    wedge.set({DIP: 95}, final=True)  # the last one, not that which was opened
+    assert wedge.now.faults
+    assert (wedge.design.joints[0].dip_deg, wedge.design.height_m) == (55.0, 60.0)
 
 
 def test_values_that_fit_nowhere_change_nothing(wedge):

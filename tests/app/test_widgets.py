@@ -58,6 +58,16 @@ def test_what_cannot_be_is_said_and_nothing_is_lost() -> None:
         assert told["answer"]["lead"] == "1.5574"
 
 
+def test_sliders_that_a_change_makes_stand_in_another_view_too() -> None:
+    """A view that is opened later begins with them; where there are no others it keeps what it has."""
+    explorer = sk.explore(WEDGE)
+    begun = explorer.widget.groups
+    explorer.set({"joints.J1.plane.dip": 46})
+    assert explorer.widget.groups is begun
+    explorer.set({"crack.plane": "80/185", "crack.distance": "5 m"})
+    assert {"crack.distance", "crack.plane.dip"} <= set(paths(explorer))
+
+
 def test_kinds_that_take_long_wait_for_their_button() -> None:
     explorer = sk.explore(path_of("bench"), ["slope"])
     assert explorer.widget.live == "button"

@@ -66,6 +66,12 @@ def test_the_rock_around_a_block_of_a_section() -> None:
     joint = np.hypot(4.0, 2.0)
     assert surface(mesh) == pytest.approx(12.0 + 4.0 + 6.0 + 4.0 + joint + 4.0, rel=1e-12)
     assert mesh.t.shape[1] < 500
+    elements = Elements(mesh, Rock(E, 0.25))
+    x, z = elements.basis.doflocs  # of both ends and of the bottom; above them there is air
+    held = np.zeros(elements.degrees, dtype=bool)
+    held[_far(elements, box)] = True
+    far = (np.abs(x + 8.0) < 1e-9) | (np.abs(x - 4.0) < 1e-9) | (np.abs(z + 4.0) < 1e-9)
+    assert (held.reshape(-1, 2) == far[:, None]).all()
     assert graded(box.mesh, np.linspace(toe, back, 9), 0.01, 100).t.shape[1] > 100  # given up
 
 

@@ -1,13 +1,19 @@
 """Node pairs: the rule is exact for linear traction (degree two with its moments), on any polygon, refined or not."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane
+from slopekit.geometry import cutting, interfaces
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import RockMass, wedge_rock_mass
+from slopekit.geometry.rockmass import J1, J2, UPPER, RockMass, wedge_rock_mass
+from slopekit.preie.patch_pairs import _fan
+from slopekit.studies.prob.sources import _series
+from slopekit.views.stereonet import cells
 
 TRIANGLE = [(0.0, 0.0), (4.0, 0.0), (1.0, 3.0)]
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -62,6 +68,14 @@ def test_corners_carry_pairs_so_that_hinges_are_exact(refine) -> None:
     assert pairs.control_areas.min() > 0.0
 
 
+@pytest.mark.parametrize("refine", [0, 1, 2, 3])
+def test_each_refinement_splits_a_triangle_in_four(refine) -> None:
+    """Corners of the small triangles, shared by them, and a middle of each."""
+    polygon, _, _ = lifted(TRIANGLE, Plane(60, 100))
+    n = 2**refine
+    assert len(node_pairs({0: polygon}, refine)) == (n + 1) * (n + 2) // 2 + n * n
+
+
 def test_normals_point_into_the_block() -> None:
     """The polygon runs anticlockwise seen from outside: its vector area points out of the block."""
     polygon, _, _ = lifted(SQUARE, Plane(20, 300))
@@ -105,3 +119,60 @@ def test_a_wedge_that_is_remembered_is_that_of_its_planes() -> None:
         shut = RockMass(rock.normals, rock.offsets - [0.0, 0.0, 0.0, 99.0], *rock.corners)
         with pytest.raises(GeometryError, match="E208"):
             cut_wedge(shut)
+
+
+def all_of(rock: RockMass, cut, pairs_on) -> list[object]:
+    """Every number of a wedge and of its node pairs, by its bytes."""
+    try:
+        block = cut(rock)
+    except GeometryError as error:
+        return [str(error)]
+    pairs = pairs_on({face: block.faces[face] for face in (J1, J2)})
+    arrays = [*block.faces.values(), block.centroid, pairs.points, pairs.normals, pairs.control_areas, pairs.interface]
+    return [list(block.faces), list(block.areas.items()), block.volume, *(array.tobytes() for array in arrays)]
+
+
+def as_new(rock: RockMass):
+    return cutting._wedge_of.__wrapped__(rock.normals.tobytes(), rock.offsets.tobytes(), rock.corners.tobytes())
+
+
+def pairs_as_new(polygons):
+    return interfaces._pairs_on.__wrapped__(tuple((key, face.tobytes()) for key, face in polygons.items()), 0)
+
+
+def nearly(rock: RockMass, change: str) -> RockMass:
+    """The same wedge but for the least that could be told apart, or not even that."""
+    normals, offsets, corners = rock.normals.copy(), rock.offsets.copy(), [*rock.corners]
+    if change == "normal":
+        normals[J2, 1] += 1e-12
+    elif change == "last digit":
+        normals[J1, 2] = np.nextafter(normals[J1, 2], 2.0)
+    elif change == "offset":
+        offsets[UPPER] += 1e-12
+    elif change == "zeros":
+        normals, offsets = np.where(normals == 0.0, -normals, normals), np.where(offsets == 0.0, -0.0, offsets)
+    elif change == "corner":
+        corners[1] = corners[1] * (1.0 + 1e-12)
+    else:
+        normals[[J1, J2]], corners[2:] = normals[[J2, J1]], corners[:1:-1]
+    return RockMass(normals, offsets, *corners)
+
+
+@pytest.mark.parametrize("change", ["normal", "last digit", "offset", "zeros", "corner", "joints swapped"])
+def test_wedges_that_are_nearly_equal_are_never_taken_for_each_other(change) -> None:
+    """Each to the last bit as without memory, one after the other and by several threads at once."""
+    rng = np.random.default_rng(7)
+    rocks = [rock_mass(rng.uniform(5.0, 60.0), rng.uniform(40.0, 50.0)) for _ in range(6)]
+    asked = [rock for one in rocks for rock in (one, nearly(one, change))] * 2
+    new = [all_of(rock, as_new, pairs_as_new) for rock in asked]
+    assert [all_of(rock, cut_wedge, node_pairs) for rock in asked] == new
+    others = sum(one != other for one, other in zip(new[:12:2], new[1:12:2], strict=True))
+    assert others == 6 or change in ("zeros", "corner")  # the corners say where to look, not what is there
+    with ThreadPoolExecutor(4) as threads:
+        assert list(threads.map(lambda rock: all_of(rock, cut_wedge, node_pairs), asked[::-1])) == new[::-1]
+
+
+def test_no_array_that_is_remembered_can_be_written() -> None:
+    """Several designs, studies and threads hold the same one."""
+    for array in (*_fan(4, 1), _series(100), *cells("area")):
+        assert not array.flags.writeable

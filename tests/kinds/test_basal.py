@@ -13,9 +13,11 @@ import slopekit as sk
 from benchmarks.basal import Compared, compared_until
 from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
 from slopekit.core.errors import DesignError, GeometryError
+from slopekit.core.orientation import parse_plane
 from slopekit.design.templates import path_of
 from slopekit.kinds import words_named
 from slopekit.kinds.wedge import closed_form
+from slopekit.kinds.wedge.basal import crack_reach
 from slopekit.views.report_inputs import _strengths
 from tests.commands import slopekit
 
@@ -327,6 +329,17 @@ def test_the_worst_crack_of_a_block_whose_sides_do_not_daylight(crack) -> None:
     assert 50 < len(scanned) < 150
     assert lowest <= min(scanned)
     assert lowest == pytest.approx(min(scanned), rel=1e-2)
+
+
+@pytest.mark.parametrize("dip", ["85/180", "80/170", "70/195"])
+def test_how_far_a_crack_still_cuts_the_block(dip) -> None:
+    """A little before the reach it is one of its faces, a little behind it nothing is cut off."""
+    whole = sk.load(SOCKET)
+    reach = crack_reach(whole, parse_plane(dip, "crack"))
+    crack = {"plane": dip, "distance": 0.999 * reach}
+    assert sk.run(put(SOCKET, crack=crack)).geometry.areas_m2["crack"] > 0.0
+    with pytest.raises(GeometryError):
+        sk.run(put(SOCKET, crack=crack | {"distance": 1.001 * reach}))
 
 
 def test_a_block_that_only_a_crack_closes_has_no_farthest_crack() -> None:

@@ -5,6 +5,7 @@ import pytest
 import slopekit as sk
 from slopekit.design.files import load, with_values
 from slopekit.kinds import factors_of
+from slopekit.kinds.one_block import once
 from slopekit.kinds.wedge.design import wedge_design
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]
@@ -19,6 +20,16 @@ def same(design, whole=None) -> None:
     alone = factors_of(design, pre_ie=False)
     if quick.closed_status is not None:
         assert (alone.status, alone.limit, alone.factor) == (quick.closed_status, None, quick.closed_form)
+
+
+def test_what_is_asked_once_is_asked_of_each_by_all_that_it_hangs_on() -> None:
+    """By the objects themselves, and by every one of them; equal ones are not the same."""
+    asked: list[tuple[object, object]] = []
+    ask = once(lambda one, other: asked.append((one, other)) or len(asked))
+    one, other, like = [1], [2], [1]
+    assert [ask(one, other), ask(one, like), ask(like, other), ask(one, other), ask(one, like)] == [1, 2, 3, 1, 2]
+    assert len({ask([k], [k]) for k in range(100)}) == 100  # those that nobody else holds too
+    assert asked[:3] == [(one, other), (one, like), (like, other)]
 
 
 @pytest.mark.parametrize("file", FILES)

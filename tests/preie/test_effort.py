@@ -1,6 +1,7 @@
 """Work is counted and bounded: a status with what is known in place of a wait without end."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -50,6 +51,19 @@ def test_without_enough_work_there_is_no_number_but_what_is_known(units: float) 
     if one.rested is not None:
         assert FACTOR is not None
         assert 0.4 < one.rested < BOUND
+
+
+def test_where_blocks_rested_is_in_the_strength_that_they_have() -> None:
+    """With twice the friction they were last at rest at twice the factor, after the same work."""
+    model = model_of(populations.goodman_bray(16))
+    with allowed(2e6):
+        one = limit_of_blocks(model)
+    with allowed(2e6):
+        other = limit_of_blocks(replace(model, tan_friction=2.0 * model.tan_friction))
+    assert one.rested is not None
+    assert other.rested == pytest.approx(2.0 * one.rested, rel=1e-9)
+    assert EffortSpentError(0.8).times(0.5).rested == 0.4
+    assert EffortSpentError().times(0.5).rested is None
 
 
 def test_with_enough_work_nothing_changes() -> None:

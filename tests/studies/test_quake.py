@@ -15,7 +15,7 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.studies.quake.records import record_of
 from slopekit.studies.quake.regressions import REGRESSIONS, median_m
-from slopekit.studies.quake.six import _in_space
+from slopekit.studies.quake.six import _in_space, _settled, _velocity_at
 from slopekit.studies.quake.sliding import slide
 from tests.commands import slopekit
 
@@ -369,6 +369,41 @@ def test_node_pairs_are_made_finer_until_the_sliding_stays(wedge) -> None:
     assert both.to_dict()["six_pairs"] == {"pairs": both.in_six.pairs, "change": both.in_six.change}
     assert f"{both.in_six.pairs} node pairs" in str(both)
     assert both.warnings == ()
+
+
+def _settles(monkeypatch, slid: list[tuple[float, float]], opens: bool) -> tuple[int, float]:
+    """How often pairs are made finer, and the last change, where both polarities slide so far on each of them."""
+
+    def shaken(block, _, pushes):
+        far = slid[block.level][0 if pushes[0] > 0.0 else 1]
+        part = 0.1 if opens else 0.0
+        return SimpleNamespace(motion=np.array([[far, 0.0]]), ended="rest", opened=part, debonded=0.0)
+
+    def on_pairs(level: int):
+        return SimpleNamespace(level=level, area=np.ones(8 * 4**level), translations=2)
+
+    monkeypatch.setattr("slopekit.studies.quake.six.shake", shaken)
+    made = SimpleNamespace(refine=0, most_refined=len(slid) - 1)
+    block, _, change = _settled(SimpleNamespace(block=on_pairs(0), made=made, finer=on_pairs), np.ones(1))
+    return block.level, change
+
+
+def test_where_joints_open_one_small_change_is_not_taken_for_settled(monkeypatch) -> None:
+    """Few pairs may happen to agree; and the polarity that changes more counts."""
+    late = [(1.0, 1.0), (1.001, 1.0), (1.3, 1.0), (1.302, 1.001)]
+    assert _settles(monkeypatch, late, False) == (1, pytest.approx(0.001 / 1.001))
+    assert _settles(monkeypatch, late, True) == (3, pytest.approx(0.002 / 1.302))
+    assert _settles(monkeypatch, [(1.0, 1.0), (1.0, 2.0), (1.0, 2.5)], False) == (2, pytest.approx(0.2))
+
+
+def test_the_ground_between_two_samples_goes_by_the_integral_of_its_line() -> None:
+    """v = ∫ (1 + 2 t) dt = t + t² for two seconds, then t - 2 s less of 5 m/s² in a second; as it is behind the end."""
+    record = SimpleNamespace(
+        times_s=np.array([0.0, 2.0, 3.0]), accelerations=np.array([1.0, 5.0, 0.0]),
+        ground_velocity=np.array([0.0, 6.0, 8.5]),
+    )  # fmt: skip
+    found = _velocity_at(record, np.array([0.0, 0.5, 1.5, 2.0, 2.4, 3.0, 7.0]))
+    assert found == pytest.approx([0.0, 0.75, 3.75, 6.0, 6.0 + 5.0 * 0.4 - 2.5 * 0.16, 8.5, 8.5], rel=1e-14)
 
 
 def test_turning_is_in_degrees_about_the_axis_of_a_section() -> None:

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.geometry.patches import Patches
 from slopekit.preie.tolerances import PARALLELOGRAM
 
@@ -115,4 +115,4 @@ def _fan(count: int, refine: int) -> tuple[Floats, Floats]:
     rule = np.zeros((len(fan), len(known)))
     for triangle, place, part in shares:
         rule[triangle, place] += part
-    return np.array(list(known), dtype=np.float64) / (3.0 * n), rule
+    return frozen(np.array(list(known), dtype=np.float64) / (3.0 * n)), frozen(rule)

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.orientation import Plane, number
 from slopekit.views.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
@@ -203,7 +203,8 @@ def cells(net: Net) -> tuple[Floats, Bools]:
     middle = (np.arange(_CELLS) + 0.5) / _CELLS * 2.0 - 1.0
     x, y = np.meshgrid(middle, middle)
     inside = x * x + y * y < 1.0
-    return unproject(np.column_stack([x[inside], y[inside]]), net), inside
+    inside.setflags(write=False)
+    return frozen(unproject(np.column_stack([x[inside], y[inside]]), net)), inside
 
 
 def shade(axes: Any, zone: Bools, net: Net, colour: str, label: str) -> None:

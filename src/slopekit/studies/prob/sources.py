@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, frozen
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
@@ -227,7 +227,7 @@ def _series(size: int) -> Floats:
     for k in range(1, _TERMS):
         terms.append(polynomial(middle) * step**k / math.factorial(k))
         polynomial = polynomial.deriv() + np.polynomial.Polynomial([0.0, k]) * polynomial
-    return np.stack(terms)
+    return frozen(np.stack(terms))
 
 
 def _order(values: Floats) -> NDArray[np.int64]:

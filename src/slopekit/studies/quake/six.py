@@ -175,7 +175,7 @@ def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake
         if any(one.ended == "refused" for one in after.values()):
             break
         before, motions, block = motions, after, finer
-        slid = [(_slid(one[way], block) for one in (before, motions)) for way in WAYS]
+        slid = [[_slid(one[way], block) for one in (before, motions)] for way in WAYS]
         change = max(abs(a - b) / max(a, b, _SLIDES) for a, b in slid)
         opens = any(one.opened or one.debonded for one in motions.values())
         if change < _SETTLED and (level > of.made.refine + 1 or not opens):

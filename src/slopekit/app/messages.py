@@ -1,0 +1,93 @@
+"""What comes over the app's socket and goes back: JSON of bounded size, refused by faults where it is none."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from slopekit.core.errors import DesignError, Fault
+from slopekit.design.nodes import cut, printable
+
+Message = dict[str, Any]
+LARGEST, LARGEST_SURVEY = 1_000_000, 8_000_000  # letters of a message
+_DEEPEST = 12
+MOST_VALUES = 200  # that one message sets
+
+
+def wrong(message: str, advice: str = "", code: str = "E541") -> DesignError:
+    """A message that is wrong, as it is refused."""
+    return DesignError([Fault(code, message, "", advice)])
+
+
+def parsed(text: str) -> Message:
+    """A message, where it is one.
+
+    Raises
+    ------
+    DesignError
+        E541 for what is none, E543 for what is too large or too deep.
+    """
+    if len(text) > LARGEST_SURVEY or (len(text) > LARGEST and '"survey"' not in text[:400]):
+        raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E543")
+    try:
+        found = json.loads(text, parse_constant=_no_constant)
+    except RecursionError:
+        raise wrong("the message is nested too deep", "", "E543") from None
+    except ValueError as error:
+        raise wrong(f"the message is no JSON: {cut(printable(str(error)))}") from None
+    if not isinstance(found, dict):
+        raise wrong("the message is no JSON object", 'Send {"id": 1, "do": "set", ...}.')
+    _check_depth(found)
+    if len(text) > LARGEST and found.get("do") != "survey":
+        raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E543")
+    return found
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is no number of JSON")
+
+
+def _check_depth(value: Any) -> None:
+    level = [value]
+    for _ in range(_DEEPEST):
+        level = [
+            below for one in level if isinstance(one, dict | list)
+            for below in (one.values() if isinstance(one, dict) else one) if isinstance(below, dict | list)
+        ]  # fmt: skip
+        if not level:
+            return
+    raise wrong(f"the message is nested more than {_DEEPEST} deep", "", "E543")
+
+
+def text_of(message: Mapping[str, Any], key: str, default: str | None = None) -> str:
+    """A text of a message. Raises DesignError E541 where there is none."""
+    found = message.get(key, default)
+    if not isinstance(found, str):
+        raise wrong(f"{message.get('do')} needs the text {key}")
+    return found
+
+
+def values_of(message: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of a `set`. Raises DesignError E541 where they are none."""
+    values = message.get("values")
+    if not isinstance(values, dict) or not values or len(values) > MOST_VALUES:
+        raise wrong('set needs values: {"values": {path: value}}', f"At most {MOST_VALUES} at once.")
+    for path, value in values.items():
+        if not isinstance(value, int | float | str | None) or isinstance(value, bool):
+            raise wrong(f"the value of {cut(printable(path))} is no number, text or null")
+    return values
+
+
+def written(message: Mapping[str, Any]) -> str:
+    """A message as it is sent; lone surrogates, which no socket takes, in their escapes."""
+    text = json.dumps(message, separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=_of_numpy)
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return json.dumps(message, separators=(",", ":"), allow_nan=False, default=_of_numpy)
+    return text
+
+
+def _of_numpy(value: Any) -> Any:
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is no JSON")
