@@ -47,6 +47,7 @@ OF_A_WEDGE = [
 # code, template, changes, what the notice says
 OF_A_FILE = [
     ("W319", "wedge", {"crack": {"plane": "80/180", "distance": 5, "water": "full"}}, "the crack holds water"),
+    ("W307", "wedge-basal", {"crack.plane": "80/180", "crack.distance": 15}, "basal opens in part and loses all of"),
     ("W320", "wedge", {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}}, "strength.weak.c is a distribu"),
     ("W321", "plane", {"joints.J1.plane": "35/170"}, "J1 strikes 10° from the face"),
     ("W322", "paper-ellipsoid",

@@ -19,6 +19,7 @@ from slopekit.preie.tolerances import MESH_CHANGE
 INVENTED = "W379"
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
+_PRESSED = 1e-6  # of all normal force: less is none
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
@@ -147,7 +148,11 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
             continue
         what = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
         jump = "" if facts.by_rules and lost <= _ALL else ": the factor of safety jumps where that happens"
-        yield Notice("W307", f"{interface.name} {what} and loses its cohesion there{jump}")
+        pressed = float(limit.normal_force[on].sum()) > _PRESSED * float(limit.normal_force.sum())
+        if lost > _ALL and pressed:
+            yield Notice("W307", f"{interface.name} opens in part and loses all of its cohesion{jump}")
+        else:
+            yield Notice("W307", f"{interface.name} {what} and loses its cohesion there{jump}")
     if facts.seismic is not None and limit.factor is not None:
         along = float(facts.seismic @ model.moved(limit.velocity_of(model))[0])
         size = float(np.linalg.norm(facts.seismic) * np.linalg.norm(model.moved(limit.velocity_of(model))[0]))

@@ -13,7 +13,6 @@ from slopekit.core.errors import DesignError, Fault, Faults, SlopekitError, writ
 if TYPE_CHECKING:
     from slopekit.design.common import Design
 
-_COLUMNS = 100  # of a line on the screen
 JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
 QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
 FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt, bolts.csv and pictures (extra: plot).")
@@ -98,24 +97,9 @@ def json_text(document: Any) -> str:
     return json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False)
 
 
-def _in_columns(text: str) -> str:
-    """A fault with lines of at most 100 columns; one with a path in it stays whole."""
-    lines = text.split("\n")
-    if max(map(len, lines)) <= _COLUMNS:
-        return text
-    from textwrap import wrap  # long ones are rare
-
-    def folded(line: str) -> list[str]:
-        if len(line) <= _COLUMNS or "/" in line:
-            return [line]
-        return wrap(line, _COLUMNS, subsequent_indent="     ", break_long_words=False, break_on_hyphens=False)
-
-    return "\n".join(part for line in lines for part in folded(line))
-
-
 def print_faults(error: SlopekitError, plainly: bool = False) -> None:
     """Faults on stderr, and as JSON on stdout where that was asked for."""
     if "--json" in sys.argv[1:] and not plainly:
         typer.echo(json_text({"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}))
     for fault in error.faults:
-        typer.echo(_in_columns(str(fault)), err=True)
+        typer.echo(str(fault), err=True)
