@@ -2,10 +2,11 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, overload
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.options import DESIGN, DESK, Desk, Option, documented
 from slopekit.core.taken import wrong_kind
 
@@ -20,6 +21,7 @@ ELASTIC = Option("Elastic blocks beside the rigid ones (extra: elastic).")
 BRACKET = Option("The same, and the bracket where elastic blocks no longer come to rest: takes longer.")
 
 
+_OF_ELASTIC = ("modulus", "poisson", "edge", "bedrock")
 _NO_INPUTS = ("unknown", "desk", "elastic", "elastic_bracket")
 
 
@@ -74,7 +76,7 @@ def wedge(
     -------
     Result
         `status` in a word, `fos.limit` (PRE-IE, the answer), `fos.closed_form` (Hoek & Bray), `fos.static_bound`,
-        `agree`, `findings` (notices by their codes), `to_dict()` (the JSON), `sheet` (the text).
+        `agree`, `warnings` (notices with their codes), `to_dict()` (the JSON), `sheet` (the text).
 
     Raises
     ------
@@ -122,7 +124,12 @@ def wedge(
     from slopekit.kinds.wedge.design import wedge_design
 
     design = wedge_design(given) if desk is DESK else wedge_design(given, desk.named)
-    return analyse_design(design, elastic, elastic_bracket)
+    result = analyse_design(design, elastic, elastic_bracket)
+    idle = [name for name in _OF_ELASTIC if given[name] is not None]
+    if not idle or elastic or elastic_bracket:
+        return result
+    message = f"{' and '.join(idle)}: of elastic blocks, which were not asked for (--elastic); nothing was done with it"
+    return replace(result, warnings=(*result.warnings, Notice("W457", message)))
 
 
 def load(

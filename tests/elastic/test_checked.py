@@ -32,3 +32,9 @@ def test_the_cohesion_that_opens_is_no_disagreement(monkeypatch: pytest.MonkeyPa
     assert (other.met, other.code) == (None, "W453")
     assert other.value == pytest.approx(0.05)
     assert np.log(high / low) < 2e-4
+
+
+@pytest.mark.parametrize("given", [{"modulus": "5 GPa"}, {"bedrock": "elastic", "edge": 4}])
+def test_what_is_of_elastic_blocks_alone_is_not_dropped_silently(given) -> None:
+    said = {one.code: one.message for one in sk.wedge(dips=("45/115", "45/245"), **given).warnings}
+    assert said["W457"].startswith(" and ".join(one for one in ("edge", "bedrock") if one in given) or "modulus")
