@@ -46,7 +46,7 @@ from slopekit.result import Result
 MODULUS_KPA, POISSON = 2e7, 0.25
 ORDER = 2
 RIGID, ELASTIC = "rigid", "elastic"  # bedrock
-_MOST_BLOCKS, _MOST_PAIRS, _MOST_IN_SPACE = 300, 1500, 400
+_MOST_BLOCKS, _MOST_PAIRS, _MOST_IN_SPACE = 300, 1500, 1200
 _MOST_CELLS, _AUTO_CELLS = 20_000, 1500  # of all blocks; of one with `edge: auto`
 _HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of a block is halved, `edge: auto`
 _MOST_REFINED = 5
