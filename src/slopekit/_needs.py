@@ -50,8 +50,8 @@ def fits(version: str, bounds: str) -> bool:
     (True, False, True, False)
     """
     for one in filter(None, bounds.split(",")):
-        sign, bound = re.match(r"([<>=!~]+)\s*(.*)", one.strip()).groups()  # type: ignore[union-attr]
-        have, asked = _numbers(version), _numbers(bound)
+        bound = one.strip().lstrip("<>=!~")
+        sign, have, asked = one.strip().removesuffix(bound), _numbers(version), _numbers(bound.strip())
         have, asked = (row + (0,) * (max(len(have), len(asked)) - len(row)) for row in (have, asked))
         if not {">=": have >= asked, "<": have < asked, "<=": have <= asked, ">": have > asked,
                 "==": have == asked, "!=": have != asked}.get(sign, True):  # fmt: skip
@@ -61,4 +61,4 @@ def fits(version: str, bounds: str) -> bool:
 
 def _numbers(version: str) -> tuple[int, ...]:
     """1.26.4rc1 as (1, 26, 4)."""
-    return tuple(int(part) for part in re.match(r"\d+(?:\.\d+)*|", version)[0].split(".") if part)  # type: ignore[index]
+    return tuple(int(part) for part in re.split(r"[^\d.]", version, maxsplit=1)[0].split(".") if part)

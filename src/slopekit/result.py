@@ -468,7 +468,7 @@ class Result(Shown):
         Raises
         ------
         DesignError
-            E559 without the extra.
+            E140 without the extra.
         """
         return import_module("slopekit.app.notebook").view_of(self)  # floors above, as the sheet
 

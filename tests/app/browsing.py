@@ -13,16 +13,16 @@ from selenium.webdriver.chrome.service import Service
 ARGUMENTS = (
     "--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--window-size=1120,700", "--disable-gpu-rasterization", "--disable-extensions", "--disable-sync",
+    "--disable-gpu-rasterization", "--disable-extensions", "--disable-sync",
 )  # fmt: skip
 _CODES = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Home": 36, "Enter": 13}
 
 
-def started(chromium: str, driver: str, profile: Path) -> Any:
-    """A browser that nobody sees, with its logs on."""
+def started(chromium: str, driver: str, profile: Path, width: int = 1120, height: int = 700) -> Any:
+    """A browser that nobody sees, with its logs on; its window in pixels."""
     options = Options()
     options.binary_location = chromium
-    for argument in (*ARGUMENTS, f"--user-data-dir={profile}"):
+    for argument in (*ARGUMENTS, f"--window-size={width},{height}", f"--user-data-dir={profile}"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     found = webdriver.Chrome(options=options, service=Service(driver))

@@ -99,7 +99,7 @@ def test_wrong_input_has_a_code(monkeypatch) -> None:
         return real(name, *rest)
 
     monkeypatch.setattr(notebook, "import_module", without)
-    with pytest.raises(DesignError, match=r"E559 .*\(anywidget\)"):
+    with pytest.raises(DesignError, match=r"E140 .*\(anywidget\)"):
         sk.wedge(dips=("45/115", "45/245")).view()
 
 
@@ -144,16 +144,12 @@ def test_the_page_of_a_widget_in_a_browser(browser) -> None:
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
-    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed (extra: test)")
+    pytest.importorskip("selenium", reason="selenium is not installed (extra: test)")
     chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
     if not chromium or not driver:
         pytest.skip("no chromium with its chromedriver on this machine")
-    options = webdriver.ChromeOptions()
-    options.binary_location = chromium
-    for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-                     f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):  # fmt: skip
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    found = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    from tests.app.browsing import started
+
+    found = started(chromium, driver, tmp_path_factory.mktemp("profile"))
     yield found
     found.quit()

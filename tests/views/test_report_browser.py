@@ -21,15 +21,7 @@ if not CHROMIUM or not DRIVER:
     pytest.skip("no chromium with its chromedriver on this machine", allow_module_level=True)
 image = pytest.importorskip("PIL.Image", reason="pictures are read with pillow (extra: plot)")
 
-from selenium import webdriver  # noqa: E402
-from selenium.webdriver.chrome.options import Options  # noqa: E402
-from selenium.webdriver.chrome.service import Service  # noqa: E402
-
-ARGUMENTS = (
-    "--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--window-size=1000,900",
-)  # fmt: skip
+from tests.app.browsing import started  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -46,13 +38,7 @@ def pages(tmp_path_factory) -> dict[str, Path]:
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
-    options = Options()
-    options.binary_location = CHROMIUM
-    for argument in (*ARGUMENTS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
-    driver.set_page_load_timeout(60)
+    driver = started(CHROMIUM, DRIVER, tmp_path_factory.mktemp("profile"), 1000, 900)
     yield driver
     driver.quit()
 

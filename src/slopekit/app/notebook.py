@@ -28,7 +28,7 @@ def view_of(result: Result) -> Widget:
     Raises
     ------
     DesignError
-        E559 without the extra notebook (anywidget).
+        E140 without the extra notebook (anywidget).
     """
     return _widget(what="view", scene=scene_of(result))
 
@@ -146,7 +146,7 @@ def explore(source: Any = None, keys: Sequence[str] | None = None) -> Explorer:
     Raises
     ------
     DesignError
-        With every fault of the design; E310 a key that is none of it, E559 without the extra notebook (anywidget).
+        With every fault of the design; E310 a key that is none of it, E140 without the extra notebook (anywidget).
 
     Notes
     -----
@@ -203,14 +203,14 @@ def _widget(**values: Any) -> Widget:
     Raises
     ------
     DesignError
-        E559 without anywidget.
+        E140 without anywidget.
     """
     try:
         anywidget, traitlets = import_module("anywidget"), import_module("traitlets")
     except ImportError:
         advice = "pip install 'slopekit[notebook]'"
         message = "views and sliders in a notebook need the extra notebook (anywidget)"
-        raise DesignError([Fault("E559", message, "", advice)]) from None
+        raise DesignError([Fault("E140", message, "", advice)]) from None
     own = {name: traitlets.Any(value).tag(sync=True) for name, value in values.items()}
     return type("SlopekitWidget", (anywidget.AnyWidget,), {"_esm": _script(), **own})()
 
