@@ -94,7 +94,7 @@ def app(
         raise DesignError([Fault("E106", f"--port is {port}, a port lies between 0 and 65535", f"--port {port}")])
     missing = [name for name in ("starlette", "uvicorn", "websockets", "jinja2") if not _is_there(name)]
     if missing:
-        advice = "pip install 'slopekit[app]', or in slopekit's folder: pip install '.[app]'"
+        advice = "pip install 'slopekit[app]'"
         message = f"the app needs the extra app ({', '.join(missing)})"
         raise DesignError([Fault("E140", message, "slopekit app", advice)])
     from slopekit.app.server import serve
