@@ -20,6 +20,7 @@ from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.records import dataclass
 from slopekit.design import templates
 from slopekit.design.nodes import cut, printable
+from slopekit.kinds import kind_named
 from slopekit.result import Result
 
 _MOST_SLOW = 4  # surveys and files to hand over that wait
@@ -244,7 +245,7 @@ def bug(error: Exception) -> Fault:
 def jobs_of(kind: str) -> list[str]:
     """The jobs that can be started with a kind of design."""
     found = ["analyse", "curve", "probability"]
-    return [*found, "support"] if kind in ("wedge", "plane", "topple") else found
+    return [*found, "support"] if kind_named(kind).takes_support else found
 
 
 def _kind_of_template(name: str) -> str:

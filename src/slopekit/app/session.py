@@ -29,13 +29,9 @@ from slopekit.design.files import design_of, load_document_design
 from slopekit.design.nodes import Document, Node
 from slopekit.design.overrides import ALTERNATIVES, with_overrides
 from slopekit.design.structure import WRITTEN
+from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key
 
-#: What is answered while a slider is dragged, when it is let go, and when a button is pressed.
-LIVE: Mapping[str, str] = {
-    "wedge": "drag", "plane": "drag", "footing": "drag", "topple": "release", "blocks": "release", "surface": "release",
-    "bench": "button",
-}  # fmt: skip
 _MOST_UNDONE = 500
 _ANGLES = frozenset(angle for angles in WRITTEN.values() for angle in angles)
 _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d{1,2})?(?![\d,.e])", re.IGNORECASE)
@@ -146,7 +142,7 @@ class Session:
     @property
     def live(self) -> str:
         """When it is answered: drag, release or button."""
-        found = LIVE.get(self.design.kind, "release")
+        found = kind_of(self.design).answered
         return "release" if found == "drag" and self.design.criterion != "limit" else found
 
     @property
@@ -416,4 +412,4 @@ def at(root: Node, path: str) -> Node | None:
     return node
 
 
-__all__ = ["LIVE", "Moment", "Opened", "Session", "at", "different", "opened_file", "opened_template", "opened_text"]
+__all__ = ["Moment", "Opened", "Session", "at", "different", "opened_file", "opened_template", "opened_text"]

@@ -71,7 +71,7 @@ def command_of(name: str) -> Callable[..., None]:
 
     command.__name__ = name
     command.__doc__ = _help_of(main)
-    command.__signature__ = inspect.Signature(list(declared.values()))  # type: ignore[attr-defined]
+    vars(command)["__signature__"] = inspect.Signature(list(declared.values()))
     command.__annotations__ = {own.name: own.annotation for own in declared.values()}
     return command
 

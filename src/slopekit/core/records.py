@@ -72,7 +72,7 @@ def _first_init(cls: type) -> Any:
         elif hasattr(cls, "__post_init__"):
             self.__post_init__()
 
-    __init__.waits_for = cls  # type: ignore[attr-defined]
+    vars(__init__)["waits_for"] = cls
     return __init__
 
 
@@ -95,7 +95,7 @@ def _filled(values: dict[str, Any], plan: list[Any], args: tuple[Any, ...], name
     return placed == len(args) and by_name == len(named)
 
 
-def _compiled(cls: type) -> Any:
+def _compiled(cls: Any) -> Any:
     """The ``__init__`` of a record, compiled and put in its place: one write to the instance's dictionary a field."""
     known: dict[str, Any] = {"_missing": dataclasses.MISSING, "_annotations": {}}
     plain, named, body = ["self"], list[str](), ["    d = self.__dict__"]
@@ -121,17 +121,17 @@ def _compiled(cls: type) -> Any:
     init = known["__init__"]
     init.__qualname__ = f"{cls.__qualname__}.__init__"
     init.__annotations__ = {one.name: one.type for one in dataclasses.fields(cls) if one.init} | {"return": None}
-    cls.__init__ = init  # type: ignore[misc]
+    cls.__init__ = init
     return init
 
 
 class _Signature:
     """``__signature__`` of a record: that of its compiled ``__init__``, asked for by `inspect.signature` and help()."""
 
-    def __get__(self, instance: object, cls: type) -> Any:
+    def __get__(self, instance: object, cls: Any) -> Any:
         import inspect
 
-        init = cls.__init__  # type: ignore[misc]
+        init = cls.__init__
         whole = inspect.signature(_compiled(init.waits_for) if hasattr(init, "waits_for") else init)
         return whole.replace(parameters=list(whole.parameters.values())[1:])
 

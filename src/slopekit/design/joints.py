@@ -76,7 +76,7 @@ def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
     if len(entries) != count:
         if len(node.items()) != count:
             needed = "two joints" if count == 2 else "one joint"
-            third = count == 2 and len(node.items()) == 3 and reader.kind == "wedge"
+            third = count == 2 and len(node.items()) == 3
             advice = (
                 "A third joint under the block stands by itself: basal: {plane: 20/180, height: 4 m}." if third else ""
             )

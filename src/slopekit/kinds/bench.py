@@ -309,5 +309,5 @@ OWN = Blocks(
 )  # fmt: skip
 KIND = kind_of_many_blocks(
     "bench", BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    with_areas=lambda design: {one.name for one in design.sets}, carried=Carried(_carried),
+    with_areas=lambda design: {one.name for one in design.sets}, carried=Carried(_carried), answered="button",
 )  # fmt: skip

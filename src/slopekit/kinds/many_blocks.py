@@ -6,7 +6,7 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -143,7 +143,7 @@ def kind_of_many_blocks(
     name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
     figures: Mapping[str, Callable[[A, Any], float]] | None = None, carried: Carried, falls_west: bool = False,
-    column_row: "Callable[[A], ToppleDesign] | None" = None,
+    column_row: "Callable[[A], ToppleDesign] | None" = None, answered: Literal["release", "button"] = "release",
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
@@ -181,7 +181,7 @@ def kind_of_many_blocks(
         lambda design: _ladder(own, design), lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
-        falls_west=falls_west, column_row=column_row,
+        falls_west=falls_west, column_row=column_row, answered=answered,
     )  # fmt: skip
 
 

@@ -233,7 +233,7 @@ def kind_of_one_block(
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
         lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site, crest_point,
-        paper_keys=paper_keys, carried=carried, variants=variants,
+        paper_keys=paper_keys, carried=carried, answered="drag", variants=variants,
     )  # fmt: skip
 
 

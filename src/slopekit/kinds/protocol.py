@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError
@@ -173,6 +173,7 @@ class Kind(Generic[D]):
     paper_keys : how keys begin whose defaults stand for numbers of the slope
     carried : what goes over into a design of kind blocks
     falls_west : the slope falls toward -x where nothing of a result says the way
+    answered : when a design under work is analysed: while a slider is dragged, when it is let go, at a button
     variants : words of designs that have the input of that name
     """
 
@@ -197,7 +198,13 @@ class Kind(Generic[D]):
     paper_keys: tuple[str, ...] = ()
     carried: Carried = Carried()
     falls_west: bool = False
+    answered: Literal["drag", "release", "button"] = "release"
     variants: Mapping[str, Words] = field(default_factory=dict)
+
+    @property
+    def takes_support(self) -> bool:
+        """Whether bolts can be looked for that hold it."""
+        return self.has_site or self.column_row is not None
 
 
 def compare(

@@ -158,13 +158,15 @@ def _cohesion(found: BenchDesigns) -> Table[OfBench]:
         assert row.bare is not None
         return row.bare
 
+    def without(mode: str) -> Callable[[OfBench], float | None]:
+        return lambda row: _percent_of(bare(row).fails_if_formed[mode])
+
     columns = _size_columns()
     for mode in (*MODES[:2], "any"):
         columns += [
             Column(mode, _if_formed(mode), f"{mode}_fails_if_formed_percent", "%", ".1f", 8),
-            Column("c = 0", lambda row, mode=mode: _percent_of(bare(row).fails_if_formed[mode]),  # type: ignore[misc]
-                   f"{mode}_fails_if_formed_without_cohesion_percent", "%", ".1f", 7),
-        ]  # fmt: skip
+            Column("c = 0", without(mode), f"{mode}_fails_if_formed_without_cohesion_percent", "%", ".1f", 7),
+        ]
     columns += [
         Column("berm", lambda row: row.berm_needed_m, "berm_needed_m", "m", ".2f", 8),
         Column("c = 0", lambda row: bare(row).berm_needed_m, "berm_needed_without_cohesion_m", "m", ".2f", 8),

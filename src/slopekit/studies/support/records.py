@@ -16,6 +16,7 @@ from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
 from slopekit.design.common import Bolt, Design
 from slopekit.design.words import above_zero, line_of_words
+from slopekit.kinds import kind_of
 from slopekit.studies.protocol import Outcome
 from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
@@ -428,7 +429,7 @@ class Support(Outcome):
             **self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
-        if self.design.kind != "plane":
+        if kind_of(self.design).crest_point is None:
             del found["crest"]
         return found
 

@@ -409,7 +409,7 @@ class _Search:
 
     def crest(self) -> Iterator[CrestRow]:
         """Anchors from the crest of a plane failure, in every direction that was asked for."""
-        if self.site.design.kind != "plane":
+        if kind_of(self.site.design).crest_point is None:
             return
         from slopekit.studies.support.crest import crest_of  # wedges do not pay for it
 

@@ -5,6 +5,7 @@ from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
 from slopekit.design.common import Design
+from slopekit.kinds import kind_of
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.records import Case, CrestRow, Need, Pattern, Pressure, Support
@@ -235,8 +236,8 @@ def _pressure(pressure: Pressure, unit: str) -> list[str]:
 def _crest(found: Support) -> list[str]:
     """A row of anchors from the crest: force per metre, plunge, spacing and length."""
     if not found.crest:
-        is_plane = found.design.kind == "plane" and not found.stands
-        return ["none: the crack stands in the face, the crest is no part of the block"] if is_plane else []
+        has_crest = kind_of(found.design).crest_point is not None and not found.stands
+        return ["none: the crack stands in the face, the crest is no part of the block"] if has_crest else []
     first, lines = found.crest[0], []
     low, high = first.plunges
     place = ", ".join(f"{round(part, 6) + 0.0:.6g}" for part in first.head)
