@@ -365,8 +365,8 @@ MUTATIONS = (
          "np.array([1.01 * pressed])", _CURVES),
         ("what 10 % more of a parameter is", "kinds/secants.py", "larger = value * 1.1 if",
          "larger = value * 1.01 if", _CURVES),
-        ("tractions of a closed form", "kinds/closed_forms.py", "float(normal[design] / area[design])",
-         "float(1.01 * normal[design] / area[design])", _CURVES),
+        ("tractions of a closed form", "kinds/closed_forms.py", "float(normal[0] / area[0])",
+         "float(1.01 * normal[0] / area[0])", _CURVES),
     ),
     *_group(
         "closed forms over arrays",

@@ -11,7 +11,6 @@ import pytest
 
 from slopekit.closed_form.plane import PlaneArrays, plane_failures
 from slopekit.closed_form.sizes import (
-    block_extents,
     column_sizes,
     largest_scale,
     plane_sizes,
@@ -23,6 +22,7 @@ from slopekit.core.orientation import Plane
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.geometry.section import plane_section
+from tests.closed_form.extents import block_extents
 
 CUT = 1e-9  # manifold's predicates round to 1e-12 of the body; a thin wedge loses three digits
 
@@ -195,7 +195,7 @@ def test_extents_of_the_corners_of_a_wedge() -> None:
     found = wedge_sizes(50, 130, 60, 235, 70, 180, 0, 0, 10.0)
     joints = np.array([Plane(50, 130).normal(), Plane(60, 235).normal()])
     rock = wedge_rock_mass(joints, Plane(70, 180).normal(), Plane(0, 0).normal(), 10.0)
-    extents = block_extents(rock.corners, 70.0, 180.0, rock.crest1)
+    extents = block_extents(rock.corners, 180.0, rock.crest1)
     assert extents.setback_m == pytest.approx(found.setback_m[0], rel=1e-12)
     assert extents.face_width_m == pytest.approx(found.face_width_m[0], rel=1e-12)
     assert extents.height_m == pytest.approx(found.height_m[0], rel=1e-12)

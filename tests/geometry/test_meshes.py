@@ -5,7 +5,7 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.geometry import meshes
-from slopekit.geometry.meshes import read_mesh
+from slopekit.geometry.meshes import outward, read_mesh
 from tests.scenes import ellipsoid_mesh, save, sheet
 
 
@@ -23,7 +23,7 @@ def test_formats(tmp_path, suffix) -> None:
 def test_a_body_that_is_inside_out_is_turned(tmp_path) -> None:
     vertices, triangles = ellipsoid_mesh(2)
     found, faces, closed = read_mesh(save(tmp_path / "body.obj", (vertices, triangles[:, ::-1])), "body")
-    a, b, c = (found[faces[:, k]] for k in range(3))
+    a, b, c = (found[outward(found, faces)[:, k]] for k in range(3))
     assert closed
     assert np.einsum("ni,ni->", a - 40.0, np.cross(b - 40.0, c - 40.0)) > 0.0
 

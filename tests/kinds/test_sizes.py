@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.closed_form.sizes import block_extents, wedge_sizes
+from slopekit.closed_form.sizes import wedge_sizes
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.templates import folder
 from slopekit.findings import AssemblyGeometry, BlockMotion
@@ -25,6 +25,7 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.result import Result
 from slopekit.views.dimensions import dimensions
 from slopekit.views.stage import Stage
+from tests.closed_form.extents import block_extents
 
 CUT = 1e-8  # manifold rounds to 1e-12 of the body; a thin wedge loses some digits
 WEDGE: dict[str, Any] = {
@@ -87,7 +88,7 @@ def test_a_level_crest_by_the_corners_of_the_block() -> None:
     result = sk.run(folder() / "wedge-basal.yaml", set={"slope.upper": "0/180"})
     geometry, design = result.geometry, result.design
     corners = np.concatenate(list(geometry.faces_m.values()))
-    own = block_extents(corners, design.face.dip_deg, design.face.dip_direction_deg, geometry.corners_m["crest_J1"])
+    own = block_extents(corners, design.face.dip_direction_deg, geometry.corners_m["crest_J1"])
     assert geometry.setback_m == pytest.approx(own.setback_m, rel=CUT)
     assert geometry.height_m == pytest.approx(own.height_m, rel=CUT)
     assert result.mass_t == pytest.approx(geometry.volume_m3 * design.unit_weight_kn_m3 / 9.81, rel=1e-9)
@@ -155,7 +156,7 @@ def test_a_mechanism_has_the_sizes_of_its_blocks(bench: Result) -> None:
     for one in (first, *with_sizes(made, scene, design.gravity_m_s2)):
         own = [index[block.name] for block in one.blocks]
         corners = geometry.vertices_m[geometry.triangles[np.isin(geometry.triangle_block, own)].ravel()]
-        extents = block_extents(corners, design.face.dip_deg, design.face.dip_direction_deg, crest)
+        extents = block_extents(corners, design.face.dip_direction_deg, crest)
         assert one.size is not None
         assert one.size.volume_m3 == pytest.approx(float(volume[own].sum()), rel=1e-9)
         assert one.size.mass_t == pytest.approx(float(volume[own].sum()) * design.unit_weight_kn_m3 / 9.81, rel=1e-9)

@@ -21,6 +21,7 @@ from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
 _REMEMBERED = 64  # wedges
 _SHAPES = ((-1, 3), (-1,), (-1, 3))  # of normals, offsets and corners
+_REACH = 12.0  # of a half-space
 _CUTTER_BACK = 2000  # id of the faces of a cutter that lie outside the body and cut nothing
 #: The triangles of a box whose corners are numbered around the first face, then around the opposite one.
 BOX_TRIANGLES = np.array(
@@ -230,17 +231,17 @@ def far_box(half_width: float, first_id: int) -> Manifold:
     return tagged(_SQUARE_BOX * half_width, BOX_TRIANGLES, np.repeat(np.arange(first_id, first_id + 6), 2))
 
 
-def half_space(normal: Floats, offset: float, plane: int, back: int, size: float = 12.0) -> Manifold:
+def half_space(normal: Floats, offset: float, plane: int, back: int) -> Manifold:
     """The half-space above a plane as a box whose first face lies on it and carries the plane's id.
 
-    The other faces carry the id `back`; they lie outside whatever is within `size` of the origin.
+    The other faces carry the id `back`; they lie outside whatever is within `_REACH` of the origin.
     """
     other = np.zeros(3)
     other[np.argmin(np.abs(normal))] = 1.0
     across = cross(normal, other)
     across /= math.sqrt(float(across @ across))
     axes = np.array([across, cross(normal, across)])
-    base = normal * offset + size * (_SQUARE @ axes)
+    base = normal * offset + _REACH * (_SQUARE @ axes)
     ids = np.full(12, back)
     ids[:2] = plane
-    return tagged(np.concatenate([base, base + size * normal]), BOX_TRIANGLES, ids)
+    return tagged(np.concatenate([base, base + _REACH * normal]), BOX_TRIANGLES, ids)

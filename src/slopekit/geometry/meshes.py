@@ -131,13 +131,12 @@ def _name_of(entity: Any) -> str:
     return f"{entity.dxf.layer}-{entity.dxf.handle}"
 
 
-def read_mesh(path: Path, name: str, where: str = "", turn: bool = True) -> tuple[Floats, Ints, bool]:
+def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, bool]:
     """Vertices (n, 3), triangles (m, 3) and whether they close a body; duplicate vertices are merged.
 
     Parameters
     ----------
     name, where : how the mesh is called in messages, and where the design names it
-    turn : turn a closed mesh that is inside out
 
     Raises
     ------
@@ -163,7 +162,7 @@ def read_mesh(path: Path, name: str, where: str = "", turn: bool = True) -> tupl
         raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
-    return vertices, outward(vertices, triangles) if turn and closed else np.ascontiguousarray(triangles), closed
+    return vertices, np.ascontiguousarray(triangles), closed
 
 
 def outward(vertices: Floats, triangles: Ints) -> Ints:

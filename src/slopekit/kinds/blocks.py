@@ -380,7 +380,7 @@ def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Assem
     for block in design.blocks:
         assert block.mesh is not None
         try:
-            vertices, triangles, _ = read_mesh(Path(block.mesh.path), block.mesh.name, block.mesh.where, turn=False)
+            vertices, triangles, _ = read_mesh(Path(block.mesh.path), block.mesh.name, block.mesh.where)
             meshes.append((vertices, triangles))
         except DesignError as error:
             faults += error.faults

@@ -49,11 +49,9 @@ class ClosedForms:
             raise GeometryError([Fault(name, "the planes enclose no block")])
         return ClosedForm(None if math.isnan(factor) else factor, name)
 
-    def tractions_kpa(self, design: int = 0) -> list[float]:
-        """The mean effective normal traction on each joint of one of them."""
-        return [
-            float(normal[design] / area[design]) for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)
-        ]
+    def tractions_kpa(self) -> list[float]:
+        """The mean effective normal traction on each joint of the first of them."""
+        return [float(normal[0] / area[0]) for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from slopekit.core.records import dataclass
 
 Colour = tuple[int, int, int]
 _ROUND = 12  # sides of the shaft and the head of an arrow
+_ROOM = 0.28  # about a block, of its largest extent: the rock that is drawn
 _SAME = 1e-7  # of the size: a point this near to a plane lies on it
 ROCK: Colour = (201, 199, 194)
 BLOCK: Colour = (222, 165, 105)
@@ -214,7 +215,7 @@ def _vector_area(polygon: Floats) -> Floats:
     return unit
 
 
-def rock_around(shapes: Shapes, room: float = 0.28) -> tuple[Floats, Ints] | None:
+def rock_around(shapes: Shapes) -> tuple[Floats, Ints] | None:
     """The rock that a convex block lies in, with the place of the block left open; None where there is none to draw.
 
     A box about the block, cut off along the block's free faces. In a section it is as thick as the block.
@@ -227,7 +228,7 @@ def rock_around(shapes: Shapes, room: float = 0.28) -> tuple[Floats, Ints] | Non
     vertices, _ = shapes.solids.of(0)
     middle = vertices.mean(axis=0)
     low, high = vertices.min(axis=0) - middle, vertices.max(axis=0) - middle
-    reach = room * float((high - low).max())
+    reach = _ROOM * float((high - low).max())
     low, high = low - reach, high + np.array([reach, reach, 0.3 * reach])
     body = Manifold.cube(tuple(high - low)).translate(tuple(low))
     corners = shapes.solids.vertices[shapes.solids.triangles[free]] - middle

@@ -114,7 +114,7 @@ def without_head(bolts: Sequence[ScheduledBolt]) -> str:
     return f"bolts {names} have no head and are not drawn: forces through the centroid"
 
 
-def forces_in_words(values: Sequence[float], each: bool = True) -> str:
+def forces_in_words(values: Sequence[float]) -> str:
     """Forces in kN as one number or a range.
 
     >>> forces_in_words([96.25, 96.25]), forces_in_words([50.0, 200.0]), forces_in_words([300.0])
@@ -122,7 +122,7 @@ def forces_in_words(values: Sequence[float], each: bool = True) -> str:
     """
     low, high = f"{min(values):.4g}", f"{max(values):.4g}"
     if low == high:
-        return f"{low} kN each" if len(values) > 1 and each else f"{low} kN"
+        return f"{low} kN each" if len(values) > 1 else f"{low} kN"
     return f"{low} to {high} kN"
 
 

@@ -215,7 +215,7 @@ def _cut(design: SurfaceDesign) -> _Mass:
 
 def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:
     """Vertices, triangles and whether they close; one that is inside out is turned, and its name kept."""
-    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where, turn=False)
+    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where)
     triangles = outward(vertices, given) if closed else given
     if (triangles != given).any():
         turned.append(file.name)

@@ -23,8 +23,6 @@ from slopekit.kinds.words import size_number
 
 #: What made a wedge smaller.
 LIMITED_BY = ("", "trace length", "persistence", "slope length", "bench width", "max volume")
-#: Why a wedge is left out, by its number in `Fitted.why`.
-LEFT_OUT = ("", "E486", "E487")
 _SAME = 1e-12  # of a length: as large as its limit
 
 
@@ -36,7 +34,7 @@ class Fitted:
     ----------
     sizes : at that size, nan where the planes cut no wedge
     scale : of lengths, 1 of the largest wedge in the slope; by : index into `LIMITED_BY`
-    why : index into `LEFT_OUT`: 0 where the wedge stays
+    why : 0 where the wedge stays, 1 where it is larger than its limits (E486), 2 where it is too small (E487)
     """
 
     sizes: WedgeSizes
