@@ -1,5 +1,6 @@
 """The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
 
+import atexit
 import gc
 import os
 import sys
@@ -110,6 +111,7 @@ def _refuse_repeats(arguments: list[str]) -> None:
 def main() -> None:
     """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
     gc.set_threshold(_OBJECTS, 20, 20)
+    atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
         _refuse_repeats(sys.argv[1:])
         code = app(standalone_mode=False)
