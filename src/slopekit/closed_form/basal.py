@@ -9,15 +9,20 @@ Forces only, zero dilation, cohesion only on planes in contact.
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Bools, Codes, Columns, Floats, columns_of, counted, of_chunk
+from slopekit.closed_form.given import Bools, Codes, Columns, Floats, of_chunk
 from slopekit.closed_form.tolerances import SAME_DIRECTION, SMALL
-from slopekit.closed_form.wedge import WedgeArrays
+from slopekit.closed_form.wedge import (
+    ClosedFormBlocks,
+    WedgeArrays,
+    columns_of_wedges,
+    mean_pressures,
+    with_water_and_forces,
+)  # fmt: skip
 from slopekit.closed_form.wedge_sliding import (
     FALLS,
     LIFTED,
@@ -33,7 +38,7 @@ from slopekit.closed_form.wedge_sliding import (
     plus,
     rows,
     times,
-    with_bolts,
+    under_bolts,
 )  # fmt: skip
 from slopekit.core.records import dataclass
 
@@ -50,7 +55,6 @@ _NONE: Final = 1e-12  # of the surface of the block: a face below it is none
 
 _J1, _J2, _BASAL, _FACE, _UPPER, _CRACK = range(6)
 _PLANES: Final = ("joint1", "joint2", "basal", "face", "upper", "crack")
-_FORCE: Final = ("force_east_kn", "force_north_kn", "force_up_kn")
 _PAIRS: Final = ((_J1, _J2), (_J1, _BASAL), (_J2, _BASAL))
 # modes of sliding: off all, on one, on the line of two, held by three; and what each is called
 _MODES: Final = ((), (_J1,), (_J2,), (_BASAL,), *_PAIRS, (_J1, _J2, _BASAL))
@@ -85,33 +89,10 @@ class BasalWedgeArrays(WedgeArrays):
 
 
 @dataclass(frozen=True, slots=True)
-class ClosedFormBasalWedges:
-    """What the closed form says of each of n wedges on three joints; numbers are nan where the planes cut none.
+class ClosedFormBasalWedges(ClosedFormBlocks):
+    """What the closed form says of wedges on J1, J2 and the basal joint."""
 
-    Attributes
-    ----------
-    outcome : (n,) int8, an index into `OUTCOMES`
-    factor : (n,) factor of safety, nan unless the wedge slides (or where passive bolts hold it whatever its strength)
-    normal_kn : (3, n) effective normal forces on J1, J2 and the basal joint
-    driving_kn, resisting_kn : (n,) along the direction of sliding; with passive bolts under their pull at that factor
-    areas_m2, pressures_kpa : (4, n) of J1, J2, the basal joint and the crack
-    volume_m3, weight_kn, total_height_m : (n,)
-    """
-
-    outcome: Codes
-    factor: Floats
-    normal_kn: Floats
-    driving_kn: Floats
-    resisting_kn: Floats
-    areas_m2: Floats
-    pressures_kpa: Floats
-    volume_m3: Floats
-    weight_kn: Floats
-    total_height_m: Floats
-
-    def counts(self) -> dict[str, int]:
-        """How many wedges there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
-        return counted(self.outcome, OUTCOMES)
+    OUTCOMES = OUTCOMES
 
 
 def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
@@ -137,7 +118,7 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
     >>> [OUTCOMES[outcome] for outcome in found.outcome], found.factor.round(4).tolist()
     (['slides_on_basal', 'slides_on_J1_and_J2', 'E441'], [1.2381, 2.8886, nan])
     """
-    columns, count = _columns(wedges)
+    columns, count = columns_of_wedges(wedges, BasalWedgeArrays, ("J1", "J2", "the basal joint"))
     bolts = [(float(bolt[0]), float(bolt[1]), float(bolt[2])) for bolt in wedges.passive_kn]
     outcome, numbers = np.empty(count, dtype=np.int8), np.empty((17, count))
     with np.errstate(all="ignore"):
@@ -152,22 +133,6 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
     return ClosedFormBasalWedges(
         outcome, numbers[0], numbers[1:4], numbers[4], numbers[5], numbers[6:10], numbers[10:14], *numbers[14:]
     )
-
-
-def _columns(wedges: BasalWedgeArrays) -> tuple[Columns, int]:
-    given: dict[str, ArrayLike | None] = {field.name: getattr(wedges, field.name) for field in fields(wedges)}
-    for several in ("pressures_kpa", "force_kn", "passive_kn"):
-        del given[several]
-    if len(wedges.pressures_kpa) not in (0, 3, 4):
-        raise ValueError(
-            f"pressures_kpa holds {len(wedges.pressures_kpa)} values: J1, J2, the basal joint and maybe the crack"
-        )
-    given |= {f"pressure{k}_kpa": value for k, value in enumerate(wedges.pressures_kpa, 1)}
-    if wedges.force_kn is not None:
-        given |= dict(zip(_FORCE, wedges.force_kn, strict=True))
-    if (wedges.crack_dip_deg is None) != (wedges.crack_dip_direction_deg is None):
-        raise ValueError("crack_dip_deg and crack_dip_direction_deg: give both or neither")
-    return columns_of(given)
 
 
 # -- the block --------------------------------------------------------------------------------------------------------
@@ -379,7 +344,7 @@ def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes,
     """Outcomes, and the numbers of `ClosedFormBasalWedges`, of a chunk."""
     block = _block(columns, count)
     weight = columns["unit_weight_kn_m3"] * block.volume
-    pressures = _pressures(columns, block)
+    pressures = mean_pressures(columns, 3, block.height, block.crack_depth)
     load, size = _load(columns, block, weight, pressures)
     joints = rows(block.inward, slice(3))
     lines = cross(rows(joints, [_J1, _J1, _J2]), rows(joints, [_J2, _BASAL, _BASAL]))
@@ -390,14 +355,11 @@ def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes,
     bed = JointTriple(
         joints, times(lines, 1.0 / length(lines)), strength[0] * block.areas[:3], np.tan(strength[1] * _RADIAN), size
     )
-    outcome, normal, driving, resisting, _ = bed.slide(load)
+    slide = bed.slide(load)
+    outcome, normal, driving, resisting, _ = slide
     factor = resisting / driving
     if bolts:
-        for one in np.flatnonzero((block.code == 0) & (outcome != STILL)).tolist():
-            alone = [float(np.broadcast_to(part, count)[one]) for part in load]
-            factor[one], last = with_bolts(bed.of(one), alone, bolts)
-            outcome[one], normal[:, one] = last.outcome[0], last.normal[:, 0]
-            resisting[one], driving[one] = last.resisting[0], last.driving[0]
+        under_bolts(bed, load, bolts, block.code == 0, slide, factor)
     still = (outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL)
     driving = np.where(still, 0.0, driving)
     outcome = np.where(block.code, block.code, outcome)
@@ -406,32 +368,10 @@ def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes,
                      block.height]  # fmt: skip
 
 
-def _pressures(columns: Columns, block: _Block) -> list[Any]:
-    """Mean pressures on J1, J2, the basal joint and the crack: γ_w H/6, with a crack γ_w h₅/3 on all."""
-    water, deep = columns["water_unit_weight_kn_m3"], block.crack_depth
-    full = 0.0 if deep is None else water * deep / 3.0
-    own = columns["crack_fill"] * full if "crack_fill" in columns else None
-    if "pressure1_kpa" in columns:
-        given = columns.get("pressure4_kpa", 0.0)
-        return [*(columns[f"pressure{k}_kpa"] for k in (1, 2, 3)), given if own is None else own]
-    mean = columns["fill"] * (water * block.height / 6.0 if deep is None else full)
-    in_crack = 0.0 if deep is None else mean
-    return [mean, mean, mean, in_crack if own is None else own]
-
-
-def _load(columns: Columns, block: _Block, weight: Floats, pressures: Sequence[Any]) -> tuple[Vector, Floats]:
+def _load(columns: Columns, block: _Block, weight: Floats, pressures: list[Any]) -> tuple[Vector, Floats]:
     """The resultant of all loads (m,), and the sum of their sizes."""
     trend = np.radians(columns["seismic_trend_deg" if "seismic_trend_deg" in columns else "face_dip_direction_deg"])
     push = weight * columns["seismic"]
     load: Vector = (push * np.sin(trend), push * np.cos(trend), -weight)
-    size = weight + 0.0
-    wet = [_J1, _J2, _BASAL] + ([_CRACK] if len(block.areas) > _CRACK else [])
-    for plane, pressure in zip(wet, pressures, strict=False):
-        push = pressure * block.areas[plane]
-        load = plus(load, times(rows(block.inward, plane), push))
-        size = size + np.abs(push)
-    if _FORCE[0] in columns:
-        force = columns[_FORCE[0]], columns[_FORCE[1]], columns[_FORCE[2]]
-        load = plus(load, force)
-        size = size + length(force)
-    return load, size
+    wet = [_J1, _J2, _BASAL, _CRACK][: 3 if block.crack_depth is None else 4]
+    return with_water_and_forces(columns, load, weight, pressures, block.areas[wet], rows(block.inward, wet))

@@ -9,7 +9,7 @@ One wedge is an array of length one, and no line is shared with the solver that 
 import math
 from collections.abc import Sequence
 from dataclasses import fields
-from typing import Any, Final, NamedTuple
+from typing import Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +21,6 @@ from slopekit.closed_form.wedge_sliding import (
     J2,
     SLIDES_UP,
     STATUSES,
-    STILL,
     Bolt,
     JointPair,
     Vector,
@@ -32,7 +31,7 @@ from slopekit.closed_form.wedge_sliding import (
     plus,
     rows,
     times,
-    with_bolts,
+    under_bolts,
 )  # fmt: skip
 from slopekit.core.records import dataclass
 
@@ -109,20 +108,21 @@ class WedgeArrays:
 
 
 @dataclass(frozen=True, slots=True)
-class ClosedFormWedges:
-    """What the closed form says of each of n wedges; numbers are nan where the planes cut none.
+class ClosedFormBlocks:
+    """What a closed form says of each of n blocks on k joints; numbers are nan where the planes cut none.
 
     Attributes
     ----------
+    OUTCOMES : what may become of one
     outcome : (n,) int8, an index into `OUTCOMES`
-    factor : (n,) factor of safety, nan unless the wedge slides (or where passive bolts hold it whatever its strength)
-    normal_kn : (2, n) effective normal forces on J1 and J2: what the joints' own strength carries, 0 off the joint
+    factor : (n,) factor of safety, nan unless the block slides (or where passive bolts hold it whatever its strength)
+    normal_kn : (k, n) effective normal forces: what the joints' own strength carries, 0 off the joint
     driving_kn, resisting_kn : (n,) along the direction of sliding; with passive bolts under their pull at that factor
-    areas_m2, pressures_kpa : (3, n) of J1, J2 and the crack: areas, and mean pressures of the water
+    areas_m2, pressures_kpa : (k + 1, n) of the joints and the crack: areas, and mean pressures of the water
     volume_m3, weight_kn, total_height_m : (n,)
-    line_m : (3, n) the line of intersection from the toe up, as far as it bounds the wedge
     """
 
+    OUTCOMES: ClassVar[Sequence[str]]
     outcome: Codes
     factor: Floats
     normal_kn: Floats
@@ -133,11 +133,23 @@ class ClosedFormWedges:
     volume_m3: Floats
     weight_kn: Floats
     total_height_m: Floats
-    line_m: Floats
 
     def counts(self) -> dict[str, int]:
-        """How many wedges there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
-        return counted(self.outcome, OUTCOMES)
+        """How many there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
+        return counted(self.outcome, self.OUTCOMES)
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedFormWedges(ClosedFormBlocks):
+    """What the closed form says of wedges on J1 and J2.
+
+    Attributes
+    ----------
+    line_m : (3, n) the line of intersection from the toe up, as far as it bounds the wedge
+    """
+
+    OUTCOMES = OUTCOMES
+    line_m: Floats
 
     def line_trend_plunge_deg(self) -> tuple[Floats, Floats]:
         """Trend and plunge (n,) of the lines of intersection, degrees."""
@@ -172,7 +184,7 @@ def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormW
     >>> [OUTCOMES[outcome] for outcome in found.outcome], found.factor.round(4).tolist()
     (['slides_on_both', 'slides_on_both', 'E203'], [1.5574, 1.039, nan])
     """
-    columns, count = _columns(wedges)
+    columns, count = columns_of_wedges(wedges, WedgeArrays, ("J1", "J2"))
     bolts = [(float(bolt[0]), float(bolt[1]), float(bolt[2])) for bolt in wedges.passive_kn]
     outcome = np.empty(count, dtype=np.int8)
     numbers = np.empty((17 if forces else 1, count))
@@ -190,12 +202,19 @@ def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormW
     )  # fmt: skip
 
 
-def _columns(wedges: WedgeArrays) -> tuple[Columns, int]:
-    given: dict[str, ArrayLike | None] = {field.name: getattr(wedges, field.name) for field in fields(WedgeArrays)}
+def columns_of_wedges(wedges: WedgeArrays, of: type[WedgeArrays], joints: Sequence[str]) -> tuple[Columns, int]:
+    """What is given of wedges on these joints, the values of class `of`, by name; and how many there are.
+
+    Raises
+    ------
+    ValueError
+        The arrays do not fit together.
+    """
+    given: dict[str, ArrayLike | None] = {field.name: getattr(wedges, field.name) for field in fields(of)}
     for several in ("pressures_kpa", "force_kn", "passive_kn"):
         del given[several]
-    if len(wedges.pressures_kpa) not in (0, 2, 3):
-        raise ValueError(f"pressures_kpa holds {len(wedges.pressures_kpa)} values: J1, J2 and maybe the crack")
+    if (count := len(wedges.pressures_kpa)) not in (0, len(joints), len(joints) + 1):
+        raise ValueError(f"pressures_kpa holds {count} values: {', '.join(joints)} and maybe the crack")
     given |= {f"pressure{k}_kpa": value for k, value in enumerate(wedges.pressures_kpa, 1)}
     if wedges.force_kn is not None:
         given |= dict(zip(_FORCE, wedges.force_kn, strict=True))
@@ -406,7 +425,7 @@ def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, S
     """Outcomes, and the numbers of `ClosedFormWedges`, of wedges that the planes cut."""
     shape = _shape(columns, cut)
     weight = columns["unit_weight_kn_m3"] * shape.volume
-    pressures = _pressures(columns, shape)
+    pressures = mean_pressures(columns, 2, shape.total_height, shape.crack_depth)
     load, size = _load(columns, cut, shape, weight, pressures)
     line = times(rows(cut.lines, _LINE), 1.0 / cut.length)
     joints = rows(shape.inward, slice(2))
@@ -419,17 +438,15 @@ def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, S
         size,
     )  # fmt: skip
 
-    outcome, normal, driving, resisting, _ = bed.slide(load)
+    slide = bed.slide(load)
+    outcome, normal, driving, resisting, _ = slide
     factor = resisting / driving
     none = outcome > SLIDES_UP
     if none.any():
         factor[none], driving[none] = np.nan, 0.0
     if bolts:
-        for one in np.flatnonzero(cut.formed & (outcome != STILL)).tolist():
-            alone = [float(np.broadcast_to(part, size.size)[one]) for part in load]
-            factor[one], last = with_bolts(bed.of(one), alone, bolts)
-            outcome[one], normal[:, one], resisting[one] = last.outcome[0], last.normal[:, 0], last.resisting[0]
-            driving[one] = 0.0 if outcome[one] > SLIDES_UP else last.driving[0]
+        under_bolts(bed, load, bolts, cut.formed, slide, factor)
+        driving[outcome > SLIDES_UP] = 0.0
     if shape.code is not None:
         outcome = np.where(shape.code, shape.code, outcome)
     areas = shape.areas if len(shape.areas) == 3 else [*shape.areas, 0.0]
@@ -437,24 +454,23 @@ def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, S
                      *shape.line]  # fmt: skip
 
 
-def _pressures(columns: Columns, shape: _Shape) -> list[Value]:
-    """Mean pressures on J1, J2 and the crack: γ_w H/6, with a crack γ_w h₅/3 on all three."""
-    full = 0.0 if shape.crack_depth is None else columns["water_unit_weight_kn_m3"] * shape.crack_depth / 3.0
+def mean_pressures(columns: Columns, joints: int, height: Floats, crack_depth: Floats | None) -> list[Value]:
+    """Mean pressures on so many joints and the crack: γ_w H/6, with a crack γ_w h₅/3 on all."""
+    water = columns["water_unit_weight_kn_m3"]
+    full = 0.0 if crack_depth is None else water * crack_depth / 3.0
     own = columns["crack_fill"] * full if "crack_fill" in columns else None
     if "pressure1_kpa" in columns:
-        given = columns.get("pressure3_kpa", 0.0)
-        return [columns["pressure1_kpa"], columns["pressure2_kpa"], given if own is None else own]
-    if shape.crack_depth is not None:
-        mean = columns["fill"] * full
-        return [mean, mean, mean if own is None else own]
-    mean = columns["fill"] * columns["water_unit_weight_kn_m3"] * shape.total_height / 6.0
-    return [mean, mean, 0.0]
+        given = columns.get(f"pressure{joints + 1}_kpa", 0.0)
+        return [*(columns[f"pressure{k}_kpa"] for k in range(1, joints + 1)), given if own is None else own]
+    if crack_depth is None:
+        return [*[columns["fill"] * water * height / 6.0] * joints, 0.0]
+    mean = columns["fill"] * full
+    return [*[mean] * joints, mean if own is None else own]
 
 
 def _load(columns: Columns, cut: _Cut, shape: _Shape, weight: Floats, pressures: list[Value]) -> tuple[Vector, Floats]:
     """The resultant of all loads, and the sum of their sizes."""
-    east, north, up = 0.0, 0.0, -weight
-    size = weight
+    load: Vector = (0.0, 0.0, -weight)
     if not _is_none(columns["seismic"]):
         if "seismic_trend_deg" in columns:
             trend = np.radians(columns["seismic_trend_deg"])
@@ -462,17 +478,23 @@ def _load(columns: Columns, cut: _Cut, shape: _Shape, weight: Floats, pressures:
             down = np.where(cut.lines[2][_LINE] < 0.0, 1.0, -1.0)
             trend = np.arctan2(cut.lines[0][_LINE] * down, cut.lines[1][_LINE] * down)
         push = weight * columns["seismic"]
-        east, north = push * np.sin(trend), push * np.cos(trend)
-    for pressure, area, *normal in zip(pressures, shape.areas, *shape.inward, strict=False):
+        load = push * np.sin(trend), push * np.cos(trend), -weight
+    return with_water_and_forces(columns, load, weight, pressures, shape.areas, shape.inward)
+
+
+def with_water_and_forces(
+    columns: Columns, load: Vector, size: Floats, pressures: list[Value], areas: Floats, inward: Vector
+) -> tuple[Vector, Floats]:
+    """A load with the water on each plane and the forces, and the sum of their sizes with its own."""
+    for pressure, area, *normal in zip(pressures, areas, *inward, strict=False):
         if not _is_none(pressure):
             push = pressure * area
-            east, north, up = plus((east, north, up), times((normal[0], normal[1], normal[2]), push))
+            load = plus(load, times((normal[0], normal[1], normal[2]), push))
             size = size + np.abs(push)
     if _FORCE[0] in columns:
         force = columns[_FORCE[0]], columns[_FORCE[1]], columns[_FORCE[2]]
-        east, north, up = plus((east, north, up), force)
-        size = size + length(force)
-    return (east, north, up), size
+        load, size = plus(load, force), size + length(force)
+    return load, size
 
 
 def _is_none(value: Value) -> bool:

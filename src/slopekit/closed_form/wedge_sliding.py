@@ -117,6 +117,23 @@ class Bed(Protocol):
     def slide(self, load: Vector) -> Slide: ...
 
 
+class Beds(Bed, Protocol):
+    """The joints of many wedges."""
+
+    def of(self, one: int) -> Bed: ...
+
+
+def under_bolts(
+    beds: Beds, load: Vector, bolts: Sequence[Bolt], those: Bools, slide: Slide, factor: Floats
+) -> None:  # fmt: skip
+    """Put into `slide` and `factor` what passive bolts make of those wedges that something drives, one by one."""
+    for one in np.flatnonzero(those & (slide.outcome != STILL)).tolist():
+        alone = [float(np.broadcast_to(part, factor.size)[one]) for part in load]
+        factor[one], last = with_bolts(beds.of(one), alone, bolts)
+        slide.outcome[one], slide.normal[:, one] = last.outcome[0], last.normal[:, 0]
+        slide.driving[one], slide.resisting[one] = last.driving[0], last.resisting[0]
+
+
 def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
 
