@@ -1,15 +1,17 @@
 """What studies of joint lists share: how a list is given, what its document and its sheet say of it first."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from slopekit._version import __version__
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.errors import Fault, Notice
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, own_or_given
+from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.protocol import Argument, Option
 
@@ -93,6 +95,34 @@ def strengths_of_joints(
         strengths.append((values, own))
         faults += [] if fault is None else [fault]
     return strengths, faults
+
+
+def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[WedgeDesign, Faults]:
+    """The slope and loads of a survey, read as a wedge whose joints mean nothing, and the faults E339.
+
+    These are of two values where the joints are no J1 and J2.
+
+    Raises
+    ------
+    DesignError
+        Those of a wedge, with E339.
+    """
+    from slopekit.kinds.wedge.design import wedge_design
+
+    own, faults = dict(given), Faults()
+    for key in ("c", "phi", "water"):
+        value = own[key]
+        parts = value.split(",") if isinstance(value, str) else value if isinstance(value, list | tuple) else ()
+        if any(part != parts[0] for part in parts):
+            message = f"{key} has two values: the joints of a list are no J1 and J2"
+            advice = "Give one value for all; columns c and phi of the list give each joint its own."
+            faults.append(Fault("E339", message, f"{option(key)} {shown(value)}", advice))
+            own[key] = None
+    try:
+        return wedge_design(own, option), faults
+    except DesignError as error:
+        told = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
+        raise DesignError([*faults, *told]) from None
 
 
 def left_out(joints: JointList) -> list[Notice]:

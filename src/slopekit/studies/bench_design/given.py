@@ -16,7 +16,6 @@ from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, normals, number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
-from slopekit.design import words
 from slopekit.design.common import Seismic
 from slopekit.design.distributions import Distribution
 from slopekit.design.joint_lists import JointList, joint_list
@@ -26,7 +25,7 @@ from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
 from slopekit.studies.bench_design.strengths import drawn_strength
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import meant_in_steps, parse_values
-from slopekit.studies.surveys import range_of, strengths_of_joints
+from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 #: Trials where none are asked for; the most of them, and of benches times trials.
 TRIALS, MOST_TRIALS, MOST_IN_ALL = 10_000, 200_000, 20_000_000
@@ -276,33 +275,15 @@ def _number(name: str, given: object, where: str) -> float | None:
 
 
 def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]) -> WedgeDesign:
-    """The loads, read as a wedge whose joints and face mean nothing."""
-    from slopekit.kinds.wedge.design import wedge_design
-
-    own = {key: given[key] for key in _OF_WEDGE}
+    """The loads, on a slope that means nothing."""
     joints = Plane(45.0, (toward + 315.0) % 360.0), Plane(45.0, (toward + 45.0) % 360.0)
-    faults: list[Fault] = []
-    for key in ("c", "phi", "water"):
-        value = own[key]
-        parts = value.split(",") if isinstance(value, str) else value if isinstance(value, list | tuple) else ()
-        if len(parts) > 1:
-            message = f"{key} has two values: the joints of a list are no J1 and J2"
-            advice = "Give one value for all; columns c and phi of the list give each joint its own."
-            faults.append(Fault("E339", message, f"{option(key)} {words.shown(value)}", advice))
-            own[key] = None
-    try:
-        slope = wedge_design(
-            {"dips": joints, "face": Plane(65.0, toward), "upper": Plane(0.0, toward), "height": 10.0, **own}, option
-        )  # fmt: skip
-    except DesignError as error:
-        told = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
-        raise DesignError([*faults, *told]) from None
+    planes = {"dips": joints, "face": Plane(65.0, toward), "upper": Plane(0.0, toward), "height": 10.0}
+    slope, faults = slope_of({**planes, **{key: given[key] for key in _OF_WEDGE}}, option)
     trend = slope.seismic.trend_deg
     if trend is not None and trend % 360.0 != toward:
-        message = f"the earthquake acts toward {number(trend)}, here it acts out of the face"
-        faults.append(Fault("E417", message, f"{option('seismic')} {given['seismic']}", "Give the coefficient alone."))
-    if faults:
-        raise DesignError(faults)
+        message, where = f"the earthquake acts toward {number(trend)}, here it acts out of the face", option("seismic")
+        faults.append(Fault("E417", message, f"{where} {given['seismic']}", "Give the coefficient alone."))
+    faults.refuse()
     coefficient = slope.seismic.coefficient
     return replace(slope, seismic=Seismic(coefficient, toward if coefficient else None))
 

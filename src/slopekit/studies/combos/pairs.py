@@ -11,7 +11,6 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -30,7 +29,7 @@ from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, plane_of
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import scale_within
-from slopekit.studies.surveys import range_of, strengths_of_joints
+from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 _PARALLEL = 1e-6  # as in geometry.rockmass
 HEIGHT_M = 15.0
@@ -239,34 +238,15 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
 
 
 def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str], str]) -> WedgeDesign:
-    """The slope and its loads, read as a wedge whose joints mean nothing."""
-    from slopekit.kinds.wedge.design import wedge_design
-
+    """The slope and its loads."""
     face = face or Plane(60.0, 180.0)
     own = {key: given[key] for key in _SLOPE}
     own["upper"] = Plane(0.0, face.dip_direction_deg) if own["upper"] is None else own["upper"]
     own["height"] = HEIGHT_M if own["height"] is None else own["height"]
-    joints = (Plane(45.0, face.dip_direction_deg), Plane(45.0, (face.dip_direction_deg + 90.0) % 360.0))
-    faults: list[Fault] = []
-    for key in ("c", "phi", "water"):
-        if _has_two(own[key]):
-            message = f"{key} has two values: the joints of a list are no J1 and J2"
-            advice = "Give one value for all; columns c and phi of the list give each joint its own."
-            faults.append(Fault("E339", message, f"{option(key)} {words.shown(own[key])}", advice))
-            own[key] = None
-    try:
-        slope = wedge_design({"dips": joints, "face": face, **own}, option)
-    except DesignError as error:
-        own_faults = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
-        raise DesignError([*faults, *own_faults]) from None
-    if faults:
-        raise DesignError(faults)
+    joints = Plane(45.0, face.dip_direction_deg), Plane(45.0, (face.dip_direction_deg + 90.0) % 360.0)
+    slope, faults = slope_of({"dips": joints, "face": face, **own}, option)
+    faults.refuse()
     return slope
-
-
-def _has_two(value: object) -> bool:
-    parts = value.split(",") if isinstance(value, str) else value if isinstance(value, list | tuple) else ()
-    return len(parts) > 1 and any(part != parts[0] for part in parts)
 
 
 def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimits:
