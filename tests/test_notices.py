@@ -11,7 +11,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import SolverError
 from slopekit.core.explanations import explanations
-from slopekit.design.common import Strength
+from slopekit.design.parts import Strength
 from slopekit.design.templates import path_of
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut

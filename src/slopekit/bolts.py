@@ -7,7 +7,7 @@ import numpy as np
 
 from slopekit.block_scene import Bolts, Shapes
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.design.common import Bolt
+from slopekit.design.parts import Bolt
 
 _CLEAR = 1e-9  # of the size of the blocks: a head this near to a face lies on it
 _ON_EDGE = 1e-9  # of a triangle: a line through its edge meets it

@@ -8,7 +8,8 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
+from slopekit.design.parts import Strength
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model

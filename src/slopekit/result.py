@@ -14,7 +14,8 @@ from slopekit.core.codec import NO_JSON, json_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.core.shown import Shown
-from slopekit.design.common import Design, Rule
+from slopekit.design.common import Design
+from slopekit.design.parts import Rule
 from slopekit.extents import Geometry
 from slopekit.preie.balance import Balance
 

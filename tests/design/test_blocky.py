@@ -10,7 +10,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.units import quantity
-from slopekit.design.common import Strength, Water
+from slopekit.design.parts import Strength, Water
 from slopekit.design.templates import path_of
 from slopekit.design.yaml import Source, TreeBuilder, _composed, composed
 from slopekit.geometry.polygons import fault_of_polygon

@@ -8,7 +8,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
-from slopekit.design.common import Strength
+from slopekit.design.parts import Strength
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.secants import changed_laws

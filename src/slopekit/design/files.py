@@ -10,11 +10,12 @@ from difflib import get_close_matches
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.design.common import Design, PartialFactors
+from slopekit.design.common import Design
 from slopekit.design.document import read_document
 from slopekit.design.fields import field_at, in_degrees, structure_of
 from slopekit.design.nodes import Document, Node, document_from
 from slopekit.design.overrides import with_overrides
+from slopekit.design.parts import PartialFactors
 from slopekit.design.reader import Reader
 from slopekit.design.registry import KINDS, kind_named, record_of
 from slopekit.design.structure import Section, check_structure

@@ -9,9 +9,10 @@ from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
-from slopekit.design.common import Design, Water
+from slopekit.design.common import Design
 from slopekit.design.fields import fields_of, number, text
 from slopekit.design.nodes import Node
+from slopekit.design.parts import Water
 from slopekit.design.reader import Reader
 from slopekit.design.structure import Leaf, ListOf
 

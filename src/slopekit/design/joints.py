@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
-from slopekit.design.common import Strength
 from slopekit.design.fields import Field, count
 from slopekit.design.nodes import Node
+from slopekit.design.parts import Strength
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_strength, standard_strength, strength_names
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Section

@@ -4,9 +4,9 @@ import hashlib
 from pathlib import Path
 
 from slopekit.core.errors import DesignError
-from slopekit.design.common import MeshFile
 from slopekit.design.nodes import Node
 from slopekit.design.on_disk import read_bytes
+from slopekit.design.parts import MeshFile
 from slopekit.design.reader import Reader
 
 _MOST_MESH_BYTES = 200_000_000

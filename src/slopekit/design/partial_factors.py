@@ -24,9 +24,10 @@ from typing import Any
 
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.core.units import quantity
-from slopekit.design.common import Design, FactoredNumber, PartialFactors, Residual, Rule, Strength
+from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
 from slopekit.design.nodes import Document, Node
+from slopekit.design.parts import FactoredNumber, PartialFactors, Residual, Rule, Strength
 from slopekit.strength.reduced import Reduced
 
 _SHIPPED = Path(__file__).with_name("factors")

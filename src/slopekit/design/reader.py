@@ -11,9 +11,10 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design import words
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
 from slopekit.design.fields import Field, every_field, field_at, fields_of
 from slopekit.design.nodes import Document, Node, as_text
+from slopekit.design.parts import Strength
 from slopekit.design.structure import has_angles, is_distribution, orientation_kind
 
 if TYPE_CHECKING:

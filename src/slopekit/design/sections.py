@@ -7,9 +7,10 @@ from typing import Any
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import number as shown
 from slopekit.design import words
-from slopekit.design.common import Design, HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
+from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
 from slopekit.design.nodes import Node, Place
+from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
 from slopekit.design.reader import Reader
 from slopekit.design.structure import is_distribution
 

@@ -10,9 +10,9 @@ from math import inf
 from typing import Any
 
 from slopekit.core.orientation import number
-from slopekit.design.common import Strength
 from slopekit.design.fields import Field, fields_of
 from slopekit.design.nodes import Node
+from slopekit.design.parts import Strength
 from slopekit.design.reader import Reader
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.protocol import StrengthLaw

@@ -8,7 +8,7 @@ from typing import Any
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
-from slopekit.design.common import Bolt, Force, HyperbolaParameters, Rule, Seismic, Water
+from slopekit.design.parts import Bolt, Force, HyperbolaParameters, Rule, Seismic, Water
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",

@@ -13,9 +13,9 @@ from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as as_number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
-from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
 from slopekit.design.ground_water import read_ground_water, surcharge, table_depth
+from slopekit.design.parts import Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form

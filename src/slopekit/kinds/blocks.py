@@ -11,11 +11,11 @@ from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
-from slopekit.design.common import MeshFile, Water
 from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.ground_water import read_ground_water
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
+from slopekit.design.parts import MeshFile, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.design.structure import Leaf, ListOf, Named

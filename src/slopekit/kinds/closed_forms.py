@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
+from slopekit.design.parts import Strength
 from slopekit.kinds.held_bolts import Bounds
 from slopekit.kinds.protocol import ClosedForm, D, one_or_error
 from slopekit.kinds.secants import on_secants

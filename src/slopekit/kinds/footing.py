@@ -11,8 +11,9 @@ from slopekit.closed_form.footing import footing
 from slopekit.core import sheet
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Stiffness, Strength
+from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, group, number
+from slopekit.design.parts import Stiffness, Strength
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs

@@ -13,7 +13,8 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
-from slopekit.design.common import Bolt, Design
+from slopekit.design.common import Design
+from slopekit.design.parts import Bolt
 
 D = TypeVar("D", bound=Design)
 _CLEAR = 1e-9  # of the size of the block: a line that only touches it does not pass

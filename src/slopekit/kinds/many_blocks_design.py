@@ -7,11 +7,12 @@ from typing import Any
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design import words
-from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water, bolts_without, forces_without
+from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, fields_of, group
 from slopekit.design.fields import number as number_field
 from slopekit.design.ground_water import TABLE, TablePlane, pond, table_in_words, table_plane, table_points
 from slopekit.design.nodes import Node
+from slopekit.design.parts import Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strength
 from slopekit.design.structure import Leaf

@@ -9,7 +9,7 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
-from slopekit.design.common import Bolt, Force, Strength
+from slopekit.design.parts import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
 from slopekit.kinds.many_blocks_design import AssemblyDesign, NamedDesign
 from slopekit.kinds.sizes import Crest

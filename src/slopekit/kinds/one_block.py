@@ -16,7 +16,8 @@ from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
+from slopekit.design.parts import Strength
 from slopekit.design.reader import Reader
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block

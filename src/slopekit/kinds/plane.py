@@ -16,11 +16,11 @@ from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
-from slopekit.design.common import Strength, Water
 from slopekit.design.fields import Field, group, number, orientation
 from slopekit.design.ground_water import TABLE, WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Node
+from slopekit.design.parts import Strength, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry

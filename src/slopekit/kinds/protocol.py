@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
+from slopekit.design.parts import Strength
 from slopekit.design.reader import Reader
 from slopekit.result import Result, Words
 

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from slopekit.core.records import dataclass
-from slopekit.design.common import Strength
+from slopekit.design.parts import Strength
 
 Found = TypeVar("Found")
 _FIRST_KPA = 100.0

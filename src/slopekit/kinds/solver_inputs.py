@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
-from slopekit.design.common import Design, Force, Strength
+from slopekit.design.common import Design
+from slopekit.design.parts import Force, Strength
 from slopekit.extents import SectionGeometry
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.sizes import sizes_of_section

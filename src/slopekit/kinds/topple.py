@@ -20,9 +20,9 @@ from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
-from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, number
 from slopekit.design.ground_water import read_ground_water
+from slopekit.design.parts import Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.findings import Column, Mechanism

@@ -7,7 +7,8 @@ from typing import TypeVar
 from slopekit.block_scene import BlockSizes, Sizes
 from slopekit.core.orientation import Line
 from slopekit.core.sheet import Section
-from slopekit.design.common import Bolt, Design, Force, Strength
+from slopekit.design.common import Design
+from slopekit.design.parts import Bolt, Force, Strength
 from slopekit.result import Result
 
 MOST_RUNS = 4

@@ -17,12 +17,13 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, quantity, unit_of
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution, Fisher, read_distribution, read_orientation
 from slopekit.design.fields import UNITS, Field, Role, field_at, fields_of
 from slopekit.design.files import with_values
 from slopekit.design.nodes import Node
 from slopekit.design.overrides import spread
+from slopekit.design.parts import Strength
 from slopekit.design.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind
 
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")

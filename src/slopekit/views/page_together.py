@@ -6,7 +6,7 @@ from typing import Any
 
 from slopekit.core.orientation import Line, number
 from slopekit.core.sheet import counted
-from slopekit.design.common import Bolt
+from slopekit.design.parts import Bolt
 from slopekit.kinds.words import bolt_text, more_of
 from slopekit.views.report_inputs import Table, rows_of, words
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from slopekit.core.orientation import Line, Plane, number
 from slopekit.core.records import dataclass
-from slopekit.design.common import Water
+from slopekit.design.parts import Water
 from slopekit.kinds.words import line_in_words
 
 _PLANE = re.compile(r"^(\d+(?:\.\d+)?)/(\d+(?:\.\d+)?)$")

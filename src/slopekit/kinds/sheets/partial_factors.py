@@ -3,7 +3,7 @@
 from operator import attrgetter
 
 from slopekit.core.sheet import Column, Section, Table
-from slopekit.design.common import FactoredNumber, PartialFactors
+from slopekit.design.parts import FactoredNumber, PartialFactors
 
 
 def partial_factors(given: PartialFactors) -> Section:

@@ -8,7 +8,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
-from slopekit.design.common import Rule
+from slopekit.design.parts import Rule
 from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import JUDGED, STATUSES, ReductionStep, Result
 

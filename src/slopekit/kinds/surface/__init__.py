@@ -17,8 +17,8 @@ from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
-from slopekit.design.common import MeshFile
 from slopekit.design.ground_water import table_in_words
+from slopekit.design.parts import MeshFile
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
-from slopekit.design.common import Design, MeshFile, Strength, Water
+from slopekit.design.common import Design
 from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.ground_water import (
     TABLE,
@@ -19,6 +19,7 @@ from slopekit.design.ground_water import (
 )
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
+from slopekit.design.parts import MeshFile, Strength, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths, read_water
 from slopekit.design.structure import Leaf, ListOf

@@ -12,7 +12,7 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
-from slopekit.design.common import Strength
+from slopekit.design.parts import Strength
 from slopekit.extents import Scaled, WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs

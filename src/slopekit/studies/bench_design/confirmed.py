@@ -12,7 +12,8 @@ import numpy as np
 from slopekit.core.errors import SlopekitError
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Strength, Water
+from slopekit.design.common import Design
+from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import PlaneDesign
 from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs

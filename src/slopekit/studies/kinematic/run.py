@@ -24,9 +24,9 @@ from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
-from slopekit.design.common import Strength
 from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
+from slopekit.design.parts import Strength
 from slopekit.studies.axes import Axes, axes_of
 from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of, planes_of_poles

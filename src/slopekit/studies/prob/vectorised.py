@@ -15,9 +15,10 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
 from slopekit.design.fields import field_at, fields_of
 from slopekit.design.files import with_values
+from slopekit.design.parts import Strength
 from slopekit.design.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany

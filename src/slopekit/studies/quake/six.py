@@ -9,8 +9,9 @@ import numpy as np
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Strength
+from slopekit.design.common import Design
 from slopekit.design.files import with_values
+from slopekit.design.parts import Strength
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness

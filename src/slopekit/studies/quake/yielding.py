@@ -16,8 +16,9 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design, Force
+from slopekit.design.common import Design
 from slopekit.design.files import with_values
+from slopekit.design.parts import Force
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.points import Method, factor_at, point_of, status_of

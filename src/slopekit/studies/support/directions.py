@@ -14,7 +14,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
-from slopekit.design.common import Bolt
+from slopekit.design.parts import Bolt
 from slopekit.studies.support.forces import BoltedBlock, least_along, most_along, nearest
 from slopekit.studies.support.search import Answer, Found, Site, least_force
 

@@ -9,7 +9,8 @@ from typing import Any
 from slopekit.core.errors import GeometryError
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Table, counted
-from slopekit.design.common import Bolt, Design
+from slopekit.design.common import Design
+from slopekit.design.parts import Bolt
 from slopekit.kinds import dilates, factors_of
 from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.support.records import Acts, Case, Support, snippet, written

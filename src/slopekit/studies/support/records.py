@@ -14,7 +14,8 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
-from slopekit.design.common import Bolt, Design
+from slopekit.design.common import Design
+from slopekit.design.parts import Bolt
 from slopekit.design.words import above_zero, line_of_words
 from slopekit.kinds import kind_of
 from slopekit.studies.protocol import Outcome

@@ -20,7 +20,8 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
-from slopekit.design.common import Bolt, Design
+from slopekit.design.common import Design
+from slopekit.design.parts import Bolt
 from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
 from slopekit.studies.protocol import DESK, ADesign, Desk, Option, study

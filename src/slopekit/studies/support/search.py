@@ -13,7 +13,8 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, line_of
 from slopekit.core.records import dataclass
-from slopekit.design.common import Bolt, Design, Force
+from slopekit.design.common import Design
+from slopekit.design.parts import Bolt, Force
 from slopekit.geometry.cutting import Block
 from slopekit.kinds import cut, factors_of, kind_of
 from slopekit.kinds.one_block import Clock, find_limit

@@ -7,7 +7,8 @@ from slopekit.core.codec import record_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
-from slopekit.design.common import Bolt, Design
+from slopekit.design.common import Design
+from slopekit.design.parts import Bolt
 from slopekit.studies.protocol import Outcome
 from slopekit.studies.support.records import Acts, Need, Options, bolt_words, snippet
 from slopekit.studies.support.search import Answer

@@ -14,7 +14,7 @@ import numpy as np
 from slopekit.closed_form.toppling import ColumnSlope, anchor_force_required, toppling_factor_of_safety, toppling_table
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line
-from slopekit.design.common import Bolt
+from slopekit.design.parts import Bolt
 from slopekit.kinds import factors_of, kind_of
 from slopekit.kinds.topple import ToppleDesign, column_slope, cut, why_no_table
 from slopekit.notices import common_notices

@@ -1,0 +1,383 @@
+"""What designs are made of, in m, kN, kPa and degrees: water, loads, bolts, strength and stiffness, partial factors."""
+
+import math
+from dataclasses import asdict, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from slopekit.core.orientation import Line
+from slopekit.core.orientation import number as shown
+from slopekit.core.records import dataclass
+from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
+from slopekit.design.structure import Anything, Leaf, ListOf, Named
+
+if TYPE_CHECKING:
+    from slopekit.strength.protocol import StrengthLaw
+
+_FOR_PICTURES_KPA = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """Whose design it is, as pages show it: no number depends on it."""
+
+    name: str = text("name", default="", example="Route 7, km 12.4", left_out="not shown", doc="of the project")
+    client: str = text("client", default="", left_out="not shown", doc="for whom")
+    number: str = text("number", default="", left_out="not shown", doc="of the project")
+    author: str = text("author", default="", left_out="not shown", doc="who made it")
+    checker: str = text("checker", default="", left_out="not shown", doc="who checked it")
+    revision: str = text("revision", default="", left_out="not shown", doc="of the design")
+    date: str = text("date", default="", example="2026-11-22", left_out="not shown", doc="as it is written")
+
+    def given(self) -> dict[str, str]:
+        """What is known of it, by key."""
+        return {key: value for key, value in asdict(self).items() if value}
+
+
+@dataclass(frozen=True, slots=True)
+class Water:
+    """Water on the joints: dry, full (scaled by `fill`) or mean pressures in kPa, one for each interface.
+
+    `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
+    """
+
+    mode: Literal["dry", "full", "pressures", "table"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
+    fill: float = number(
+        "fill",
+        "ratio",
+        default=0.0,
+        least=0.0,
+        most=1.0,
+        example="50 %",
+        left_out="dry",
+        axis="part of full water",
+        doc="part of full; one of mode, fill, pressures (E198)",
+    )
+    pressures_kpa: tuple[float, ...] = number(
+        "pressures",
+        "pressure",
+        default=(),
+        least=0.0,
+        each=True,
+        label="water pressure",
+        doc="mean pressures: one, a list, or by the names of the interfaces",
+    )
+    crack_fill: float | None = None
+
+    def in_words(self) -> str:
+        """The water as the sheet prints it."""
+        if self.crack_fill is not None:
+            return f"{replace(self, crack_fill=None).in_words()}, the crack {self.crack_fill * 100:g} % full"
+        if self.mode in ("dry", "table"):
+            return self.mode
+        if self.mode == "full":
+            return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full"
+        return "u = " + ", ".join(f"{pressure:g}" for pressure in self.pressures_kpa) + " kPa"
+
+
+@dataclass(frozen=True, slots=True)
+class Seismic:
+    """Pseudo-static coefficient, and the trend it acts toward (None: the way the block would slide)."""
+
+    coefficient: float = number(
+        "k", "ratio", default=0.0, least=0.0, most=2.0, code="E122", label="seismic coefficient", doc="parts of gravity"
+    )
+    trend_deg: float | None = number(
+        "toward", "angle", default=None, least=0.0, most=360.0, turns=True, code="E122", scatters=False,
+        label="trend of seismic", axis="trend of the seismic load",
+        left_out="the way of the slope", doc="trend it acts toward",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """A force on the block: east, north, up (kN), and the point it acts at (None: the centroid).
+
+    `block` names the block of an assembly.
+    """
+
+    ALSO: ClassVar[tuple[Field, ...]] = (Field("toward", "line", example="000/10", doc="trend/plunge"),)
+
+    components_kn: tuple[float, float, float] = number(
+        "force", "force", code="E123", coordinates=1, axis="size", forms=(ListOf(Leaf(), 3, 3, example="[0, -3, 6]"),),
+        doc="size, or its components",
+    )  # fmt: skip
+    at_m: tuple[float, float, float] | None = point("at", default=None, axis="place", left_out="the centroid",
+                                                           doc="where it acts")  # fmt: skip
+    block: str | None = text("block", default=None, example="B1", left_out="the one it lies in, or the only one",
+                             doc="the block it acts on")  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Bolt:
+    """A bolt: its force (kN) and direction on the block; its head and length (m) where they are known.
+
+    An active bolt is a load. A passive bolt is strength: its capacity is divided by the strength
+    reduction factor, and it pulls only if the block moves against it.
+    """
+
+    force_kn: float = number("force", "force", above=0.0, code="E124", label="force of the bolt", axis="force")
+    toward: Line = orientation("toward", "line", example="000/10", doc="direction of its force on the block")
+    acts: Literal["active", "passive"] = text("acts", default="active", doc="active or passive")
+    head_m: tuple[float, float, float] | None = point(
+        "head", default=None, left_out="the centroid", doc="where its head is"
+    )
+    length_m: float | None = number(
+        "length",
+        "length",
+        default=None,
+        above=0.0,
+        code="E124",
+        label="length of the bolt",
+        axis="length",
+        left_out="not known",
+        doc="needs a head (E124)",
+    )
+    block: str | None = text("block", default=None, example="B1", left_out="the one its head lies in",
+                             doc="the block its force acts on")  # fmt: skip
+
+
+def forces_without(*keys: str) -> Any:
+    """A list of forces, by their keys but for these, or in words."""
+    return group(
+        "loads.forces", Force, default=(), many="list", without=keys, coordinates=2, or_measures=("force",),
+        forms=(Leaf(example="500 kN@180/10"), ListOf(Leaf(), 3, 3, example="[0, -3, 6]")),
+    )  # fmt: skip
+
+
+def bolts_without(*keys: str) -> Any:
+    """A list of bolts, by their keys but for these, or in words."""
+    forms = (Leaf(example="200 kN@000/10,passive"),)
+    return group("support.bolts", Bolt, default=(), many="list", without=keys, forms=forms)
+
+
+@dataclass(frozen=True, slots=True)
+class HyperbolaParameters:
+    """Clough and Duncan's hyperbola (eq. 31), the paper's parameters where none are given."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (Field("law", "text", example="clough-duncan", left_out="clough-duncan"),)
+
+    modulus_number: float = number("k1", "ratio", default=4800.0, above=0.0, code="E132", role="setting")
+    exponent: float = number("n", "ratio", default=0.56, least=0.0, most=2.0, code="E132", role="setting")
+    failure_ratio: float = number("Rf", "ratio", default=0.74, least=0.0, most=1.0, code="E132", role="setting")
+    friction_angle_deg: float = number("phi", "angle", default=36.0, above=0.0, below=90.0, code="E132", role="setting")
+
+
+@dataclass(frozen=True, slots=True)
+class Stiffness:
+    """Joint stiffness for displacements and the all-pairs criterion (the limit factor does not need it).
+
+    `shear_kn_m3` is a constant, or None for Clough and Duncan's hyperbola with `hyperbola`.
+    """
+
+    normal_kn_m3: float = number(
+        "normal", "stiffness", default=1.0e7, above=0.0, code="E132", example="1e7", role="setting",
+        label="normal_stiffness",
+    )  # fmt: skip
+    shear_kn_m3: float | None = number(
+        "shear", "stiffness", default=None, above=0.0, code="E132", words=("clough-duncan",), of=HyperbolaParameters,
+        example="clough-duncan", role="setting", label="shear_stiffness",
+    )  # fmt: skip
+    hyperbola: HyperbolaParameters = HyperbolaParameters()
+
+    def in_words(self) -> str:
+        """Both stiffnesses as the sheet prints them."""
+        if self.shear_kn_m3 is not None:
+            shear = f"{self.shear_kn_m3:.4g} kN/m³"
+        else:
+            shear = "Clough-Duncan"
+            if self.hyperbola != HyperbolaParameters():
+                law = self.hyperbola
+                shear += f" (k₁ {law.modulus_number:g}, n {law.exponent:g}, R_f {law.failure_ratio:g})"
+        return f"k_n {self.normal_kn_m3:.4g} kN/m³, k_t {shear}"
+
+
+@dataclass(frozen=True, slots=True)
+class Residual:
+    """Strength of an interface that has slipped: kPa and degrees. It neither dilates nor holds tension."""
+
+    cohesion_kpa: float = number("c", "pressure", least=0.0, code="E114", axis="residual cohesion",
+                                 says="cohesion is never negative", example="0 kPa",
+                                 doc="up to the peak's")  # fmt: skip
+    friction_angle_deg: float = number(
+        "phi", "angle", least=0.0, below=90.0, code="E115", check=in_degrees, example="25",
+        axis="residual friction angle", says="a friction angle lies from 0 to below 90", doc="up to the peak's (E453)",
+    )  # fmt: skip
+
+    def in_words(self) -> str:
+        """Cohesion and friction as the sheet prints them."""
+        return f"residual c {self.cohesion_kpa:.6g} kPa  φ {self.friction_angle_deg:.6g}°"
+
+
+@dataclass(frozen=True, slots=True)
+class Strength:
+    """Strength of an interface at full strength: kPa and degrees.
+
+    Mohr-Coulomb, or the curved `law`; then the cohesion is its strength at no normal traction, and the friction angle
+    that of the line from there to its strength at 100 kPa: for pictures and checks, the solvers ask the law.
+    `made_of` is a law that is a straight line: cohesion and friction angle are its own then, and there is no `law`.
+    """
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("stiffness", "group", of=Stiffness),
+        Field("residual", "group", of=Residual, left_out="none",
+              doc="strength after slip: both factors are given"),
+        Field("law", "text", example="barton-bandis", left_out="mohr-coulomb",
+              doc="`mohr-coulomb`, or one of [curved strength](#curved-strength), whose keys then stand for c and phi"),
+    )  # fmt: skip
+
+    cohesion_kpa: float = number(
+        "c",
+        "pressure",
+        least=0.0,
+        code="E114",
+        says="cohesion is never negative",
+        example="50 kPa",
+        may_lack=True,
+        axis="cohesion",
+        doc="cohesion",
+    )
+    friction_angle_deg: float = number(
+        "phi", "angle", least=0.0, below=90.0, code="E115", check=in_degrees, example="20", may_lack=True,
+        axis="friction angle",
+        says="a friction angle lies from 0 to below 90",
+        doc="broken numbers below 1.57 are taken for radians (E113) unless written with `deg`",
+    )  # fmt: skip
+    dilation_deg: float = number("dilation", "angle", default=0.0, least=0.0, below=90.0, code="E117",
+                                 says="it lies between 0 and the friction angle", axis="dilation angle",
+                                 doc="up to phi")  # fmt: skip
+    tension_kpa: float = number(
+        "tension", "pressure", default=0.0, least=0.0, code="E114", says="a strength is never negative",
+        axis="tensile strength", doc="tensile strength; not in the limit (W329)",
+    )  # fmt: skip
+    law: "StrengthLaw | None" = None
+    made_of: "StrengthLaw | None" = None
+    residual: Residual | None = None
+
+    @property
+    def named_law(self) -> "StrengthLaw | None":
+        """The law it was given by, curved or straight; None where that is c and φ themselves."""
+        return self.law or self.made_of
+
+    def at_residual(self) -> "Strength":
+        """The strength after slip: the residual one, where there is one."""
+        left = self.residual
+        return self if left is None else Strength(left.cohesion_kpa, left.friction_angle_deg)
+
+    @classmethod
+    def by_law(cls, law: "StrengthLaw", dilation_deg: float = 0.0, tension_kpa: float = 0.0) -> "Strength":
+        """The strength of a law, curved or straight.
+
+        >>> from slopekit.strength.power import PowerCurve
+        >>> round(Strength.by_law(PowerCurve(2.0, 0.5)).friction_angle_deg, 9)
+        11.309932474
+        """
+        import numpy as np
+
+        from slopekit.strength.protocol import secant
+
+        line = getattr(law, "straight", None)
+        if line is not None:
+            return cls(line.cohesion_kpa, line.friction_angle_deg, dilation_deg, tension_kpa, made_of=law)
+        cohesion, tangent = secant(law, np.array([_FOR_PICTURES_KPA]))
+        return cls(float(cohesion[0]), math.degrees(math.atan(float(tangent[0]))), dilation_deg, tension_kpa, law)
+
+    @staticmethod
+    def more_fields() -> "tuple[Field, ...]":
+        """The keys of the curved laws, which are looked at in files alone."""
+        from slopekit.design.strength_laws import KEYS
+
+        return tuple(KEYS.values())
+
+
+@dataclass(frozen=True, slots=True)
+class MeshFile:
+    """A mesh file that a design names; two of the same content are the same, wherever they lie."""
+
+    name: str
+    sha256: str
+    path: str = field(compare=False, repr=False)
+    where: str = field(default="", compare=False, repr=False)
+
+
+def _factor(path: str, doc: str, least: bool = False) -> Any:
+    limits: dict[str, Any] = {"least": 0.0} if least else {"above": 0.0}
+    return number(path, "ratio", default=1.0, most=10.0, code="E478", role="setting", scatters=False, doc=doc, **limits)
+
+
+@dataclass(frozen=True, slots=True)
+class FactoredNumber:
+    """A number of a design with a partial factor: characteristic, factor (None: it follows), design value.
+
+    `divided` says that the factor divides, as those of strength do.
+    """
+
+    what: str
+    characteristic: float | None
+    factor: float | None
+    design: float | None
+    unit: str
+    divided: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PartialFactors:
+    """Factors on actions, strengths and resistance; `called` and `source` say whose, `table` what they made."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("set", "text", example="DA1-C2", left_out="all 1", doc="a set whose other factors are taken"),
+        Field("forces", "text", example="variable", left_out="permanent",
+              doc="what `loads.forces`, and the load of a footing, are: `permanent` or `variable`"),
+    )  # fmt: skip
+
+    permanent_unfavourable: float = _factor("permanent_unfavourable", "weight and forces that drive; all water")
+    permanent_favourable: float = _factor("permanent_favourable", "weight and forces that hold", least=True)
+    variable_unfavourable: float = _factor("variable_unfavourable", "surcharge that drives")
+    variable_favourable: float = _factor("variable_favourable", "surcharge that holds", least=True)
+    tan_phi: float = _factor("tan_phi", "divides tan φ, and τ of a curved law")
+    c: float = _factor("c", "divides c and tension")
+    unit_weight: float = _factor("unit_weight", "of the rock")
+    resistance: float = _factor("resistance", "divides the strength of all joints once more, not that of bolts")
+    forces: str = "permanent"
+    called: str = ""
+    source: str = ""
+    table: tuple[FactoredNumber, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        return asdict(self) | {"table": [asdict(row) for row in self.table]}
+
+
+@dataclass(frozen=True, slots=True)
+class CaseKeys:
+    """What a load case says: which keys of the design it sets, by their paths, and what is accepted."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
+              left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
+        Field("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
+              example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """An acceptance rule: what is held against a value, `fos >= 1.5`.
+
+    `fos` is the factor of the design's criterion; `fos.limit`, `fos.closed_form`, `fos.static_bound` and
+    `fos.all_pairs_failed` are the factors by name.
+    """
+
+    name: str
+    relation: Literal[">=", ">", "<=", "<"]
+    value: float
+
+    def met(self, found: float | None) -> bool:
+        """Whether a value meets the rule; no value meets none."""
+        if found is None:
+            return False
+        if self.relation in (">=", ">"):
+            return found > self.value or (self.relation == ">=" and found == self.value)
+        return found < self.value or (self.relation == "<=" and found == self.value)
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.relation} {shown(self.value)}"
