@@ -9,13 +9,25 @@ import numpy as np
 
 from slopekit._version import __version__
 from slopekit.block_scene import Arrows, BlockScene, BlockSizes, NodePairState, Sizes
-from slopekit.core.arrays import Floats
-from slopekit.core.codec import NO_JSON, json_of
+from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.design.parts import Rule
+from slopekit.evidence import (
+    AllPairs,
+    AtFactorOne,
+    CohesionUnderMoments,
+    CurvedStrength,
+    FactorsOfSafety,
+    Forces,
+    ModelSize,
+    Movement,
+    ReductionStep,
+    ResidualFactors,
+    WithoutBasal,
+)
 from slopekit.extents import Geometry
 from slopekit.preie.balance import Balance
 
@@ -87,201 +99,6 @@ JUDGED: Mapping[str, str] = {
     "bishop": "Bishop (simplified)", "all_equilibrium": "columns in all equilibrium",
 }  # fmt: skip
 _SAME = 5e-5  # factors that differ by less than this part look the same
-
-
-@dataclass(frozen=True, slots=True)
-class FactorsOfSafety:
-    """The factors of safety; None where one does not apply.
-
-    limit : PRE-IE, zero (or the given) dilation: the answer; closed_form : of the kind (Hoek & Bray); static_bound :
-    an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for; lowest, highest : of
-    the same mechanism of many blocks, whatever forces are locked in.
-    """
-
-    limit: float | None = None
-    closed_form: float | None = None
-    static_bound: float | None = None
-    all_pairs_failed: float | None = None
-    lowest: float | None = None
-    highest: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Forces:
-    """Forces in kN: effective normal forces by interface, along the sliding direction what drives and what resists."""
-
-    weight: float
-    normal: Mapping[str, float | None]
-    water: Mapping[str, float]
-    driving: float | None
-    resisting: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class ModelSize:
-    """What was modelled and what was left out."""
-
-    moving_blocks: int
-    unknowns: int
-    node_pairs: int
-    refined: int
-    mesh_change: float | None
-    left_out: tuple[str, ...]
-    passes: int
-    residual: float
-
-
-@dataclass(frozen=True, slots=True)
-class Movement:
-    """A movement of the block: displacement of its centroid and rotation about it, (3,) each."""
-
-    displacement: Floats
-    rotation: Floats
-
-    def vector(self) -> Floats:
-        """Displacement and rotation in one, (6,)."""
-        return np.concatenate([self.displacement, self.rotation])
-
-
-@dataclass(frozen=True, slots=True)
-class AtFactorOne:
-    """The blocks at rest at full strength on the elastic bed.
-
-    `movement` in m and radians of the block, of many blocks that of the one that moves most: `block` then names it, and
-    `every` (n, 6) has the displacements and rotations of all; `failed_pairs` slip or are open.
-    """
-
-    movement: Movement
-    failed_pairs: int
-    residual: float
-    block: str | None = None
-    every: Floats | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class AllPairs:
-    """The paper's search: its bracket, whether equilibrium was lost at the upper end, every trial."""
-
-    bracket: tuple[float, float]
-    lost_equilibrium: bool
-    history: tuple[tuple[float, int], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class ReductionStep:
-    """The block at one strength reduction factor (a row of the paper's Table 3).
-
-    `movement` is None where it does not come to rest; then every pair counts as failed.
-    """
-
-    factor: float
-    stands: bool
-    movement: Movement | None
-    failed_pairs: int
-
-
-@dataclass(frozen=True, slots=True)
-class ContactOpening:
-    """A contact where moments open it, by the cracked base; places (3,) in the user's coordinates.
-
-    `resultant_m` is where its normal force acts, `opens_at_m` the corner that opens most, None where all is pressed.
-    """
-
-    pressed_share: float
-    normal_kn: float
-    resultant_m: Floats | None
-    opens_at_m: Floats | None
-
-
-@dataclass(frozen=True, slots=True)
-class CohesionUnderMoments:
-    """The limit by three rules on the cohesion of contacts that moments open; None where a rule has none.
-
-    `rule` is the headline's: the lower of cracked_base and bond_gone, or forces_alone where that is lower yet, or
-    by_mechanism where neither has a limit. `runs`: on the cracked base the motion runs, else its
-    pressed part gives way with the block at rest.
-    """
-
-    rule: str
-    headline: float
-    by_mechanism: float | None
-    cracked_base: float | None
-    bond_gone: float | None
-    lowest: float = field(metadata=NO_JSON)
-    highest: float = field(metadata=NO_JSON)
-    runs: bool
-    evidence: Mapping[str, ContactOpening]
-    JSON_ALSO: ClassVar = ("range",)
-
-    @property
-    def range(self) -> tuple[float, float]:
-        """From the lowest to the highest of the rules."""
-        return self.lowest, self.highest
-
-
-@dataclass(frozen=True, slots=True)
-class SecantLine:
-    """The line of a curved law at the mean normal traction of a joint: kPa and degrees.
-
-    `range_kpa` are the lowest and highest traction of the node pairs at the limit.
-    """
-
-    traction_kpa: float
-    range_kpa: tuple[float, float]
-    cohesion_kpa: float
-    friction_angle_deg: float
-
-
-@dataclass(frozen=True, slots=True)
-class CurvedStrength:
-    """What the stress within the joints does where strength is curved.
-
-    Attributes
-    ----------
-    mean_stress : the limit with one traction a joint and no turning, as the closed form sees it
-    gap : the limit with the traction of every pair, in parts of that: below zero, for strength curves downward
-    rounds : how often the lines were drawn anew; lines : by joint
-    """
-
-    mean_stress: float | None
-    gap: float | None
-    rounds: int
-    lines: Mapping[str, SecantLine]
-
-
-@dataclass(frozen=True, slots=True)
-class ResidualFactors:
-    """The factors on residual strength, after slip: both methods, and whether they agree."""
-
-    status: str
-    limit: float | None
-    closed_form: float | None
-    difference: float | None
-    agree: bool | None
-
-
-@dataclass(frozen=True, slots=True)
-class WithoutBasal:
-    """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
-
-    `closed_form` is None where it has no factor.
-    """
-
-    status: str
-    closed_form: float | None
-
-    def in_words(self) -> str:
-        """Status and factor."""
-        said = self.status.replace("_", " ")
-        return said if self.closed_form is None else f"{said}, F {self.closed_form:.4g}"
-
-    def meets(self, rule: Rule) -> bool:
-        """Whether it keeps a least factor of safety: what is lifted or falls keeps none."""
-        if rule.relation not in (">=", ">"):
-            return True
-        if self.closed_form is None:
-            return self.status not in ("lifted", "falls")
-        return rule.met(self.closed_form)
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -10,9 +10,10 @@ from slopekit.block_scene import Arrows, Contacts, NodePairState
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
+from slopekit.evidence import FactorsOfSafety, Forces, ModelSize
 from slopekit.findings import AssemblyGeometry, BlockMotion, Column, Findings, GoverningInterface, Mechanism
 from slopekit.kinds import kind_of
-from slopekit.result import FactorsOfSafety, Forces, ModelSize, Result
+from slopekit.result import Result
 
 NONE, NONE3, WHOLE = np.zeros(0), np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 CHECKS = {"volume_error": 3.1e-16, "area_error": 0.0, "largest_unbalanced_force": 4.2e-12}

@@ -7,9 +7,9 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
+from slopekit.evidence import FactorsOfSafety
 from slopekit.kinds import kind_of
 from slopekit.kinds.words import first_and_last, in_order, names_in_runs
-from slopekit.result import FactorsOfSafety
 from tests.views.scenes import bench, goodman_bray, interfaces, mechanism, motions, result, two_blocks
 
 

@@ -18,6 +18,7 @@ from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
+from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
@@ -64,16 +65,7 @@ from slopekit.preie.ravelling import (
     whole_model,
 )
 from slopekit.preie.tolerances import MESH_CHANGE
-from slopekit.result import (
-    AllPairs,
-    CurvedStrength,
-    FactorsOfSafety,
-    Forces,
-    ModelSize,
-    Result,
-    SecantLine,
-    Words,
-)
+from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds.ladders import Ladder, Rung

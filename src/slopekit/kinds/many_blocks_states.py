@@ -8,6 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.evidence import AtFactorOne, Movement
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene
@@ -19,7 +20,6 @@ from slopekit.preie.effort import MOST, EffortSpentError, allowed
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, block_sizes, whole_model
 from slopekit.preie.settlement import settlement
-from slopekit.result import AtFactorOne, Movement
 from slopekit.strength.mohr_coulomb import line
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts

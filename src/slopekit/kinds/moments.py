@@ -18,13 +18,13 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
+from slopekit.evidence import ContactOpening
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import Scene, opening_pairs
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.tolerances import MOMENTS
-from slopekit.result import ContactOpening
 
 if TYPE_CHECKING:  # only what moments open with cohesion pays for the cracked base
     from slopekit.preie.cracked import CrackedBase

@@ -19,6 +19,18 @@ from slopekit.core.sheet import Section
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reader import Reader
+from slopekit.evidence import (
+    AllPairs,
+    AtFactorOne,
+    CohesionUnderMoments,
+    CurvedStrength,
+    FactorsOfSafety,
+    Forces,
+    ModelSize,
+    ReductionStep,
+    SecantLine,
+    WithoutBasal,
+)
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block
 from slopekit.kinds.moments import (
@@ -52,20 +64,7 @@ from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.tolerances import MESH_CHANGE
-from slopekit.result import (
-    AllPairs,
-    AtFactorOne,
-    CohesionUnderMoments,
-    CurvedStrength,
-    FactorsOfSafety,
-    Forces,
-    ModelSize,
-    ReductionStep,
-    Result,
-    SecantLine,
-    WithoutBasal,
-    Words,
-)  # fmt: skip
+from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds.closed_forms import OnArrays

@@ -12,13 +12,13 @@ import numpy as np
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
+from slopekit.evidence import Movement, ReductionStep
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.model import Model, local_axes
 from slopekit.preie.passes import Limit, Outcome
-from slopekit.result import Movement, ReductionStep
 
 TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 CLOSED = 1e-9  # normal force below this part of the largest is none

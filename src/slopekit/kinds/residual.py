@@ -4,8 +4,9 @@ from dataclasses import replace
 
 from slopekit.core.errors import Notice
 from slopekit.design.common import Design
+from slopekit.evidence import ResidualFactors
 from slopekit.kinds.protocol import Factors, Kind
-from slopekit.result import ResidualFactors, Result
+from slopekit.result import Result
 
 _SAME = 1e-9
 

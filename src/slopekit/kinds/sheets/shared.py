@@ -9,8 +9,9 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
+from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import first_and_last, size_number
-from slopekit.result import JUDGED, STATUSES, ReductionStep, Result
+from slopekit.result import JUDGED, STATUSES, Result
 
 #: The rules on cohesion where moments open part of a contact.
 RULES = {

@@ -13,6 +13,7 @@ from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength
+from slopekit.evidence import WithoutBasal
 from slopekit.extents import Scaled, WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
@@ -30,7 +31,7 @@ from slopekit.kinds.words import line_in_words, loads_part, size_number, size_pa
 from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
-from slopekit.result import Result, WithoutBasal, Words
+from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds import ground_water

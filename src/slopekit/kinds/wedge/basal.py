@@ -11,6 +11,7 @@ from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
+from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.basal import (
     BASAL,
@@ -38,7 +39,6 @@ from slopekit.kinds.words import line_in_words, size_number
 from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
-from slopekit.result import WithoutBasal
 
 if TYPE_CHECKING:
     from slopekit.kinds import ground_water
