@@ -625,7 +625,7 @@ MUTATIONS = (
          "return _pairs_on(tuple(faces), min(refine, 1))", _REMEMBERED),
         ("pairs that can be written", "geometry/interfaces.py",
          "    for numbers in whole_numbers:\n        numbers.setflags(write=False)\n", "", _REMEMBERED),
-        ("answers of the same first object", "kinds/one_block.py", "key = tuple(id(one) for one in of)",
+        ("answers of the same first object", "kinds/one_block_limit.py", "key = tuple(id(one) for one in of)",
          "key = tuple(id(one) for one in of[:1])", ("tests/kinds/test_factors.py",)),
         ("a default that is made", "core/records.py", "values[name] = factory()", "values[name] = factory", _RECORDS),
         ("what no field has", "core/records.py", "return placed == len(args) and by_name == len(named)",

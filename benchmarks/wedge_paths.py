@@ -12,9 +12,10 @@ from collections import Counter
 import numpy as np
 
 from slopekit.core.errors import SlopekitError
+from slopekit.core.onlooker import Clock
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.kinds import cut
-from slopekit.kinds.one_block import Clock, find_limit
+from slopekit.kinds.one_block_limit import find_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel, build_assembly

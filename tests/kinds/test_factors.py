@@ -5,7 +5,7 @@ import pytest
 import slopekit as sk
 from slopekit.design.files import load, with_values
 from slopekit.kinds import factors_of
-from slopekit.kinds.one_block import once
+from slopekit.kinds.one_block_limit import once
 from slopekit.kinds.wedge.design import wedge_design
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]

@@ -358,7 +358,7 @@ def test_no_model_is_solved_twice_in_one_analysis(monkeypatch) -> None:
 
 def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:
     """Neither the plain wedge nor one that has lost all contact on one joint."""
-    monkeypatch.setattr("slopekit.kinds.one_block.limit_by_rules", judge_never)
+    monkeypatch.setattr("slopekit.kinds.one_block_limit.limit_by_rules", judge_never)
     for water in ((0, 0), (290, 0)):
         result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=water)
         assert result.cohesion_under_moments is None

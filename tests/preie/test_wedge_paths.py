@@ -9,9 +9,10 @@ import pytest
 import slopekit as sk
 from benchmarks.wedge_paths import compared
 from slopekit.core.arrays import frozen
+from slopekit.core.onlooker import Clock
 from slopekit.kinds import analyse, cut
 from slopekit.kinds.moments import _bond_gone
-from slopekit.kinds.one_block import Clock, find_limit
+from slopekit.kinds.one_block_limit import find_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import Model

@@ -1,4 +1,4 @@
-"""What a long analysis is at, for whoever looks on: a line on a terminal, or nobody.
+"""What a long analysis is at, for whoever looks on: a line on a terminal, or nobody; and how long it takes.
 
 >>> heard = []
 >>> with onlooker(lambda stage, value, head: heard.append((stage, value))):
@@ -9,6 +9,7 @@
 [('static bound', None), ('path: strength divided by', 1.5)]
 """
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -57,3 +58,22 @@ def told_times(unit: float, of: str) -> Iterator[None]:
 
     with onlooker(times):
         yield
+
+
+class Clock:
+    """Times by stage, each told to who looks on; wall clock, and nothing else depends on it."""
+
+    def __init__(self) -> None:
+        self.times: dict[str, float] = {}
+        self.began = time.perf_counter()
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        say(stage.replace("_", " "), head=True)
+        began = time.perf_counter()
+        yield
+        self.times[stage] = self.times.get(stage, 0.0) + time.perf_counter() - began
+
+    def done(self) -> dict[str, float]:
+        """Seconds by stage, and in all."""
+        return self.times | {"total": time.perf_counter() - self.began}

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from slopekit.block_scene import Contacts
 from slopekit.core.arrays import frozen
 from slopekit.core.errors import Notice
-from slopekit.core.onlooker import say
+from slopekit.core.onlooker import Clock, say
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
@@ -24,7 +24,6 @@ from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_sizes import with_sizes
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
-from slopekit.kinds.one_block import Clock
 from slopekit.kinds.protocol import (
     AtLoad,
     Carried,

@@ -12,7 +12,7 @@ from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
-from slopekit.core.onlooker import say
+from slopekit.core.onlooker import Clock, say
 from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -25,16 +25,7 @@ from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.meshes import outward, read_mesh
 from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
 from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
-from slopekit.kinds.one_block import (
-    Clock,
-    Cut,
-    Solved,
-    block_status,
-    forces_of,
-    limit_alone,
-    result,
-    solve,
-)
+from slopekit.kinds.one_block import Cut, Solved, block_status, forces_of, limit_alone, result, solve
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force

@@ -16,13 +16,13 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
 from slopekit.kinds import kind_of
-from slopekit.kinds.one_block import Clock
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Point, point_of
 from slopekit.studies.prob.bolts import (

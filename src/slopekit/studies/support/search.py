@@ -11,13 +11,14 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, line_of
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
 from slopekit.geometry.cutting import Block
 from slopekit.kinds import cut, factors_of, kind_of
-from slopekit.kinds.one_block import Clock, find_limit
+from slopekit.kinds.one_block_limit import find_limit
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
 from slopekit.studies.support.forces import BoltedBlock
