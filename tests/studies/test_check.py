@@ -10,7 +10,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.codec import record_of
 from slopekit.design.templates import path_of
-from slopekit.kinds import ladders, many_blocks
+from slopekit.kinds import ladders
 from slopekit.kinds.ladders import Rung, timed
 from slopekit.studies.check import Check, Finding, check
 from slopekit.studies.check import run as module
@@ -194,8 +194,8 @@ def test_a_limit_that_is_the_same_on_all_joints_is_consistent() -> None:
 
 def test_forces_of_a_group_s_limit_are_held_against_the_strength_at_which_all_blocks_rest(monkeypatch) -> None:
     """The bench's limit is that of five blocks, its forces are those of all just before it: admissible there only."""
-    for name, nothing in (("_rungs", ()), ("_others", ()), ("_all_pairs_search", None)):
-        monkeypatch.setattr(many_blocks, name, lambda *_, nothing=nothing: nothing)
+    for name, nothing in (("_rungs", ()), ("_others", ()), ("search_of_all_pairs", None)):
+        monkeypatch.setattr(many_blocks_ladder, name, lambda *_, nothing=nothing: nothing)
     found = checked("bench")
     beyond = found.result.balance.friction_excess
     assert beyond > 1e-4  # against the strength at the limit itself
@@ -215,7 +215,7 @@ def test_without_a_limit_at_another_stiffness_it_is_not_judged(monkeypatch) -> N
         limit = solved.result.fos.limit
         return (Rung("stiffness", "", 1, 0.1, None, 0.0), Rung("stiffness", "", 1, 1.0, limit * lost["factor"], 0.0))
 
-    monkeypatch.setattr(many_blocks, "_rungs", ladder)
+    monkeypatch.setattr(many_blocks_ladder, "_rungs", ladder)
     one = finding(check(sk.load(BONDED_ROW)), "stiffness ratio")
     assert (one.met, one.value) == (None, None)
     assert "none with k_t/k_n 0.1" in one.words
@@ -271,7 +271,7 @@ def test_another_strength_leads_to_the_same_limit_state() -> None:
 
 def test_a_limit_that_is_not_the_only_one_is_found_out(monkeypatch) -> None:
     """Half the strength with less than half the factor: the number hangs on the way there."""
-    monkeypatch.setattr(many_blocks, "_others", lambda solved: (0.9 * solved.result.fos.limit,) * 2)
+    monkeypatch.setattr(many_blocks_ladder, "_others", lambda solved: (0.9 * solved.result.fos.limit,) * 2)
     found = check(sk.load(ROUGH_COLUMNS))
     assert finding(found, "other strengths").value > 0.05
     assert "not unique" in finding(found, "other strengths").words

@@ -5,7 +5,6 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
@@ -14,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from slopekit.block_scene import Contacts
 from slopekit.core.arrays import frozen
 from slopekit.core.errors import Notice
-from slopekit.core.onlooker import Clock, say
+from slopekit.core.onlooker import Clock
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
@@ -49,7 +48,7 @@ from slopekit.loads import AssemblyLoads
 from slopekit.notices import SQUARE, common_notices
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
-from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import (
@@ -57,9 +56,7 @@ from slopekit.preie.ravelling import (
     Failure,
     Part,
     Ravelling,
-    component_limit,
     critical_load,
-    finer_model,
     ravel,
     whole_model,
 )
@@ -67,13 +64,11 @@ from slopekit.preie.tolerances import MESH_CHANGE
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.kinds.ladders import Ladder, Rung
+    from slopekit.kinds.ladders import Ladder
     from slopekit.kinds.topple import ToppleDesign
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
-_MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
-_RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
@@ -156,6 +151,11 @@ def kind_of_many_blocks(
         difference, agree = compare(reached, status, closed, design.agree_within)
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled)
 
+    def ladder(design: A) -> "Ladder":
+        from slopekit.kinds.many_blocks_ladder import ladder_of_blocks  # only `check` asks
+
+        return ladder_of_blocks(design, solved(own, design))
+
     def parts(design: A, result: Result) -> tuple[Section, ...]:
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
@@ -169,7 +169,7 @@ def kind_of_many_blocks(
 
     return Kind(
         name, record, read, own.words, lambda design: solved(own, design).result, factors,
-        lambda design: _ladder(own, design), lambda design: [strength for _, strength in design.strengths], parts,
+        ladder, lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
         falls_west=falls_west, column_row=column_row, answered=answered,
@@ -238,7 +238,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     with clock("all_pairs"):
         all_pairs = None
         if design.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
-            all_pairs = _all_pairs_search(design, scene, loads, mechanisms[0].fos)
+            all_pairs = search_of_all_pairs(design, scene, loads, mechanisms[0].fos)
     status = mechanisms[0].status if mechanisms else "no_driving_force"
     sure = bool(mechanisms) and mechanisms[0].status != "not_converged"
     limit = mechanisms[0].fos if sure else None
@@ -257,7 +257,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         SHEAR_TO_NORMAL,
     )  # fmt: skip
     parts = ravelling.parts
-    balanced = _balance(parts)
+    balanced = balance_of(parts)
     first = ravelling.failures[0].parts if ravelling.failures else ()
     split = [0 if part.refined is None else int(part.refined.max()) for part in first]
     size = ModelSize(
@@ -274,7 +274,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         static_bound_proved=bound is not None,
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
-        all_pairs=None if all_pairs is None else _all_pairs(all_pairs),
+        all_pairs=None if all_pairs is None else all_pairs_of(all_pairs),
         warnings=tuple(_notices(own, design, scene, ravelling, mechanisms, closed)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
         findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
@@ -282,7 +282,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     return SolvedAssembly(result, scene, loads, ravelling)
 
 
-def _all_pairs_search(
+def search_of_all_pairs(
     design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, limit: float
 ) -> AllPairsFailed | None:
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
@@ -290,7 +290,7 @@ def _all_pairs_search(
     return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
 
 
-def _all_pairs(search: AllPairsFailed) -> AllPairs:
+def all_pairs_of(search: AllPairsFailed) -> AllPairs:
     """The search as a result keeps it."""
     return AllPairs(search.bracket, search.lost_equilibrium, search.history)
 
@@ -333,7 +333,7 @@ def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
     return checks
 
 
-def _balance(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
+def balance_of(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
     """How well the forces of the parts that have a factor balance the loads.
 
     Where the limit is that of a group of blocks, the forces are those of all blocks at their last rest, just before it:
@@ -539,76 +539,6 @@ def _without_rest(limit: BlocksLimit) -> Notice:
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------
-
-
-def _ladder(own: Blocks[A], design: A) -> "Ladder":
-    """The result with its all-pairs factor, the rungs, the limit at other strengths."""
-    from slopekit.kinds.ladders import Ladder
-
-    solution = solved(own, design)
-    result = solution.result
-    few = result.model.moving_blocks <= _MOST_SEARCHED
-    if few and result.fos.limit and result.all_pairs is None:
-        say("all pairs", head=True)
-        search = _all_pairs_search(design, solution.scene, solution.loads, result.fos.limit)
-        if search is not None:
-            fos = replace(result.fos, all_pairs_failed=search.factor)
-            result = replace(result, fos=fos, all_pairs=_all_pairs(search))
-    unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
-    with threadpool_limits(1):  # as the analysis: bands are narrow
-        rungs = tuple(_rungs(solution))
-    parts = solution.ravelling.parts
-    rest = _balance(parts, at_rest=True) if any(part.limit.width for part in parts) else None
-    return Ladder(result, rungs, _others(solution), unrefined, rest=rest)
-
-
-def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:
-    """The same F of the blocks that fail first, with their strength divided."""
-    from slopekit.kinds.ladders import OTHER_STRENGTH
-
-    failures = solution.ravelling.failures
-    if not failures or not failures[0].limit.factor:
-        return ()
-    model, factors = failures[0].parts[0].model, []
-    with threadpool_limits(1):
-        for k in (OTHER_STRENGTH, failures[0].limit.factor):
-            say("other strengths", head=True)
-            other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
-            limit = limit_of_blocks(other, ranged=False)
-            factors.append(k * limit.factor if limit.factor else None)
-    return tuple(factors)
-
-
-def _rungs(solution: SolvedAssembly) -> "Iterator[Rung]":
-    """Rungs of the blocks that fail first; those that were held stay so."""
-    from slopekit.kinds.ladders import MOST_PAIRS, Rung, often, timed
-
-    result, scene, failures = solution.result, solution.scene, solution.ravelling.failures
-    if result.agree is not None and result.fos.closed_form is not None:
-        taken = result.timing_s["closed_form"]
-        yield Rung("closed form", "closed form", None, None, result.fos.closed_form, taken)
-    if not failures or not failures[0].limit.factor:
-        return
-    part = failures[0].parts[0]
-    for ratio in _RATIOS:
-        say(f"ladder, k_t/k_n {ratio:g}", head=True)
-        limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
-        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
-    for level in range(3 if _refines(solution) else 1):
-        model = part.model
-        if level:
-            model = finer_model(scene.assembly, solution.loads, joint_strength(scene.strengths), part, level)
-        if level and len(model.control_area) > MOST_PAIRS:
-            break
-        say(f"ladder, parts split {often(level)}", head=True)
-        (_, limit), seconds = timed(partial(component_limit, model, False))
-        setting = f"parts split {often(level)}" if _refines(solution) else "as analysed"
-        yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
-
-
-def _refines(solution: SolvedAssembly) -> bool:
-    """Whether finer node pairs mean anything: in a section a flat contact slips as one, and its ends turn it."""
-    return not solution.scene.assembly.in_section
 
 
 # -- words ------------------------------------------------------------------------------------------------------------
