@@ -10,7 +10,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.codec import record_of
 from slopekit.design.templates import path_of
-from slopekit.kinds import ladders
+from slopekit.kinds import ladders, many_blocks_ladder
 from slopekit.kinds.ladders import Rung, timed
 from slopekit.studies.check import Check, Finding, check
 from slopekit.studies.check import run as module
