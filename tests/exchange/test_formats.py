@@ -11,7 +11,7 @@ import slopekit as sk
 from slopekit.block_scene import BlockScene
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import volume_of
-from slopekit.geometry.meshes import read_mesh
+from slopekit.geometry.meshes import outward, read_mesh
 from tests.bolted import bolted
 from tests.exchange.conftest import EAST, NORTH, TEMPLATES
 from tests.exchange.meshes import read_blocks
@@ -65,7 +65,7 @@ def test_a_mesh_at_map_coordinates_that_is_inside_out_is_turned(tmp_path) -> Non
     (tmp_path / "box.obj").write_text("\n".join(text))
     vertices, triangles, closed = read_mesh(tmp_path / "box.obj", "box")
     assert closed
-    assert volume_of(vertices, triangles) == pytest.approx(1.0, rel=1e-8)
+    assert volume_of(vertices, outward(vertices, triangles)) == pytest.approx(1.0, rel=1e-8)
 
 
 def test_stl_by_trimesh_and_by_its_text(result, tmp_path) -> None:
