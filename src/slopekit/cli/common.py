@@ -1,14 +1,16 @@
 """What the commands share: options, reading a design, folders, faults as text or JSON."""
 
 import json
+import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import typer
 
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault, Faults, SlopekitError, writing
+from slopekit.core.sheet import WIDTH
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -18,6 +20,7 @@ QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
 FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt, bolts.csv and pictures (extra: plot).")
 SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
 CASE = typer.Option("--case", help="One load case of the design, by name [all of them].", metavar="NAME")
+_HANG = " " * 5  # what stands below the first line of a fault
 FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
 
 
@@ -102,4 +105,21 @@ def print_faults(error: SlopekitError, plainly: bool = False) -> None:
     if "--json" in sys.argv[1:] and not plainly:
         typer.echo(json_text({"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}))
     for fault in error.faults:
-        typer.echo(str(fault), err=True)
+        # where it stands, the second part, is the user's own line; the first is whole for scripts, which look for it
+        first = folded(f"{fault.code} {fault.message}", _HANG, sys.stderr) if sys.stderr.isatty() else ""
+        typer.echo(first or f"{fault.code} {fault.message}", err=True)
+        if fault.where:
+            typer.echo(_HANG + fault.where, err=True)
+        if fault.advice:
+            typer.echo(folded(_HANG + fault.advice, _HANG, sys.stderr), err=True)
+
+
+def folded(text: str, hang: str = "", to: TextIO | None = None) -> str:
+    """A paragraph in lines as wide as the terminal, 100 columns where that is wider or there is none."""
+    import textwrap
+
+    try:
+        width = min(max(os.get_terminal_size((to or sys.stdout).fileno()).columns, 40), WIDTH)
+    except (OSError, ValueError):  # no terminal, or no file at all
+        width = WIDTH
+    return textwrap.fill(text, width, subsequent_indent=hang, break_long_words=False, break_on_hyphens=False)

@@ -131,6 +131,8 @@ def explain(
 
         typer.echo(messages_page(), nl=False)
         return
+    from slopekit.cli.common import folded
     from slopekit.core.explanations import explanation
 
-    typer.echo(explanation(code))
+    for line in explanation(code).splitlines():
+        typer.echo(folded(line))
