@@ -383,8 +383,9 @@ def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
             ("full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
         )
     one_for_all = len(set(design.strengths)) == 1
-    for k, strength in enumerate(dict.fromkeys(design.strengths)):
-        of = "" if one_for_all else f" of {('J1', 'J2', 'basal')[k]}"
+    for strength in dict.fromkeys(design.strengths):
+        held = zip(("J1", "J2", "basal"), design.strengths, strict=False)
+        of = "" if one_for_all else " of " + " and ".join(joint for joint, own in held if own == strength)
         for name, other in changed_laws(strength):
             each = [other if own == strength else own for own in design.strengths]
             changes.append((name + of, design.with_strengths(each)))
