@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
-from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
+from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
 from slopekit.result import Result, WithoutBasal, Words
@@ -123,10 +124,11 @@ def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
     trend = line.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
     seismic = design.seismic.coefficient * Line(trend, 0.0).vector()
     origin = np.array(design.origin_m)
+    hull = cache(lambda: Hull.of(block))  # which a block without bolts does not need
     active, passive = bolt_forces(
         design,
         origin,
-        lambda name, head, way, length, where: check_bolt(block, name, head, way, length, (J1, J2), where),
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, (J1, J2), where),
     )
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), seismic,
