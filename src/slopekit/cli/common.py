@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, TextIO
 import typer
 
 from slopekit._version import __version__
+from slopekit.cli.progress import aside
 from slopekit.core.errors import DesignError, Fault, Faults, SlopekitError, writing
+from slopekit.core.onlooker import say
 from slopekit.core.sheet import WIDTH
 
 if TYPE_CHECKING:
@@ -90,6 +92,7 @@ def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:
     for path in paths:
         try:
             if path is not None:
+                say(what)
                 draw(document, what, path)
         except DesignError as error:
             print_faults(error, plainly=True)
@@ -102,6 +105,11 @@ def json_text(document: Any) -> str:
 
 def print_faults(error: SlopekitError, plainly: bool = False) -> None:
     """Faults on stderr, and as JSON on stdout where that was asked for."""
+    with aside():
+        _print_faults(error, plainly)
+
+
+def _print_faults(error: SlopekitError, plainly: bool) -> None:
     if "--json" in sys.argv[1:] and not plainly:
         typer.echo(json_text({"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}))
     for fault in error.faults:
