@@ -1,10 +1,13 @@
 """Compiles `slopekit/preie/_kernels.c` where there is a C compiler; without one slopekit installs as pure Python.
 
+And makes the page of the package of README.md.
+
 CC and CFLAGS are heeded as usual. A wheel with the kernels fits this machine and every Python from 3.11 on; an editable
 install finds them in the source tree.
 """
 
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -15,9 +18,28 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 _FOLDER = Path("slopekit", "preie")
 _NAME = "_kernels.abi3.so"
+
+
+class ReadmeHook(MetadataHookInterface):
+    """README.md as a page by itself: links into the sources become their words in italics, pictures are left out."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        """Add the page."""
+        text = Path(self.root, "README.md").read_text(encoding="utf-8")
+        metadata["readme"] = {"content-type": "text/markdown", "text": page_of(text)}
+
+
+def page_of(readme: str) -> str:
+    """A README without relative links; the code in it as it is."""
+    parts = re.split(r"(^```.*?^```$)", readme, flags=re.MULTILINE | re.DOTALL)
+    for k in range(0, len(parts), 2):
+        parts[k] = re.sub(r"\[?!\[[^]]*\]\((?!https?:)[^)]*\)(?:\]\([^)]*\))?\n*", "", parts[k])
+        parts[k] = re.sub(r"\[([^][]+)\]\((?!https?:)[^)]*\)", r"*\1*", parts[k])
+    return "".join(parts)
 
 
 class KernelsHook(BuildHookInterface[Any]):

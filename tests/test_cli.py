@@ -6,10 +6,13 @@ import os
 import re
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 
 import pytest
 
 import slopekit as sk
+from slopekit.cli import main
 from slopekit.core.options import given_by
 from tests.commands import slopekit
 
@@ -139,10 +142,34 @@ def test_a_folder_that_cannot_be_written_is_refused_first(tmp_path) -> None:
 
 def test_explain_and_version() -> None:
     assert slopekit("explain", "e203").stdout.startswith("E203\n")
+    assert max(map(len, slopekit("explain", "E113").stdout.splitlines())) <= 100
     unknown = slopekit("explain", "E2O3")
     assert unknown.returncode == 2
     assert "Did you mean E203?" in unknown.stderr
     assert slopekit("--version").stdout == "slopekit 0.1.0\n"
+
+
+@pytest.mark.parametrize(("columns", "widest"), [(30, 40), (60, 60), (300, 100)])
+def test_text_is_folded_to_the_terminal(columns, widest, monkeypatch) -> None:
+    """Texts of messages and faults as wide as the terminal, between 40 and the 100 columns of a sheet."""
+
+    class Terminal(StringIO):
+        def isatty(self) -> bool:
+            return True
+
+        def fileno(self) -> int:
+            return 1
+
+    text, faults = Terminal(), Terminal()
+    monkeypatch.setattr("os.get_terminal_size", lambda _: os.terminal_size((columns, 24)))
+    with redirect_stdout(text), redirect_stderr(faults):
+        for arguments in (["explain", "E113"], ["explain", "E2O3" + "3" * 30]):
+            monkeypatch.setattr("sys.argv", ["slopekit", *arguments])
+            with pytest.raises(SystemExit):
+                main()
+    lines = [*text.getvalue().splitlines(), *faults.getvalue().splitlines()]
+    assert widest - 12 < max(map(len, lines)) <= widest
+    assert faults.getvalue().startswith("E128 ")
 
 
 @pytest.mark.parametrize(

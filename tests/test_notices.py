@@ -154,6 +154,25 @@ def test_faults_of_the_command_line(arguments, starts, tmp_path) -> None:
         assert fault["advice"] == "Give it one of these endings: .png, .glb, .gltf."
 
 
+@pytest.mark.parametrize(
+    ("arguments", "starts"),
+    [
+        (("--dips", "45/115", "--quiet"), "E100 --dips takes 2 values, and --quiet is an option"),
+        (("--dips=45/115", "--json"), "E100 --dips takes 2 values, and --json is an option"),
+        (("--dips", *DIPS, "-o", "--quiet"), "E100 -o takes a value, and --quiet is an option"),
+        (("--dips", *DIPS, "--c", "--phi=20"), "E100 --c takes a value, and --phi=20 is an option"),
+        (("--dips", *DIPS, "--c", "-o", "x"), "E100 --c takes a value, and -o is an option"),
+        (("--dips", *DIPS, "--seismic", "-0.1"), "E122 seismic coefficient is -0.1"),
+    ],
+)
+def test_an_option_is_no_value_of_the_option_before_it(arguments, starts, tmp_path) -> None:
+    """`--dips 45/115 --quiet` took --quiet for a plane, `-o --quiet` made a folder of that name."""
+    run = slopekit("wedge", *arguments, cwd=tmp_path)
+    assert run.returncode == 2
+    assert run.stderr.startswith(starts)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("missing", ["pyvista", "matplotlib"])
 def test_drawing_without_its_extra_says_which(monkeypatch, tmp_path, missing) -> None:
     from slopekit.views import rendering

@@ -77,7 +77,22 @@ def test_the_pure_wheel_says_what_the_project_says(pure) -> None:
     bare = {one for one in said.get_all("Requires-Dist") if "extra ==" not in one}
     assert {_library(one) for one in bare} == {_library(one) for one in PROJECT["dependencies"]}
     assert set(said.get_all("Provides-Extra")) == set(PROJECT["optional-dependencies"])
-    assert said.get_payload().startswith("# slopekit")
+    assert said["Description-Content-Type"] == "text/markdown"
+
+
+def test_the_page_of_the_package_leads_nowhere_that_it_has_not(pure) -> None:
+    """A registry shows README alone: links into the sources would be dead, pictures broken."""
+    with zipfile.ZipFile(pure) as wheel:
+        page = Parser().parsestr(wheel.read(f"slopekit-{sk.__version__}.dist-info/METADATA").decode()).get_payload()
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert page.startswith("# slopekit\n")
+    assert re.findall(r"\]\((?!https?:)", page) == []
+    assert len(re.findall(r"\]\((?!https?:)", readme)) > 10
+    code = re.findall(r"^```.*?^```$", readme, re.MULTILINE | re.DOTALL)
+    assert re.findall(r"^```.*?^```$", page, re.MULTILINE | re.DOTALL) == code
+    words = re.sub(r"!\[[^]]*\]\([^)]*\)|\]\([^)]*\)", "", readme)
+    assert set(re.findall(r"\w+", words)) - set(re.findall(r"\w+", page)) == set()
+    assert "*What each screen\ndoes, in eight pictures*" in page
 
 
 def test_the_pure_wheel_works_without_its_compiled_part(pure, tmp_path) -> None:

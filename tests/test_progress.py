@@ -1,7 +1,9 @@
 """Progress: what an analysis says of its stages, and the line on a terminal."""
 
 import io
+import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -11,7 +13,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.cli import progress as room
-from slopekit.cli.progress import progress, watched
+from slopekit.cli.progress import aside, progress, watched
 from slopekit.core.onlooker import onlooker, say
 from tests.properties.test_not_unique import TWO_BLOCKS
 
@@ -77,6 +79,72 @@ def test_a_bar_has_the_line_for_itself(terminal) -> None:
     assert "100%" in shown
     assert " s  " not in shown
     assert " s  " in terminal.getvalue().removeprefix(shown)
+
+
+def test_a_bar_that_stands_still_says_at_what_it_is(terminal, monkeypatch) -> None:
+    """An evaluation of a minute is one step of a bar: its time and stage stand behind it, within the terminal."""
+    monkeypatch.setattr(room, "_STILL_S", 0.05)
+    monkeypatch.setattr(room._Line, "_columns", lambda _: 80)
+    with redirect_stderr(terminal), watched("reading"), progress("evaluations", 10) as advance:
+        advance(1)
+        say("path, strength divided by", 1.23456)
+        time.sleep(0.3)
+        standing = terminal.getvalue()
+        advance(1)
+        moved = terminal.getvalue().removeprefix(standing)
+    assert "0 s  reading: pat" in standing
+    assert max(len(frame.strip()) for frame in re.split(r"[\r\n]|\x1b\[[?\d]*\w", standing)) <= 80
+    assert "path" not in moved
+
+
+def test_what_is_printed_aside_stands_on_a_line_of_its_own(terminal) -> None:
+    with redirect_stderr(terminal), watched("pictures"):
+        time.sleep(0.1)
+        with aside():
+            before = terminal.getvalue()
+            terminal.write("E140 no plot\n")
+        time.sleep(0.1)
+    assert before.split("\r")[-2:] == [" " * len(before.split("\r")[-2]), ""]
+    after = terminal.getvalue().removeprefix(before).removeprefix("E140 no plot\n")
+    assert after.startswith("\r    0 s  pictures")
+    with redirect_stderr(terminal), aside():
+        pass
+    assert terminal.getvalue() == before + "E140 no plot\n" + after
+
+
+@pytest.mark.parametrize("arguments", [
+    ["run", "templates/wedge.yaml", "--no-pictures"], ["plot", "RESULT", "stereonet", "-o", "FOLDER/a.png"],
+    ["export", "RESULT", "-o", "FOLDER/a.stl"], ["doctor"],
+], ids=lambda given: given[0])  # fmt: skip
+def test_every_command_that_may_take_long_is_watched(arguments, monkeypatch, tmp_path) -> None:
+    """Reading, drawing, exporting and the self test, not the analysis alone."""
+    from contextlib import contextmanager
+
+    from slopekit.cli import common, main, outputs, study_command, tools
+
+    seen = []
+
+    @contextmanager
+    def noted(stage: str = ""):
+        seen.append(stage)
+        yield
+
+    for module in (outputs, study_command, tools):
+        monkeypatch.setattr(module, "watched", noted)
+    monkeypatch.setattr("slopekit.views.doctor.examination", lambda: ([], True))
+    assert common.aside is aside
+    if "RESULT" in arguments:
+        (tmp_path / "result.json").write_text(json.dumps(sk.wedge(dips=("45/115", "45/245")).to_dict()))
+    argv = [
+        word.replace("RESULT", str(tmp_path / "result.json")).replace("FOLDER", str(tmp_path)) for word in arguments
+    ]
+    monkeypatch.setattr(sys, "argv", ["slopekit", *argv])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 0
+    assert (
+        seen == {"run": ["reading", ""], "plot": ["stereonet"], "export": ["export"], "doctor": ["self test"]}[argv[0]]
+    )
 
 
 def test_what_is_quick_shows_nothing(terminal) -> None:

@@ -135,8 +135,31 @@ def _water(polygon: Floats, pressure: WaterPressure) -> tuple[Floats, Floats]:
     return force, sizes @ centres / sizes.sum()
 
 
+@dataclass(frozen=True, slots=True)
+class Hull:
+    """The planes of a convex block, made once for all its bolts.
+
+    Attributes
+    ----------
+    planes : (n,) the id of each; outward : (n, 3) unit normals; points : (n, 3) one of each; size : m
+    """
+
+    planes: list[int]
+    outward: Floats
+    points: Floats
+    size: float
+
+    @classmethod
+    def of(cls, block: Block) -> "Hull":
+        """The planes of a block."""
+        first = np.array([polygon[:3] for polygon in block.faces.values()])
+        outward = cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
+        outward = outward / np.sqrt((outward**2).sum(axis=1))[:, None]
+        return cls(list(block.faces), outward, first[:, 0], float(np.ptp(block.corners, axis=0).max()))
+
+
 def check_bolt(
-    block: Block,
+    hull: Hull,
     name: str,
     head: Floats,
     direction: Floats,
@@ -151,20 +174,15 @@ def check_bolt(
     GeometryError
         E211 the bolt misses the block, E212 it is too short.
     """
-    enters, leaves, behind = -math.inf, math.inf, -1
-    size = float(np.ptp(block.corners, axis=0).max())
-    for plane, polygon in block.faces.items():
-        outward = cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
-        outward = outward / math.sqrt(float(outward @ outward))
-        gap, slope = float(outward @ (polygon[0] - head)), float(outward @ direction)
-        if abs(slope) < 1e-12:
-            if gap < -1e-9 * size:
-                enters = math.inf
-        elif slope > 0.0 and gap / slope < leaves:
-            leaves, behind = gap / slope, plane
-        elif slope < 0.0:
-            enters = max(enters, gap / slope)
-    passes = leaves > max(enters, 0.0) + 1e-9 * size
+    gap, slope = ((hull.points - head) * hull.outward).sum(axis=1), hull.outward @ direction
+    along = np.abs(slope) < 1e-12
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = gap / slope
+    going_out = np.where(~along & (slope > 0.0), at, math.inf)
+    enters = np.where(~along & (slope < 0.0), at, -math.inf).max(initial=-math.inf)
+    leaves = float(going_out.min(initial=math.inf))
+    behind = hull.planes[int(going_out.argmin())] if leaves < math.inf else -1
+    passes = leaves > max(enters, 0.0) + 1e-9 * hull.size and not (along & (gap < -1e-9 * hull.size)).any()
     judge_bolt(name, leaves if passes else None, behind in joints, length, where)
 
 

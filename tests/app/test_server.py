@@ -4,6 +4,7 @@ import asyncio
 import gc
 import json
 import random
+import re
 import shlex
 from concurrent.futures import Future
 from dataclasses import replace
@@ -11,12 +12,14 @@ from dataclasses import replace
 import pytest
 
 from slopekit.app.answers import analysed, answer_of, net_of
+from slopekit.app.controls import values_of
 from slopekit.app.desk import Desk, Wanted
 from slopekit.app.messages import LARGEST, LARGEST_SURVEY, parsed
 from slopekit.app.server import HEADERS, application
 from slopekit.app.session import Session, opened_file, opened_template
 from slopekit.app.verbs import take
 from slopekit.core.errors import DesignError
+from slopekit.design.files import load
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse
 from slopekit.views.viewer_data import viewer_data
@@ -221,15 +224,40 @@ def test_what_governs_is_the_difference_that_another_design_makes(desk):
         tuple(replace(one, friction_angle_deg=one.friction_angle_deg + 1.0) for one in result.design.strengths)
     )
     more = analyse(up).fos.closed_form - result.fos.closed_form
-    said = {one["path"]: one["text"] for one in answer["governs"]}
+    said = {path: one["text"] for one in answer["governs"] for path in one["paths"]}
     assert said["strength.weak.phi"] == f"φ +1° {more:+.2f}"
     scattered = Session.of_template("wedge-scatter").now  # 24° and 33°
     assert (answer["net"]["friction"], net_of(scattered, None)["friction"]) == (20.0, 24.0)
 
 
-def test_set_is_answered_with_the_number_that_the_library_gives(desk):
-    from slopekit.design.files import load
+SHARED = [("joints.J2.strength", "rough"), ("basal", {"plane": "25/180", "height": "3 m", "strength": "stepped"})]
 
+
+@pytest.mark.parametrize(("template", "sets"), [
+    ("wedge-scatter", []), ("wedge-basal", []), ("rough", []), ("rough", SHARED), ("plane", []), ("footing", []),
+])  # fmt: skip
+def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
+    """Its sliders moved as it says give the factor that it says: all strengths where it is said of all."""
+    design = load(path_of(template), sets)
+    answer, result = analysed(replace(Session.of_template(template).now, document=design.source, design=design))
+    keys = values_of(design)
+    moved = 0
+    for told, (name, factor, _) in zip(answer["governs"], result.governs, strict=True):
+        if name == "full water":
+            continue
+        step = re.search(r"[+]([\d.]+)( %|°|)", name)
+        by = {
+            path: keys[path].value * 1.1 if step[2] == " %" else keys[path].value + float(step[1])
+            for path in told["paths"]
+        }
+        assert by, name
+        assert all(path.split(".")[1] in told["text"] for path in by) or len(by) == 1
+        assert analyse(load(path_of(template), [*sets, *by.items()])).fos.closed_form == pytest.approx(factor, rel=1e-9)
+        moved += len(by)
+    assert moved >= 3
+
+
+def test_set_is_answered_with_the_number_that_the_library_gives(desk):
     async def scene():
         async with Page(desk) as page:
             await page.begin()

@@ -201,6 +201,51 @@ def test_no_place_of_a_dense_sweep_is_worse(more) -> None:
         assert lowest == pytest.approx(min(factors), rel=5e-3)
 
 
+#: Cracks that are worst where their range ends, without a factor at the last place and with one, and where it begins.
+_SHAKEN = {"loads": {"seismic": {"k": 0.1, "toward": 180}}}
+ENDS = {
+    "basal": ({
+        **_SHAKEN, "slope": {"face": "56/180", "upper": "8/180", "height": "20 m"},
+        "joints": {"J1": {"plane": "46/145"}, "J2": {"plane": "74/267"}}, "strength": {"s": {"c": 10, "phi": 27}},
+        "basal": {"plane": "9/180", "height": "3 m"}, "crack": {"plane": "83/169", "distance": "worst"},
+    }, "back", "W421 the factor is lowest where the range of the crack ends, 25.23 m behind the crest"),
+    "bolted": ({
+        **_SHAKEN, "slope": {"face": "68/180", "upper": "25/200", "height": "20 m"},
+        "joints": {"J1": {"plane": "39/139"}, "J2": {"plane": "79/215"}}, "strength": {"s": {"c": 0, "phi": 31}},
+        "support": {"bolts": [{"force": "20 MN", "toward": "000/10"}]},
+        "crack": {"plane": "81/164", "distance": "worst"},
+    }, "back", "W421 the factor is lowest where the range of the crack ends, 17.67 m behind the crest"),
+    "begins": ({
+        **_SHAKEN, "slope": {"face": "86/180", "upper": "19/180", "height": "20 m"}, "water": "30 %",
+        "joints": {"J1": {"plane": "62/098"}, "J2": {"plane": "74/214"}}, "strength": {"s": {"c": 50, "phi": 42}},
+        "crack": {"plane": "68/204", "distance": "worst"},
+    }, "end", "W421 the factor is lowest where the range of the crack begins, 15.52 m behind"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_the_range_of_the_worst_crack_is_said_to_end(name) -> None:
+    """Places swept on both sides, each by itself: lower and lower toward it, none cuts the block beyond."""
+    design, where, says = ENDS[name]
+    found = sk.load(WEDGE | design)
+    place, form = found.crack.distance_m, kind_named("wedge").closed_form
+
+    def factor_at(part: float) -> float | None:
+        try:
+            crack = {**design["crack"], "distance": place * part}
+            return form(sk.load(WEDGE | design | {"crack": crack})).factor
+        except GeometryError:
+            return None
+
+    toward = -1.0 if where == "back" else 1.0  # into the range
+    inside = [factor_at(1.0 + toward * part) for part in (0.008, 0.004, 0.002, 0.001, 0.0)]
+    assert inside == sorted(inside, reverse=True)
+    assert inside[-2] == pytest.approx(inside[-1], rel=0.03)
+    assert factor_at(1.0 - toward * 1e-3) is None
+    assert found.crack_searched == where
+    assert [str(one).startswith(says) for one in found.ground_notices(0.0, 20.0)] == [True]
+
+
 @pytest.mark.parametrize("law", [{}, {"waviness": 1}], ids=["together", "one by one"])
 def test_a_crack_that_lets_the_block_go_is_worse_than_any_factor(law) -> None:
     """W441: water in a crack near the crest lifts this wedge; farther back factors rise from 0.2 on."""

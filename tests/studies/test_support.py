@@ -23,7 +23,7 @@ from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
 from slopekit.kinds import cut, factors_of
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.loads import check_bolt
+from slopekit.loads import Hull, check_bolt
 from slopekit.studies.support import run as module
 from slopekit.studies.support.directions import BoltDirections, around, sphere
 from slopekit.studies.support.forces import BoltedBlock, least_along, nearest, slides
@@ -378,12 +378,12 @@ def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning)
         np.array([upward_normal((40.0, 160.0)), upward_normal((80.0, 220.0))]), upward_normal((65.0, 180.0)),
         upward_normal((0.0, 180.0)), 10.0,
     )  # fmt: skip
-    block = cut_wedge(rock)
+    hull = Hull.of(cut_wedge(rock))
     case = turning.cases[0]
     for head, length in zip(case.pattern.layout.heads_m, case.pattern.lengths, strict=True):
-        check_bolt(block, "bolt", head, case.toward.vector(), length, (J1, J2))
+        check_bolt(hull, "bolt", head, case.toward.vector(), length, (J1, J2))
         with pytest.raises(sk.GeometryError) as caught:
-            check_bolt(block, "bolt", head, case.toward.vector(), length - 2.5001, (J1, J2))
+            check_bolt(hull, "bolt", head, case.toward.vector(), length - 2.5001, (J1, J2))
         assert caught.value.codes == ("E212",)
 
 

@@ -4,15 +4,17 @@
 >>> answer = answer_of(Session.of_template("wedge").now)
 >>> answer["lead"], answer["status_words"], answer["agree"], answer["net"]["line"]["trend"]
 ('1.5574', 'slides on both planes', True, 180.0)
->>> answer["governs"][1]
-{'path': 'strength.weak.phi', 'label': 'friction angle of weak', 'text': 'φ +1° +0.06'}
+>>> answer["governs"][1]["text"], answer["governs"][1]["label"], answer["governs"][1]["paths"]
+('φ +1° +0.06', 'friction angle of weak', ['strength.weak.phi'])
 """
 
 import time
 from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from functools import cache
 from typing import Any
 
-from slopekit.app.controls import values_of
+from slopekit.app.controls import text_at, values_of
 from slopekit.app.session import Moment, at
 from slopekit.core.errors import Fault, Notice, SlopekitError
 from slopekit.core.orientation import parse_plane
@@ -23,6 +25,8 @@ from slopekit.design.nodes import Node
 from slopekit.kinds import analyse, kind_of
 from slopekit.kinds.sheets.shared import verdict
 from slopekit.result import JUDGED, Result
+from slopekit.strength.registry import LAWS
+from slopekit.strength.waviness import Wavy
 from slopekit.studies.keys import Key
 from slopekit.views.stage import Stage
 from slopekit.views.viewer_data import data_of
@@ -30,8 +34,8 @@ from slopekit.views.viewer_data import data_of
 Answer = dict[str, Any]
 #: What changes of GOVERNS are made to, by how their names begin: the ends of the paths.
 _GOVERNED: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("full water", ("water.fill",)), ("φ", (".phi", ".phi.mean")), ("c ", (".c", ".c.mean")),
-    ("load", ("footing.load", "footing.load.mean")), ("dip +", ("weak_plane.dip", "weak_plane.dip.mean")),
+    ("full water", ("water.fill",)), ("load", ("footing.load", "footing.load.mean")),
+    ("dip +", ("weak_plane.dip", "weak_plane.dip.mean")),
 )  # fmt: skip
 
 
@@ -166,22 +170,55 @@ def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterato
     base = result.fos.closed_form
     for called, factor, status in result.governs:
         name = design.in_own_names(called)
-        path = _control(name, keys)
-        text = f"{name}: {status.replace('_', ' ')}"
+        paths = _controls(design, name, keys)
+        strengths = list(dict.fromkeys(path.split(".")[1] for path in paths if path.startswith("strength.")))
+        change = name
+        if len(strengths) > 1:  # one change of several sliders: of which, is said
+            change = f"{name.partition(' of ')[0]} of {' and '.join(strengths)}"
+        text = f"{change}: {status.replace('_', ' ')}"
         if factor is not None:
-            text = f"{name}: {factor:.2f}" if base is None or name == "full water" else f"{name} {factor - base:+.2f}"
-        label = words_of(type(design), path) if path else name
-        yield {"path": path, "label": label, "text": text}
+            text = (
+                f"{change}: {factor:.2f}" if base is None or name == "full water" else f"{change} {factor - base:+.2f}"
+            )
+        label = " and ".join(words_of(type(design), path) for path in paths) or name
+        yield {"paths": paths, "label": label, "text": text}
 
 
-def _control(name: str, keys: Mapping[str, Key]) -> str | None:
+def _controls(design: Design, name: str, keys: Mapping[str, Key]) -> list[str]:
+    """The sliders that a change of GOVERNS moves: one, or those of every strength that it is made to."""
     if name.startswith("dip of "):
         of = name.removeprefix("dip of ").rpartition(" ")[0]
         roots = (f"joints.{of}.plane", f"{of}.plane")
         ends = (".dip", ".mean.dip", ".dip.mean")
-        return next((root + end for root in roots for end in ends if root + end in keys), None)
-    wanted = next((ends for begin, ends in _GOVERNED if name.startswith(begin)), ())
-    return next((path for path in keys if path.endswith(wanted) and keys[path].role == "quantity"), None)
+        return [root + end for root in roots for end in ends if root + end in keys][:1]
+    sign, _, rest = name.partition(" +")
+    if key := _signs().get(sign):
+        wanted = [
+            f"strength.{own}.{key}{end}" for own in _held(design, rest.partition(" of ")[2]) for end in ("", ".mean")
+        ]
+        return [path for path in wanted if path in keys]
+    wanted_ends = next((ends for begin, ends in _GOVERNED if name.startswith(begin)), ())
+    return [path for path in keys if path.endswith(wanted_ends) and keys[path].role == "quantity"][:1]
+
+
+@cache
+def _signs() -> Mapping[str, str]:
+    """The keys of strengths by the signs of GOVERNS: `φ_r` is `phi_r`."""
+    records = (*LAWS.values(), Wavy)
+    metadata = [part.metadata for record in records for part in fields(record)]
+    return {one["sign"]: one["key"] for one in metadata if "sign" in one}
+
+
+def _held(design: Design, joints: str) -> list[str]:
+    """The strengths of the joints of a change, `J1 and basal`, all where it names none; as the file calls them."""
+    assert design.source is not None
+    root = design.source.root
+    of, strengths = root.get("joints"), root.get("strength")
+    holders = {joint: f"joints.{joint}" for joint, _ in (of.items() if of is not None else ())}
+    holders |= {part: part for part in ("basal", "weak_plane", "slip") if root.get(part) is not None}
+    named = [holders[joint] for joint in joints.split(" and ") if joint in holders] or list(holders.values())
+    known = [text for holder in named if (text := text_at(design.source, f"{holder}.strength"))]
+    return list(dict.fromkeys(known)) or [own for own, _ in (strengths.items() if strengths is not None else ())]
 
 
 # -- the net ----------------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ import atexit
 import gc
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Annotated, Any, NoReturn, cast
 
@@ -52,6 +52,13 @@ class _Commands(TyperGroup):
         if cmd_name in self.commands and self.commands[cmd_name] is None:
             self.commands[cmd_name] = typer.main.get_command(_app_of(cmd_name))
         return self.commands.get(cmd_name)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """A command and what is left for it, once no option stands where the value of another belongs."""
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None:
+            _refuse_swallowed(command.params, rest)
+        return name, command, rest
 
 
 def _app_of(name: str) -> typer.Typer:
@@ -106,6 +113,25 @@ def _refuse_repeats(arguments: list[str]) -> None:
     )
     if twice:
         raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
+
+
+def _refuse_swallowed(declared: Iterable[Any], arguments: Sequence[str]) -> None:
+    """Refuse an option where a value of the option before it belongs, which the parser would take for the value."""
+    known = {name: one for one in declared for name in (*one.opts, *one.secondary_opts) if name.startswith("-")}
+    at = 0
+    while at < len(arguments) and arguments[at] != "--":
+        name, is_joined, _ = arguments[at].partition("=")
+        at += 1
+        option = known.get(name)
+        if option is None or getattr(option, "is_flag", False):
+            continue
+        behind = at + option.nargs - bool(is_joined)
+        for value in arguments[at:behind]:
+            if value.startswith("--") or value.partition("=")[0] in known:
+                takes = "a value" if option.nargs == 1 else f"{option.nargs} values"
+                message = f"{name} takes {takes}, and {value} is an option"
+                raise DesignError([Fault("E100", message, name, "Try --help for the options.")])
+        at = behind
 
 
 def main() -> None:

@@ -1,14 +1,18 @@
 """What the commands share: options, reading a design, folders, faults as text or JSON."""
 
 import json
+import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import typer
 
 from slopekit._version import __version__
+from slopekit.cli.progress import aside
 from slopekit.core.errors import DesignError, Fault, Faults, SlopekitError, writing
+from slopekit.core.onlooker import say
+from slopekit.core.sheet import WIDTH
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -18,6 +22,7 @@ QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
 FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt, bolts.csv and pictures (extra: plot).")
 SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
 CASE = typer.Option("--case", help="One load case of the design, by name [all of them].", metavar="NAME")
+_HANG = " " * 5  # what stands below the first line of a fault
 FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
 
 
@@ -87,6 +92,7 @@ def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:
     for path in paths:
         try:
             if path is not None:
+                say(what)
                 draw(document, what, path)
         except DesignError as error:
             print_faults(error, plainly=True)
@@ -99,7 +105,29 @@ def json_text(document: Any) -> str:
 
 def print_faults(error: SlopekitError, plainly: bool = False) -> None:
     """Faults on stderr, and as JSON on stdout where that was asked for."""
+    with aside():
+        _print_faults(error, plainly)
+
+
+def _print_faults(error: SlopekitError, plainly: bool) -> None:
     if "--json" in sys.argv[1:] and not plainly:
         typer.echo(json_text({"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}))
     for fault in error.faults:
-        typer.echo(str(fault), err=True)
+        # where it stands, the second part, is the user's own line; the first is whole for scripts, which look for it
+        first = folded(f"{fault.code} {fault.message}", _HANG, sys.stderr) if sys.stderr.isatty() else ""
+        typer.echo(first or f"{fault.code} {fault.message}", err=True)
+        if fault.where:
+            typer.echo(_HANG + fault.where, err=True)
+        if fault.advice:
+            typer.echo(folded(_HANG + fault.advice, _HANG, sys.stderr), err=True)
+
+
+def folded(text: str, hang: str = "", to: TextIO | None = None) -> str:
+    """A paragraph in lines as wide as the terminal, 100 columns where that is wider or there is none."""
+    import textwrap
+
+    try:
+        width = min(max(os.get_terminal_size((to or sys.stdout).fileno()).columns, 40), WIDTH)
+    except (OSError, ValueError):  # no terminal, or no file at all
+        width = WIDTH
+    return textwrap.fill(text, width, subsequent_indent=hang, break_long_words=False, break_on_hyphens=False)

@@ -7,6 +7,7 @@ import typer
 
 from slopekit._version import __version__
 from slopekit.cli.common import CASE, JSON, folder_of, json_text
+from slopekit.cli.progress import watched
 from slopekit.core.errors import DesignError, Fault
 from slopekit.studies.protocol import number_of, whole_number
 
@@ -74,7 +75,8 @@ def plot(
         plots.check(document, what, target, options, path.name)
         if not show:
             folder_of(target.parent)
-        plots.draw(document, what, None if show else target, options, path.name)
+        with watched(what):
+            plots.draw(document, what, None if show else target, options, path.name)
         if not show:
             typer.echo(f"wrote {target}")
     if wanted and len(wanted) < len(documents):
@@ -111,10 +113,11 @@ def export(
     """Blocks, interfaces, node pairs or bolts of a result for CAD, ParaView and others, in your own coordinates."""
     from slopekit.exchange.export import export as export_result
 
-    done = export_result(
-        result, None if output is None else Path(output), what=what, blocks=blocks, moving=moving, binary=binary,
-        split=None if split is None else Path(split), split_as=split_as, case=case,
-    )  # fmt: skip
+    with watched("export"):
+        done = export_result(
+            result, None if output is None else Path(output), what=what, blocks=blocks, moving=moving, binary=binary,
+            split=None if split is None else Path(split), split_as=split_as, case=case,
+        )  # fmt: skip
     if as_json:
         typer.echo(json_text({"slopekit": __version__, **done.to_dict()}))
     elif quiet:
@@ -187,7 +190,8 @@ def report(
     said = _project(project or [])
     documents = [read_document(source) for source in sources]
     folder_of(target.parent)
-    made = write_report(documents, target, [str(source) for source in sources], not no_pictures, said)
+    with watched("pictures" if not no_pictures else "page"):
+        made = write_report(documents, target, [str(source) for source in sources], not no_pictures, said)
     size = target.stat().st_size
     if as_json:
         told = {

@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TextIO
+from typing import Any, TextIO
 
 import typer
 
@@ -15,7 +15,33 @@ from slopekit.core.onlooker import onlooker
 Advance = Callable[[int], None]
 _SILENT = ("--json", "--quiet")
 _FIRST_S, _EVERY_S = 1.0, 0.2  # what is shorter shows nothing; how often the time is written anew
-_BAR = threading.Event()  # a bar has the line of the terminal
+_STILL_S = 2.0  # a bar that has not moved for so long says how long it has taken, and at what it is
+_WIDE, _BESIDE = 24, 28  # columns of a bar, and of brackets, part, time to come (with days) and gaps beside it
+_LINES: list["_Line"] = []  # that have the terminal; the last is the one that writes
+
+
+class _Bar:
+    """A bar that also moves between two steps: who draws it holds the lock."""
+
+    def __init__(self, bar: Any, others: int) -> None:
+        self.bar, self.others, self.lock, self.moved = bar, others, threading.Lock(), time.monotonic()
+
+    def advance(self, by: int) -> None:
+        """Move on."""
+        with self.lock:
+            self.bar.current_item, self.moved = None, time.monotonic()
+            self.bar.update(by)
+
+    def tell(self, text: str, columns: int) -> None:
+        """Write behind a bar that stands still what is done, as far as the terminal goes."""
+        text = text[: max(columns - self.others, 0)]
+        with self.lock:
+            if time.monotonic() - self.moved >= _STILL_S and self.bar.current_item != text:
+                self.bar.current_item = text
+                self.bar.render_progress()
+
+
+_BARS: list[_Bar] = []  # the last has the line of the terminal
 
 
 @contextmanager
@@ -24,32 +50,49 @@ def progress(label: str, total: int) -> Iterator[Advance]:
     if not _shown() or total < 2:
         yield lambda _: None
         return
-    _BAR.set()
-    try:
-        with typer.progressbar(length=total, label=label, file=sys.stderr) as bar:
-            yield bar.update
-    finally:
-        _BAR.clear()
+    with typer.progressbar(
+        length=total, label=label, file=sys.stderr, width=_WIDE, item_show_func=lambda text: text
+    ) as bar:
+        _BARS.append(_Bar(bar, len(label) + _WIDE + _BESIDE))
+        try:
+            yield _BARS[-1].advance
+        finally:
+            with _BARS[-1].lock:
+                bar.current_item = None
+                _BARS.pop()
 
 
 @contextmanager
-def watched() -> Iterator[None]:
+def watched(stage: str = "") -> Iterator[None]:
     """A line with the time and the stage of what runs within, from its second second on; it is wiped at the end.
 
-    While a bar is shown it is silent.
+    While a bar is shown the line is silent; a bar that stands still says the same.
     """
     if not _shown():
         yield
         return
-    line = _Line(sys.stderr)
+    line = _Line(sys.stderr, stage)
     with onlooker(line.hear):
         thread = threading.Thread(target=line.tick, daemon=True)
         thread.start()
+        _LINES.append(line)
         try:
             yield
         finally:
+            _LINES.pop()
             line.over.set()
             thread.join()
+
+
+@contextmanager
+def aside() -> Iterator[None]:
+    """Wipe the line for what is printed within."""
+    if not _LINES:
+        yield
+        return
+    with _LINES[-1].lock:
+        _LINES[-1].wipe()
+        yield
 
 
 def _shown() -> bool:
@@ -59,9 +102,9 @@ def _shown() -> bool:
 class _Line:
     """The line: what was heard last, written by a thread of its own while the numbers are made."""
 
-    def __init__(self, to: TextIO) -> None:
-        self.to, self.began, self.over = to, time.monotonic(), threading.Event()
-        self.head = self.stage = ""
+    def __init__(self, to: TextIO, stage: str = "") -> None:
+        self.to, self.began, self.over, self.lock = to, time.monotonic(), threading.Event(), threading.Lock()
+        self.head, self.stage, self.written = stage, "", 0
         self.value: float | None = None
 
     def hear(self, stage: str, value: float | None, head: bool) -> None:
@@ -80,15 +123,25 @@ class _Line:
         """Write until it is over, then wipe."""
         if self.over.wait(_FIRST_S):
             return
-        length = 0
         while True:
-            if not _BAR.is_set():
-                text = self.text()[: self._columns() - 1]
-                self._write("\r" + text.ljust(length))
-                length = len(text)
+            with self.lock:
+                if _BARS:
+                    self.written = 0  # the bar has the line
+                    _BARS[-1].tell(self.text().strip(), self._columns())
+                else:
+                    text = self.text()[: self._columns() - 1]
+                    self._write("\r" + text.ljust(self.written))
+                    self.written = len(text)
             if self.over.wait(_EVERY_S):
-                self._write("\r" + " " * length + "\r")
+                with self.lock:
+                    self.wipe()
                 return
+
+    def wipe(self) -> None:
+        """Leave an empty line."""
+        if self.written:
+            self._write("\r" + " " * self.written + "\r")
+            self.written = 0
 
     def _columns(self) -> int:
         try:

@@ -6,6 +6,7 @@ from typing import Any
 import typer
 
 from slopekit.cli.common import FOLDER, QUIET, draw_to, image_of
+from slopekit.cli.progress import aside
 from slopekit.core.errors import DesignError, Fault
 
 #: The options of every command that are other ones for results.
@@ -29,7 +30,8 @@ def finish(record: dict[str, Any], folder: Path | None, image: Path | None, plai
         drawn = [] if plain else _drawn(record, folder)
         gone = ", ".join(path.name for path in old if path.stem not in drawn)
         if gone:
-            typer.echo(f"pictures of an earlier result were removed: {gone}", err=True)
+            with aside():
+                typer.echo(f"pictures of an earlier result were removed: {gone}", err=True)
 
 
 def _remove_schedule(record: dict[str, Any], folder: Path) -> None:
@@ -40,7 +42,8 @@ def _remove_schedule(record: dict[str, Any], folder: Path) -> None:
 
     if path.read_bytes().startswith(schedule_table([]).csv().strip().encode()):
         _remove([path], "the bolts")
-        typer.echo(f"the bolts of an earlier result were removed: {path.name}", err=True)
+        with aside():
+            typer.echo(f"the bolts of an earlier result were removed: {path.name}", err=True)
 
 
 def _remove(paths: list[Path], what: str) -> None:
@@ -63,7 +66,8 @@ def _drawn(record: dict[str, Any], folder: Path) -> list[str]:
     except DesignError as error:  # everything else is there: say once what is missing
         (fault,) = error.faults
         left = f"pictures are left out: {fault.code} {fault.message}"
-        typer.echo(f"result.json and sheet.txt are written, {left}", err=True)
+        with aside():
+            typer.echo(f"result.json and sheet.txt are written, {left}", err=True)
         return []
     given = offers(record)
     for what in _PICTURES:

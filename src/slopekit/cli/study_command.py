@@ -21,8 +21,9 @@ from slopekit.cli.common import (
     print_faults,
     write,
 )
-from slopekit.cli.progress import progress, watched
+from slopekit.cli.progress import aside, progress, watched
 from slopekit.core.errors import DesignError, Fault, writing
+from slopekit.core.onlooker import say
 from slopekit.core.options import DESIGN, Argument, Desk, Option, given_by
 from slopekit.core.shown import Shown
 from slopekit.studies.protocol import VARIANTS, Outcome, function_of
@@ -162,7 +163,7 @@ def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str)
         values["desk"] = Desk(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
     with watched():
         outcome = function(**values)
-    _deliver(outcome, folder, image, given)
+        _deliver(outcome, folder, image, given)
     outcome.done()
     raise typer.Exit(outcome.exit_code)
 
@@ -197,7 +198,8 @@ def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> 
     key = getattr(how, "called", "") or key
     text = given[key]
     if how == DESIGN:
-        return load_design(text, given.get("sets"), given.get("case")), {key}
+        with watched("reading"):
+            return load_design(text, given.get("sets"), given.get("case")), {key}
     if isinstance(how, Argument) and how.many:
         return how.reads(text or [], key), {key}
     if text is None or isinstance(text, bool):
@@ -213,7 +215,9 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
     text = str(outcome) if folder or not (as_json or quiet) else ""
     if folder is not None:
         _write(outcome, folder, document, text)
-    typer.echo(document if as_json else outcome.line if quiet else text)
+    with aside():
+        typer.echo(document if as_json else outcome.line if quiet else text)
+    say("pictures", head=True)
     for name, part in outcome.parts.items():
         _draw(part, record["cases"][name] if record else {}, _below(folder, name), _beside(image, name), given)
     if not outcome.parts:

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from slopekit.cli.progress import watched
 from slopekit.core.errors import DesignError, Fault
 
 
@@ -114,7 +115,8 @@ def doctor() -> None:
     """Versions, drawing, a self test of a few seconds."""
     from slopekit.views.doctor import examination
 
-    lines, sound = examination()
+    with watched("self test"):
+        lines, sound = examination()
     typer.echo("\n".join(lines))
     raise typer.Exit(0 if sound else 5)
 
@@ -131,6 +133,8 @@ def explain(
 
         typer.echo(messages_page(), nl=False)
         return
+    from slopekit.cli.common import folded
     from slopekit.core.explanations import explanation
 
-    typer.echo(explanation(code))
+    for line in explanation(code).splitlines():
+        typer.echo(folded(line))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted
-from slopekit.closed_form.search import loss_with_bolts
+from slopekit.closed_form.search import loss_with_bolts, together
 from slopekit.closed_form.tolerances import PARALLEL_DEG, PULLS_SETTLED, SMALL, SQUARE
 from slopekit.core.records import dataclass
 
@@ -295,7 +295,7 @@ def _bed(columns: Columns, block: _Block) -> tuple[_Bed, Vector]:
 
 def _with_bolts(bed: _Bed, load: Sequence[float], given: Sequence[Vector]) -> tuple[float, _Slide]:
     """The factor of one block with passive bolts, and how it slides at the first loss."""
-    bolts = [(float(along[0]), float(off[0])) for along, off in (bed.on_plane(*bolt) for bolt in given)]
+    bolts = together([(float(along[0]), float(off[0])) for along, off in (bed.on_plane(*bolt) for bolt in given)])
 
     def at(reduction: Floats) -> _Slide:
         return bed.slide(_pulled(load, bolts, reduction, bed.size))
@@ -323,9 +323,9 @@ def _pulled(load: Sequence[float], bolts: Sequence[Vector], reduction: Floats, s
     settled = np.zeros(reduction.size, dtype=np.bool_)
     for _ in range(_ROUNDS):
         before = pulls.copy()
+        total = under()
         for k, (along, off) in enumerate(bolts):
-            pulls[k] = 0.0
-            s, n = under()
+            s, n = total[0] - along * pulls[k], total[1] - off * pulls[k]
             drawn = s * along + np.maximum(n, 0.0) * off  # below 0: the movement draws the bolt out
             # on the plane; off it, where the block is lifted; a bolt square to the plane presses with all it has
             stopped = np.where(np.abs(along) > SQUARE * np.abs(off), -s / along, np.inf)
@@ -333,6 +333,7 @@ def _pulled(load: Sequence[float], bolts: Sequence[Vector], reduction: Floats, s
             stopped = np.where(n + stopped * off > 0.0, lifted, stopped)
             pushed_in = drawn >= -SQUARE * np.hypot(along, off) * size
             pulls[k] = np.where(pushed_in, 0.0, np.minimum(stopped, reduction))
+            total = s + along * pulls[k], n + off * pulls[k]
         pulls[:, settled] = before[:, settled]
         settled |= (np.abs(pulls - before) <= PULLS_SETTLED * reduction).all(axis=0)
         if settled.all():

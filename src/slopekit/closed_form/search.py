@@ -1,6 +1,8 @@
 """The first factor at which something no longer stands, with its bracket."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -9,6 +11,10 @@ from slopekit.closed_form.given import Bools, Floats
 _LEAST, _MOST = 1e-6, 1e6
 _STEPS = 2001  # over the whole range: 1.4 % each
 _PARTS = 65
+_SAME_WAY = 12  # decimals of a direction: bolts that differ in a later one pull the same way
+
+#: The parts of a force.
+Bolt = TypeVar("Bolt", bound=tuple[Any, ...])
 
 
 def first_loss(stands: Callable[[Floats], Bools]) -> tuple[float, float]:
@@ -68,3 +74,17 @@ def loss_with_bolts(judged: Callable[[Floats], tuple[Bools, Bools]], touches: bo
     if low == 0.0:
         return (np.nan if judged(np.array([1.0 / high]))[1][0] else 0.0), 1.0 / high
     return low, 1.0 / high
+
+
+def together(bolts: Sequence[Bolt]) -> list[Bolt]:
+    """The bolts, those of one direction as one of all their capacities: forces alone do not tell them apart.
+
+    >>> together([(3.0, 0.0, 4.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, -1.0, 0.0)])
+    [(3.6, 0.0, 4.8), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]
+    """
+    found: dict[tuple[float, ...], Bolt] = {}
+    for bolt in bolts:
+        size = math.hypot(*bolt) or 1.0
+        way = tuple(round(part / size, _SAME_WAY) for part in bolt)
+        found[way] = cast(Bolt, tuple(map(sum, zip(found[way], bolt, strict=True)))) if way in found else bolt
+    return list(found.values())

@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple, Protocol
 import numpy as np
 
 from slopekit.closed_form.given import Bools, Codes, Floats, Value
-from slopekit.closed_form.search import loss_with_bolts
+from slopekit.closed_form.search import loss_with_bolts, together
 from slopekit.closed_form.tolerances import PULLS_SETTLED, SMALL, SQUARE
 
 Vector = tuple[Value, Value, Value]
@@ -136,6 +136,7 @@ def under_bolts(
 
 def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
+    bolts = together([(east, north, up) for east, north, up in bolts])
 
     def at(reduction: Floats) -> Slide:
         return bed.slide(_pulled(bed, load, bolts, reduction))
@@ -163,9 +164,11 @@ def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: F
 
     for _ in range(_ROUNDS):
         before = pulls.copy()
+        total = under(pulls)
         for k, bolt in enumerate(bolts):
-            pulls[k] = 0.0
-            pulls[k] = _best_pull(bed, under(pulls), bolt, reduction)
+            others = less(total, times(bolt, pulls[k]))
+            pulls[k] = _best_pull(bed, others, bolt, reduction)
+            total = plus(others, times(bolt, pulls[k]))
         pulls[:, settled] = before[:, settled]
         settled |= (np.abs(pulls - before) <= PULLS_SETTLED * reduction).all(axis=0)
         if len(bolts) == 1 or settled.all():

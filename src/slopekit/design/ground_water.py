@@ -113,6 +113,9 @@ def surcharge() -> Any:
     )  # fmt: skip
 
 
+_AT_CREST_M = 0.01  # nearer than that a crack is at the crest
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlopeDesign(Design):
     """A block in a slope with a toe, a face and an upper slope.
@@ -167,10 +170,20 @@ class SlopeDesign(Design):
             yield Notice("W441", "with the crack here nothing holds the block, by the closed form: worse than any "
                          "factor of safety")  # fmt: skip
         elif self.crack_searched == "end":
-            yield Notice("W421", "the factor is lowest at an end of the range of the crack: a crack there is at the "
-                         "crest itself, or none at all")  # fmt: skip
+            said = "at an end of the range of the crack: a crack there is at the crest itself, or none at all"
+            if (behind := _behind_crest(self)) > _AT_CREST_M:
+                said = f"where the range of the crack begins, {behind:.2f} m behind the crest: nearer to it none forms"
+            yield Notice("W421", f"the factor is lowest {said}")
+        elif self.crack_searched == "back":
+            yield Notice("W421", f"the factor is lowest where the range of the crack ends, {_behind_crest(self):.2f} m "
+                         "behind the crest: farther back none cuts the block")  # fmt: skip
         elif self.crack_searched == "flat":
             yield Notice("W421", "the place of the crack does not move the factor: none is worse than another")
+
+
+def _behind_crest(design: SlopeDesign) -> float:
+    """The distance of the crack from the crest, m."""
+    return float(getattr(getattr(design, "crack", None), "distance_m", None) or 0.0)
 
 
 def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:

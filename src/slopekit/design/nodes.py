@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, ItemsView, Mapping
 from numbers import Real
 from pathlib import Path
-from typing import Any, NoReturn, TypeAlias
+from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane
@@ -17,6 +17,8 @@ from slopekit.core.records import dataclass
 
 Value: TypeAlias = "dict[str, Node] | list[Node] | str | None"
 Plain: TypeAlias = "dict[str, Plain] | list[Plain] | str | None"
+
+T = TypeVar("T")
 
 MAX_VALUES = 200_000
 MAX_DEPTH = 100
@@ -103,6 +105,33 @@ class Node:
         if isinstance(self.value, list):
             return [node.plain() for node in self.value]
         return self.value
+
+
+class Kept(Generic[T]):
+    """What was made of nodes, by the nodes themselves: a tree with one value replaced has all other nodes in common.
+
+    A node never changes, so that what was made of it stays true; where there are too many, all are forgotten.
+
+    >>> node, kept = document_from({"height": 5}).root, Kept()
+    >>> kept.of(node) is None, kept.keep(node, 5.0), kept.of(node), kept.of(document_from({"height": 5}).root) is None
+    (True, 5.0, 5.0, True)
+    """
+
+    def __init__(self, most: int = 20_000) -> None:
+        self._most = most
+        self._by_id: dict[int, tuple[Node, T]] = {}  # the node is held: its number is no other's
+
+    def of(self, node: Node) -> T | None:
+        """What was made of a node; None where nothing was."""
+        found = self._by_id.get(id(node))
+        return None if found is None else found[1]
+
+    def keep(self, node: Node, made: T) -> T:
+        """Note what was made of a node."""
+        if len(self._by_id) >= self._most:
+            self._by_id.clear()
+        self._by_id[id(node)] = node, made
+        return made
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, every_field, field_at, fields_of
-from slopekit.design.nodes import Document, Node, as_text
+from slopekit.design.nodes import Document, Kept, Node, as_text
 from slopekit.design.parts import Strength
 from slopekit.design.structure import has_angles, is_distribution, orientation_kind
 
@@ -31,6 +31,8 @@ _DRAWN = (
     "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
 )  # fmt: skip
 _STRENGTH_KEYS = [field.path for field in fields_of(Strength).values() if field.is_number]
+#: Items of lists that were read before, with what read them: of hundreds of bolts a study changes none.
+_READ: Kept[tuple[Any, Any]] = Kept()
 _MOST_GUESSES = 10  # did-you-mean among ten thousand names takes its time
 
 
@@ -253,12 +255,19 @@ class Reader:
         """A list of things in words of their own, each with its faults."""
         found = []
         for item in self.items(path):
+            known = _READ.of(item)
+            if known is not None and known[0] is read and not self.misshapen:
+                found.append(known[1])
+                continue
+            before = len(self.variables), len(self._found), len(self.faults)
             value = item.text if item.text is not None and self.is_sound(item) else self.value(item)
             if value is None:
                 continue
             made = self.kept(read, value, str(item.place))
             if made is not None:
                 found.append(made)
+                if before == (len(self.variables), len(self._found), len(self.faults)) and not self.misshapen:
+                    _READ.keep(item, (read, made))
         return tuple(found)
 
     def made(self, record: type[D], *values: Mapping[str, Any], **more: Any) -> D:

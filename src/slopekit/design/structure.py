@@ -3,11 +3,11 @@
 import re
 from collections.abc import Iterator, Mapping
 from difflib import SequenceMatcher, get_close_matches
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from slopekit.core.errors import Fault
 from slopekit.core.records import dataclass
-from slopekit.design.nodes import Node
+from slopekit.design.nodes import Kept, Node
 
 Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf | Anything"
 OrientationKind = Literal["plane", "line"]
@@ -116,6 +116,10 @@ def has_angles(node: Node) -> bool:
     return kind is not None and not is_distribution(node) and any(node.get(angle) is not None for angle in ANGLES[kind])
 
 
+#: Items of lists that were found to have the shape that they need, with that shape.
+_SOUND: Kept[Any] = Kept()
+
+
 class _Checker:
     def __init__(self, spec: Section, kind: str, others: Mapping[str, Section]) -> None:
         self.spec, self.kind, self.others = spec, kind, others
@@ -166,7 +170,12 @@ class _Checker:
 
     def list_of(self, node: Node, spec: ListOf) -> None:
         for below in node.elements:
+            if _SOUND.of(below) is spec.of:
+                continue
+            before = len(self.faults)
             self.check(below, spec.of)
+            if len(self.faults) == before:
+                _SOUND.keep(below, spec.of)
         given, least, most = len(node.elements), spec.at_least, spec.at_most
         if given < least or (most is not None and given > most):
             needed = f"{least}" if least == most else f"at least {least}" if given < least else f"at most {most}"

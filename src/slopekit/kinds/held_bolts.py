@@ -17,6 +17,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 
 D = TypeVar("D", bound=Design)
+_AT_ONCE = 20_000  # lines through blocks
 _CLEAR = 1e-9  # of the size of the block: a line that only touches it does not pass
 
 
@@ -55,10 +56,9 @@ class Held:
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
     """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
     found = np.zeros(len(bolts))
-    for k, bolt in enumerate(bolts):
-        if bolt.head_m is not None:
-            enters, _, passes = _passage(bounds, bolt)
-            found[k] = enters[0] if passes[0] else 0.0
+    for some in _with_heads(bolts, 1):
+        enters, _, passes = _passage(bounds, [bolts[k] for k in some])
+        found[some] = np.where(passes[:, 0], enters[:, 0], 0.0)
     return found
 
 
@@ -73,22 +73,30 @@ def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> Held:
     reaches: list[Any] = [math.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]
     count = max([bounds.offsets.shape[1], *(np.size(reach) for reach in reaches)])
     holds, moved = np.ones((len(bolts), count), dtype=bool), np.zeros((len(bolts), count))
-    for k, bolt in enumerate(bolts):
-        if bolt.head_m is None:
-            continue
-        enters, leaves, passes = _passage(bounds, bolt)
-        moved[k] = np.where(passes, enters - before[k], 0.0)
-        holds[k] = passes & (leaves - moved[k] < reaches[k])
+    for some in _with_heads(bolts, bounds.offsets.shape[1]):
+        enters, leaves, passes = _passage(bounds, [bolts[k] for k in some])
+        moved[some] = np.where(passes, enters - before[some, None], 0.0)
+        reach = np.stack([np.broadcast_to(reaches[k], count) for k in some])
+        holds[some] = passes & (leaves - moved[some] < reach)
     return Held(holds, moved)
 
 
-def _passage(bounds: Bounds, bolt: Bolt) -> tuple[Floats, Floats, Bools]:
-    """How far (m) from its head the line of a bolt enters and leaves each block, and whether it holds the block.
+def _with_heads(bolts: Sequence[Bolt], designs: int) -> list[list[int]]:
+    """The numbers of the bolts that have a head, so many at once that their arrays for n designs stay small."""
+    numbers = [k for k, bolt in enumerate(bolts) if bolt.head_m is not None]
+    at_once = max(1, _AT_ONCE // designs)
+    return [numbers[k : k + at_once] for k in range(0, len(numbers), at_once)]
 
-    It does where the line goes in through a free face and out through a joint.
+
+def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Bools]:
+    """How far (m) from their heads the lines of bolts enter and leave each block, and whether they hold it, (b, n).
+
+    A bolt does where its line goes in through a free face and out through a joint.
     """
-    head, direction = np.array(bolt.head_m), bolt.toward.vector()
-    gap, slope = bounds.offsets - bounds.outward @ head, bounds.outward @ direction
+    heads = np.array([bolt.head_m for bolt in bolts])
+    ways = np.stack([bolt.toward.vector() for bolt in bolts])
+    gap = bounds.offsets[:, None] - (bounds.outward @ heads.T).swapaxes(1, 2)  # (planes, b, n)
+    slope = (bounds.outward @ ways.T).swapaxes(1, 2)
     with np.errstate(divide="ignore", invalid="ignore"):
         at = gap / slope
     along = np.abs(slope) < 1e-12
@@ -97,7 +105,9 @@ def _passage(bounds: Bounds, bolt: Bolt) -> tuple[Floats, Floats, Bools]:
     enters, leaves = going_in.max(axis=0), going_out.min(axis=0)
     beside = (along & (gap < -_CLEAR * bounds.size)).any(axis=0)
     passes = ~beside & (leaves - enters > _CLEAR * bounds.size) & np.isfinite(enters) & np.isfinite(leaves)
-    passes &= np.isin(going_in.argmax(axis=0), bounds.free) & np.isin(going_out.argmin(axis=0), bounds.joints)
+    planes = np.arange(len(bounds.offsets))
+    is_free, is_joint = np.isin(planes, bounds.free), np.isin(planes, bounds.joints)
+    passes &= is_free[going_in.argmax(axis=0)] & is_joint[going_out.argmin(axis=0)]
     return enters, leaves, passes
 
 

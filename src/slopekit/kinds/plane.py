@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -32,7 +33,7 @@ from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_stre
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
-from slopekit.loads import Loads, PointForce, block_loads, check_bolt
+from slopekit.loads import Hull, Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.result import Result, Words
 
@@ -301,9 +302,10 @@ def _seismic(design: PlaneDesign) -> float:
 
 def _loads(design: PlaneDesign, section: Section) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
+    hull = cache(lambda: Hull.of(section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(
         design, origin,
-        lambda name, head, way, length, where: check_bolt(section.block, name, head, way, length, (J1,), where), axes,
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, (J1,), where), axes,
     )  # fmt: skip
     return block_loads(
         section.block, design.unit_weight_kn_m3, {}, np.array([_seismic(design), 0.0, 0.0]),

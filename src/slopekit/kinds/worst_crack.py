@@ -20,9 +20,10 @@ from slopekit.core.records import dataclass
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.kinds.closed_forms import OnArrays
 
-#: Where the lowest factor is: in the range, at an end of it, everywhere, where nothing holds the block, nowhere.
-WHERE = ("inside", "end", "flat", "free", "none")
-_INSIDE, _END, _FLAT_OF, _FREE_OF, _NONE_OF = range(5)
+#: Where the lowest factor is: in the range, at its end toward the crest, everywhere, where nothing holds the block,
+#: nowhere, at its end away from the crest. Places without a factor are outside of the range.
+WHERE = ("inside", "end", "flat", "free", "none", "back")
+_INSIDE, _END, _FLAT_OF, _FREE_OF, _NONE_OF, _BACK = range(6)
 _MANY, _FEW, _ROUNDS = 401, 31, 10
 _AT_ONCE = 256  # designs: of more the columns leave the cache
 _NARROWER = 11
@@ -75,7 +76,7 @@ def lowest_of_many(factors_at: Callable[[Floats], Floats], reach: Floats, count:
 
     >>> found = lowest_of_many(lambda x: (x - np.array([[2.0], [9.0]])) ** 2, np.array([10.0, 5.0]), 50)
     >>> found.places.round(6).tolist(), [WHERE[one] for one in found.where]
-    ([2.0, 4.999995], ['inside', 'end'])
+    ([2.0, 4.999995], ['inside', 'back'])
     """
     each = np.arange(len(reach))
     places = np.linspace(_ENDS, 1.0 - _ENDS, count) * np.asarray(reach)[:, None]
@@ -86,16 +87,19 @@ def lowest_of_many(factors_at: Callable[[Floats], Floats], reach: Floats, count:
     place, factor = places[each, k], factors[each, k]
     low, high = places[each, np.maximum(k - 1, 0)], places[each, np.minimum(k + 1, count - 1)]
     most = np.where(unknown, -np.inf, factors).max(axis=1)
-    where = np.where((k == 0) | (k == count - 1), _END, _INSIDE).astype(np.int8)
+    where = np.select([k == 0, k == count - 1], [_END, _BACK], _INSIDE).astype(np.int8)
+    first, last = np.argmin(unknown, axis=1), count - 1 - np.argmin(unknown[:, ::-1], axis=1)
     with np.errstate(invalid="ignore"):
         where[most - factor <= _FLAT * np.abs(factor)] = _FLAT_OF
     free = np.isneginf(factors)
-    last = count - 1 - np.argmax(free[:, ::-1], axis=1)
+    farthest = count - 1 - np.argmax(free[:, ::-1], axis=1)
     is_free = free.any(axis=1)
-    where[is_free], place[is_free], factor[is_free] = _FREE_OF, places[each, last][is_free], -np.inf
+    where[is_free], place[is_free], factor[is_free] = _FREE_OF, places[each, farthest][is_free], -np.inf
     where[unknown.all(axis=1)] = _NONE_OF
     place[where == _NONE_OF] = factor[where == _NONE_OF] = np.nan
     inside = where == _INSIDE
+    at_edge = inside & ((k == first) | (k == last))
+    beyond = np.where(k == last, high, low)
     for _ in range(rounds if inside.any() else 0):
         places = np.linspace(low, high, _NARROWER, axis=1)
         factors = factors_at(places)
@@ -103,6 +107,11 @@ def lowest_of_many(factors_at: Callable[[Floats], Floats], reach: Floats, count:
         better = inside & (factors[each, k] <= factor)
         place, factor = np.where(better, places[each, k], place), np.where(better, factors[each, k], factor)
         low, high = places[each, np.maximum(k - 1, 0)], places[each, np.minimum(k + 1, _NARROWER - 1)]
+    if at_edge.any():  # of the places that have a factor: a valley rises again before them
+        factors = factors_at(np.linspace(place, beyond, _NARROWER, axis=1))
+        with np.errstate(invalid="ignore"):
+            rises = (np.where(np.isnan(factors), -np.inf, factors).max(axis=1) - factor) > _FLAT * np.abs(factor)
+        where[at_edge & ~rises] = np.where(beyond > place, _BACK, _END)[at_edge & ~rises]
     return Lowest(place, factor, where)
 
 

@@ -279,7 +279,7 @@ def check(document: Document, what: str, path: Path | None, options: Options, na
         wants = CHARTS[what].wants if scene is None else "result.json: slopekit run design.yaml -o DIR"
         if many:
             wants = "result.json of many blocks: bench, blocks, topple"
-        raise DesignError([Fault("E343", f"{name} has no data for {what}: it wants {wants}", "", can)])
+        raise DesignError([Fault("E343", f"{name} has no data for {what}", "", f"{can} {what} wants {wants}")])
     formats = SCENE_FORMATS if what in SCENES else FORMATS
     if path is not None and not options.show and path.suffix.lower() not in formats:
         message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"

@@ -37,7 +37,7 @@ function numbers(answer) {
 function governs(answer) {
   if (!answer.governs.length) { return null; }
   return el("section", {}, el("h3", {}, "What governs"), el("ul", { class: "governs" }, answer.governs.map((one) =>
-    el("li", {}, one.path ? el("button", { type: "button", class: "link", title: one.label, onclick: () => goTo(one.path) }, one.text) : one.text))));
+    el("li", {}, one.paths.length ? el("button", { type: "button", class: "link", title: one.label, onclick: () => goTo(...one.paths) }, one.text) : one.text))));
 }
 
 const job = el("div", { class: "job" });  // stays while answers come and go

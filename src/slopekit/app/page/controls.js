@@ -193,16 +193,17 @@ function counted(changed) {
 }
 
 /** Bring a control into sight and put the hand on it. */
-export function goTo(path) {
-  const row = rows.get(path) || [...rows.values()].find((one) => one.own.path.startsWith(`${path}.`) || path.startsWith(`${one.own.path}.`));
+export function goTo(...paths) {  // to the first; all of them are marked
+  const at = (path) => rows.get(path) || [...rows.values()].find((one) => one.own.path.startsWith(`${path}.`) || path.startsWith(`${one.own.path}.`));
+  const all = paths.map(at).filter(Boolean), row = all[0];
   if (!row) { return; }
   byId("filter").value = ""; byId("only-changed").checked = false;
   sift();
-  row.element.closest("details").open = true;
+  all.forEach((one) => { one.element.closest("details").open = true; });
   row.element.scrollIntoView({ block: "center" });
   (row.slider || row.box).focus();
-  row.element.classList.add("found");
-  window.setTimeout(() => row.element.classList.remove("found"), 1600);
+  all.forEach((one) => one.element.classList.add("found"));
+  window.setTimeout(() => all.forEach((one) => one.element.classList.remove("found")), all.length > 1 ? 4000 : 1600);
 }
 
 export function start() {

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
-from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
+from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
 from slopekit.result import Result, Words
@@ -124,10 +125,11 @@ def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
     trend = line.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
     seismic = design.seismic.coefficient * Line(trend, 0.0).vector()
     origin = np.array(design.origin_m)
+    hull = cache(lambda: Hull.of(block))  # which a block without bolts does not need
     active, passive = bolt_forces(
         design,
         origin,
-        lambda name, head, way, length, where: check_bolt(block, name, head, way, length, (J1, J2), where),
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, (J1, J2), where),
     )
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), seismic,
@@ -384,8 +386,9 @@ def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
             ("full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
         )
     one_for_all = len(set(design.strengths)) == 1
-    for k, strength in enumerate(dict.fromkeys(design.strengths)):
-        of = "" if one_for_all else f" of {('J1', 'J2', 'basal')[k]}"
+    for strength in dict.fromkeys(design.strengths):
+        held = zip(("J1", "J2", "basal"), design.strengths, strict=False)
+        of = "" if one_for_all else " of " + " and ".join(joint for joint, own in held if own == strength)
         for name, other in changed_laws(strength):
             each = [other if own == strength else own for own in design.strengths]
             changes.append((name + of, design.with_strengths(each)))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,7 +37,7 @@ from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
-from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
+from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
 
@@ -112,8 +113,9 @@ def _loads(design: WedgeDesign, rock: BasalRockMass, block: Block) -> Loads:
     given = design.seismic
     trend = design.face.dip_direction_deg if given.trend_deg is None else given.trend_deg
     origin = np.array(design.origin_m)
+    hull = cache(lambda: Hull.of(block))  # which a block without bolts does not need
     active, passive = bolt_forces(
-        design, origin, lambda name, head, way, length, where: check_bolt(block, name, head, way, length, _IDS, where)
+        design, origin, lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, _IDS, where)
     )
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), given.coefficient * Line(trend, 0.0).vector(),

@@ -1,0 +1,88 @@
+"""Hundreds of bolts: what a study does not change is read once, and its faults are said every time."""
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.design import words
+from slopekit.design.files import with_values
+from slopekit.kinds import held_bolts
+from slopekit.kinds.wedge import ON_ARRAYS
+
+COUNT = 40
+
+
+def design_with(**first) -> dict:
+    """A wedge with bolts on its face, the first otherwise."""
+    rng = np.random.default_rng(3)
+    bolts = []
+    for _ in range(COUNT):
+        z = rng.uniform(2.0, 28.0)
+        head = [rng.uniform(-0.6, 0.6) * z, z / np.tan(np.radians(60.0)), z]
+        bolts.append({"force": 100, "toward": f"{rng.uniform(0, 20):.1f}/{rng.uniform(0, 20):.1f}", "head": head})
+    for k in range(1, COUNT, 2):
+        bolts[k]["length"] = 9
+    bolts[0] |= first
+    return {
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "60/180", "upper": "10/180", "height": 30},
+        "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}, "strength": {"s": {"c": 20, "phi": 20}},
+        "support": {"bolts": bolts},
+    }  # fmt: skip
+
+
+@pytest.fixture
+def read(monkeypatch) -> list[object]:
+    """What `words.bolt` was asked to read."""
+    asked, bolt = [], words.bolt
+
+    def noted(value, where):
+        asked.append(value)
+        return bolt(value, where)
+
+    monkeypatch.setattr(words, "bolt", noted)
+    return asked
+
+
+def test_a_bolt_that_is_not_changed_is_not_read_again(read) -> None:
+    design = sk.load(design_with())
+    assert len(read) == COUNT
+    higher = with_values(design, {"slope.height": 31})
+    assert (len(read), higher.bolts) == (COUNT, design.bolts)
+    stronger = with_values(design, {"support.bolts.7.force": 250})
+    assert len(read) == COUNT + 1
+    assert [bolt.force_kn for bolt in stronger.bolts] == [250.0 if k == 7 else 100.0 for k in range(COUNT)]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "code"), [({"force": "-5"}, "E124"), ({"toward": "400/5"}, "E124"), ({"lenght": 5}, "E142")]
+)
+def test_what_is_wrong_with_one_is_said_every_time(wrong, code) -> None:
+    design = sk.load(design_with())
+    for _ in range(2):
+        with pytest.raises(sk.DesignError) as caught:
+            sk.load(design_with(**wrong))
+        assert caught.value.codes[0] == code
+        with pytest.raises(sk.DesignError) as caught:
+            with_values(design, {f"support.bolts.3.{key}": value for key, value in wrong.items()})
+        assert caught.value.codes[0] == code
+
+
+def test_one_that_scatters_scatters_every_time() -> None:
+    design = sk.load(design_with(force={"dist": "normal", "mean": 100, "sd": 5}))
+    again = with_values(design, {"slope.height": 31})
+    assert [variable.path for variable in again.variables] == ["support.bolts.0.force"]
+
+
+def test_many_stand_as_each_does_alone() -> None:
+    """Lines through four blocks, with 1 to 40 bolts at once."""
+    design = sk.load(design_with(length=12))
+    bounds = ON_ARRAYS.bounds(with_values(design, {"slope.height": 30}))
+    moved = [ON_ARRAYS.bounds(with_values(design, {"slope.height": height})) for height in (22.0, 26.0, 33.0)]
+    before = held_bolts.stand_off(bounds, design.bolts)
+    for own in (bounds, *moved):
+        together = held_bolts.held(own, design.bolts, before)
+        for k, bolt in enumerate(design.bolts):
+            alone = held_bolts.held(own, [bolt], held_bolts.stand_off(bounds, [bolt]))
+            assert alone.holds.tolist() == together.holds[k : k + 1].tolist()
+            np.testing.assert_allclose(alone.moved, together.moved[k : k + 1], rtol=1e-12)
+    assert 0 < held_bolts.held(moved[0], design.bolts, before).holds.sum() < COUNT
