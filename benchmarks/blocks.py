@@ -316,8 +316,9 @@ def report(found: list[Judged]) -> str:
         tip, given = [one for one in none if one.tips], len(asked) - len(none)
         could = [one for one in none if not one.tips and one.rests]
         lines.append(f"  of these tip whatever the strength, proved by a motion without slip: {len(tip)}")
+        share = _share(given, given + len(could))
         lines.append(f"  of the others a history comes to rest at {_RESTS[-1]:g} times the static bound's strength "
-                     f"or less: {_listed(could)}; a number among all that do{_share(given, given + len(could))}")  # fmt: skip
+                     f"or less: {_listed(could)}; a number among all that do{share}")  # fmt: skip
         settles = [one for one in none if one.path]
         lines.append(f"  and one of all loads at once, begun at any strength, ends in a limit: {_listed(settles)}")
     bounds: dict[str, Callable[[Judged], float | None]] = {
