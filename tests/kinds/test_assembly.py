@@ -312,6 +312,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     without = {"factor": None, "outcome": Outcome.NO_REST, "basis": Basis.NONE}
     assert "at any strength that was tried" in said(loads_last=True, carried=0.4, static_bound=None, **without)["W362"]
     assert said(**without)["W363"].endswith("not that they arise")
+    assert said(bonded=1.2, **without)["W363"].startswith("without the cohesion that is lost, on elastic joints")
     assert said(loads_last=True, static_bound=None, **without)["W363"].endswith("no factor of safety is given")
     gave_up = {"factor": None, "outcome": Outcome.NOT_CONVERGED, "basis": Basis.NONE, "static_bound": 1.75}
     assert said(**gave_up)["W371"].endswith("whose forces balance within strength; the static bound is 1.75")

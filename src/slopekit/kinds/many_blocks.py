@@ -555,8 +555,9 @@ def _without_rest(limit: BlocksLimit) -> Notice:
         if limit.static_bound is None
         else "; the static bound says that forces in balance exist, not that they arise"
     )
-    return Notice("W363", "on elastic joints the blocks came to rest at none of the strengths that were tried: no "
-                  f"factor of safety is given{exist}")  # fmt: skip
+    bonds = "without the cohesion that is lost, " if limit.bonded else ""
+    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried: "
+                  f"no factor of safety is given{exist}")  # fmt: skip
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------

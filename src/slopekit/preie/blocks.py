@@ -495,11 +495,16 @@ def _loads_last(
     whole, live = model.load.ravel(), model.live.ravel()
     work, tip = 0, None
 
-    def carried(reduction: float) -> PathLimit:
-        nonlocal work, tip
+    def loaded(reduction: float) -> PathLimit:
+        nonlocal work
         bed = Bed(model, Drive(whole - live, live, reduction), bond, ratio)
         overloaded = follow(bed, _FIRST_LOAD)
         work += bed.factorisations
+        return overloaded
+
+    def carried(reduction: float) -> PathLimit:
+        nonlocal tip
+        overloaded = loaded(reduction)
         if _tips(model, overloaded) and (tip is None or reduction < tip.reduction):
             tip = overloaded
         return overloaded
@@ -541,7 +546,7 @@ def _loads_last(
         fails, overloaded = times * least, last
     if fits is None:
         assert overloaded is not None
-        return without_rest(overloaded, carried(unit))
+        return without_rest(overloaded, loaded(unit))
     while fits / fails - 1.0 > LOADS_BRACKET:
         state = None if overloaded is None else exact(overloaded, fails)
         if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
@@ -574,7 +579,7 @@ def _loads_last(
         rested = flow.at
     forces = bed.forces(rested, fits)
     settled = forces.residual < LIMIT_BALANCED * bed.load_size
-    if not settled and tip is not None and not fits_on(full := carried(unit)):
+    if not settled and tip is not None and not fits_on(full := loaded(unit)):
         return without_rest(overloaded or last, full)
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
     peak = replace(
