@@ -9,6 +9,10 @@ A population reports how many designs of a static bound of 0.3 or more get a num
 (that of slopekit, and one of all blocks by an independent program), F of the strength divided by 0.5 and by 3, of
 the design mirrored, listed in another order, moved to UTM and with its polygons from another corner (`--plain`: none of
 these), and CPU seconds. `-o` keeps a line of JSON a design.
+
+Sections and walls without a number are looked at by judges of another kind: whether they tip whatever the strength (a
+limit state under a part of the load in which nothing slips that carries a force, by a linear program), and whether a
+history comes to rest at all, weight first and other loads slowly after it, or all at once.
 """
 
 import argparse
@@ -34,6 +38,7 @@ from benchmarks.populations import Design
 _SECONDS = 120.0  # of CPU time, after which an analysis is given up
 _JUDGED = 0.3  # static bounds from which a number is asked for
 _NEAR = 5e-3  # of a published multiplier, which is rounded in its third digit
+_RESTS = (1.05, 2.0, 4.0, 8.0)  # strengths, in parts of the static bound's, at which a history may come to rest
 _ABOVE = 1e-4  # by how much a factor may be above a static bound, both being known to that
 _SAME = {"strength": 1e-6, "other": 1e-8}  # what the same slope in another writing may change
 
@@ -214,8 +219,10 @@ class Judged:
     """A design of a population: its answer, those to the same design in other words, and an independent static bound.
 
     `other` has factors by what was done, in terms of the first: F(strength / k) k. `program` is None where no
-    admissible forces exist or where it was not asked (benches). `path` is where an independent history ends, asked for
-    in sections that got no number.
+    admissible forces exist. Of sections and walls without a number: `tips` is the part of the loads beside weight and
+    water under which no strength holds them, proved; of those that do not tip so `path` is where an independent history
+    ends, all loads on at once, and `rests` the least strength of `_RESTS`, in parts of the static bound's, at which one
+    comes to rest.
     """
 
     population: str
@@ -224,6 +231,8 @@ class Judged:
     other: Mapping[str, float | None] = field(default_factory=dict)
     program: float | None = None
     path: float | None = None
+    tips: float | None = None
+    rests: float | None = None
 
 
 def judged(task: tuple[str, int, bool]) -> Judged:
@@ -231,17 +240,34 @@ def judged(task: tuple[str, int, bool]) -> Judged:
     population, number, plain = task
     design = populations.POPULATIONS[population][0](number)
     first = answer(design)
-    from tests.preie.path_oracle import model_of, static_bound, with_bonds
+    from tests.preie.path_oracle import model_of, static_bound
 
-    program, path = static_bound(model_of(design)), None
+    program, without = static_bound(model_of(design)), (None, None, None)
     if population != "benches" and first.factor is None and program is not None and program < math.inf:
-        ended, _ = with_bonds(model_of(design), 2.0 / program)
-        path = ended.factor if ended.end == "settled" else None
+        without = _without_number(design, program)
     other: dict[str, float | None] = {}
     for name, (change, times) in ({} if plain else _changes(design)).items():
         factor = answer(change(design)).factor
         other[name] = None if factor is None else times * factor
-    return Judged(population, number, first, other, program, path)
+    return Judged(population, number, first, other, program, *without)
+
+
+def _without_number(design: Design, bound: float) -> tuple[float | None, float | None, float | None]:
+    """`path`, `tips` and `rests` of a design."""
+    from slopekit.preie.blocks import limit_of_blocks
+    from tests.preie.load_oracle import comes_on, tips_whatever_the_strength
+    from tests.preie.path_oracle import model_of, with_bonds
+
+    model = model_of(design)
+    limit = limit_of_blocks(model, ranged=False)
+    part, factor = limit.tips or (0.0, 1.0)
+    if tips_whatever_the_strength(model, limit.velocity, part, 1.0 / factor):
+        return None, part, None
+    ended, bonds = with_bonds(model, 2.0 / bound)
+    rests = next((times for times in _RESTS if comes_on(model, times / bound, bonds) == 1.0), None)
+    if rests is None and ended.peak is not None and ended.peak >= bound / _RESTS[-1]:
+        rests = _RESTS[-1]
+    return ended.factor if ended.end == "settled" else None, None, rests
 
 
 def _changes(design: Design) -> dict[str, tuple[Callable[[Design], Design], float]]:
@@ -287,10 +313,14 @@ def report(found: list[Judged]) -> str:
         f"  without a number: {_listed(none)}",
     ]
     if found[0].population != "benches":
-        could = [one for one in none if one.path]
-        given = len(asked) - len(none)
+        tip, given = [one for one in none if one.tips], len(asked) - len(none)
+        could = [one for one in none if not one.tips and one.rests]
+        lines.append(f"  of these tip whatever the strength, proved by a motion without slip: {len(tip)}")
         share = _share(given, given + len(could))
-        lines.append(f"  of these an independent history has one: {_listed(could)}; a number among all with one{share}")
+        lines.append(f"  of the others a history comes to rest at {_RESTS[-1]:g} times the static bound's strength "
+                     f"or less: {_listed(could)}; a number among all that do{share}")  # fmt: skip
+        settles = [one for one in none if one.path]
+        lines.append(f"  and one of all loads at once, begun at any strength, ends in a limit: {_listed(settles)}")
     bounds: dict[str, Callable[[Judged], float | None]] = {
         "its own static bound": lambda one: one.first.bound, "the independent one": lambda one: one.program or 0.0,
     }  # fmt: skip

@@ -302,11 +302,17 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     lost = said(loads_last=True, carried=0.4321, factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)
     assert "at 0.4321 of the loads beside weight and water" in lost["W362"]
     assert "up to 10 times the strength of the static bound they did not carry all of them" in lost["W362"]
+    assert lost["W362"].endswith("no factor of safety is given")
+    tips = said(loads_last=True, carried=0.4, tips=(0.45, 0.8), factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)
+    assert "with it divided by 0.8 or less they go at 0.45 of them in a motion that slips nowhere" in tips["W362"]
+    begun = said(begun=part.limit.factor / 4.0, static_bound=part.limit.factor)
+    assert "come to rest at 4 times the strength of the static bound" in begun["W482"]
     assert "W361" not in lost
     assert "W363" not in lost
     without = {"factor": None, "outcome": Outcome.NO_REST, "basis": Basis.NONE}
     assert "at any strength that was tried" in said(loads_last=True, carried=0.4, static_bound=None, **without)["W362"]
     assert said(**without)["W363"].endswith("not that they arise")
+    assert said(bonded=1.2, **without)["W363"].startswith("without the cohesion that is lost, on elastic joints")
     assert said(loads_last=True, static_bound=None, **without)["W363"].endswith("no factor of safety is given")
     gave_up = {"factor": None, "outcome": Outcome.NOT_CONVERGED, "basis": Basis.NONE, "static_bound": 1.75}
     assert said(**gave_up)["W371"].endswith("whose forces balance within strength; the static bound is 1.75")
@@ -435,18 +441,27 @@ def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
     assert (fails.at_factor_one, fails.scene.displacement) == (None, None)
 
 
-def test_a_wall_whose_load_fits_on_by_turns_says_so() -> None:
-    """Wall 44: at full strength 0.796 of its earthquake fit on, at some four times that 1.049, 0.954, 1.049 of it."""
+def test_a_wall_that_tips_at_a_part_of_its_load_says_so() -> None:
+    """Wall 44: 0.796 of its earthquake tip it without slip, though at more strength other motions need more of it."""
     result = sk.run(populations.wall(44))
+    assert (result.status, result.fos.limit) == ("topples", None)
+    said = {notice.code: notice.message for notice in result.warnings}
+    assert "at full strength the blocks fail at 0.7963 of the loads" in said["W362"]
+    assert "divided by 1.664 or less they go at 0.7963 of them in a motion that slips nowhere" in said["W362"]
+
+
+def test_a_wall_whose_load_fits_on_by_turns_says_so() -> None:
+    """Wall 261: at eight times its strength 1.03 and 1.44 of its earthquake fit on, and less, by turns."""
+    result = sk.run(populations.wall(261))
     said = {notice.code: notice.message for notice in result.warnings}
     assert (result.status, result.fos.limit) == ("not_converged", None)
-    assert "do not by turns with the strength divided by 0.1994 to 0.2349, and no rest" in said["W371"]
+    assert "do not by turns with the strength divided by 0.09862 to 0.106, and no rest" in said["W371"]
     assert f"the static bound is {result.fos.static_bound:.4g}" in said["W371"]
 
 
 def test_a_quick_factor_that_did_not_settle_agrees_with_nothing_that_the_result_does_not() -> None:
     """Columns whose path ends in a peak, and no closed form: a sweep called them `agree`, the result DISAGREE."""
-    design = sk.load("templates/topple.yaml", set={"loads.seismic.k": 0.2})
+    design = sk.load(populations.section(804))
     result, quick = sk.run(design), kind_of(design).factors(design)
     assert result.fos.closed_form is None
     assert not quick.settled

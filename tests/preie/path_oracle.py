@@ -336,7 +336,7 @@ class History:
 
 
 @dataclass(frozen=True)
-class _State:
+class State:
     """Displacements and the forces that a history has left in the joints; `along` (g, t) is what was slipped so far."""
 
     u: np.ndarray
@@ -344,7 +344,13 @@ class _State:
     friction: np.ndarray
 
 
-class _Bed:
+def unmoved(given: Arrays) -> State:
+    """No displacement, no forces."""
+    groups, t = len(given.friction), given.directions
+    return State(np.zeros(len(given.load)), np.zeros(groups * t), np.zeros((groups, t)))
+
+
+class Joints:
     """Joints of unit normal stiffness per area and `stiffness` of that along them, no tension, Coulomb friction."""
 
     def __init__(self, given: Arrays, cohesion: np.ndarray, stiffness: float) -> None:
@@ -357,7 +363,7 @@ class _Bed:
         self.work = float(given.load @ np.linalg.solve(self.elastic, given.load))
         self.steps = 0
 
-    def law(self, u: np.ndarray, old: _State, strength: float) -> tuple[np.ndarray, np.ndarray, Slopes]:
+    def law(self, u: np.ndarray, old: State, strength: float) -> tuple[np.ndarray, np.ndarray, Slopes]:
         """Unbalanced forces (n,), friction (g, t), and what gives the tangent -dR/du and dR/dλ."""
         given, t = self.given, self.given.directions
         opening = given.normal @ u
@@ -387,12 +393,12 @@ class _Bed:
 
         return left, friction, slopes
 
-    def _reached(self, old: _State) -> np.ndarray:
+    def _reached(self, old: State) -> np.ndarray:
         return (self.along * old.slipped).reshape(old.friction.shape)
 
     def step(
-        self, old: _State, strength: float, viscosity: float, work: float | None = None, guess: np.ndarray | None = None
-    ) -> tuple[_State, float, float] | None:
+        self, old: State, strength: float, viscosity: float, work: float | None = None, guess: np.ndarray | None = None
+    ) -> tuple[State, float, float] | None:
         """One step in time, R(u) = η K (u - u_old), at a strength or, with λ free, at a work of the loads.
 
         Returns the state, λ and what the viscous forces are at most; None where Newton's method does not get there.
@@ -407,7 +413,7 @@ class _Bed:
             miss = 0.0 if work is None else work - float(load @ u)
             size = float(np.abs(off).max())
             if size < 1e-9 * self.scale and abs(miss) <= 1e-9 * abs(work or 1.0):
-                return _State(u, self.given.slip @ u, friction), strength, float(np.abs(viscous).max())
+                return State(u, self.given.slip @ u, friction), strength, float(np.abs(viscous).max())
             if size > 1e6 * best:
                 return None
             best = min(best, size)
@@ -435,9 +441,13 @@ class _Bed:
             _, u, strength, there = least
         return None
 
-    def rest(self, old: _State, strength: float) -> tuple[_State, str, float, _State]:
-        """Flow at a strength until it rests or runs: the state, which, the last viscosity and the state before."""
+    def rest(self, old: State, strength: float, onward: bool = False) -> tuple[State, str, float, State]:
+        """Flow at a strength until it rests or runs: the state, which, the last viscosity and the state before.
+
+        Work by which it runs counts from no displacement, or with `onward` from the old state.
+        """
         state, before, viscosity = old, old, 1e-2
+        done = float(self.given.load @ old.u) if onward else 0.0
         for _ in range(200):
             found = self.step(state, strength, viscosity)
             if found is None:
@@ -448,7 +458,7 @@ class _Bed:
             before, state = state, found[0]
             if found[2] < _RESTS * self.scale:
                 return state, "rests", viscosity, before
-            if float(self.given.load @ state.u) > _RUNS * self.work:
+            if float(self.given.load @ state.u) - done > _RUNS * self.work:
                 return state, "runs", viscosity, before
             viscosity = max(0.3 * viscosity, 1e-9)
         return state, "lost", viscosity, before
@@ -464,10 +474,9 @@ def history(model: AssemblyModel, start: float, stiffness: float = 0.4, cohesion
     times their friction, and lose their way from there.
     """
     given = arrays_of(model)
-    bed = _Bed(given, given.cohesion if cohesion is None else cohesion, stiffness)
+    bed = Joints(given, given.cohesion if cohesion is None else cohesion, stiffness)
     groups, t = len(given.friction), given.directions
-    none = np.zeros(len(given.load))
-    state = _State(none, np.zeros(groups * t), np.zeros((groups, t)))
+    state = unmoved(given)
     nothing = np.zeros(len(given.area)), np.zeros((groups, t))
     for _ in range(8):
         found, how, _, _ = bed.rest(state, start)
@@ -493,7 +502,7 @@ def history(model: AssemblyModel, start: float, stiffness: float = 0.4, cohesion
     return _settled(bed, found, before, trial, viscosity, 1.0 / strength)
 
 
-def _settled(bed: _Bed, state: _State, before: _State, strength: float, viscosity: float, peak: float) -> History:
+def _settled(bed: Joints, state: State, before: State, strength: float, viscosity: float, peak: float) -> History:
     """From a running state: viscosity goes, the work of the loads grows, λ follows."""
     load, given = bed.given.load, bed.given
     work, done = float(load @ state.u), float(load @ (state.u - before.u))

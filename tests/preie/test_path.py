@@ -22,7 +22,7 @@ from slopekit.preie.path import follow
 from slopekit.preie.path_limit import PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
 from slopekit.preie.ravelling import _twisting
-from tests.preie import path_oracle
+from tests.preie import load_oracle, path_oracle
 from tests.preie.block_scenes import (
     Scene,
     active_passive,
@@ -180,6 +180,64 @@ def test_a_wall_that_comes_to_rest_at_no_strength() -> None:
     found = limit_of_blocks(model, ranged=False)
     assert (found.outcome, found.factor, found.basis) == (Outcome.NO_REST, None, Basis.NONE)
     assert found.static_bound == pytest.approx(path_oracle.static_bound(model), rel=1e-5)
+
+
+@pytest.mark.parametrize("number", [1, 37, 44])
+def test_walls_that_tip_are_said_to_do_so_whatever_the_strength(number) -> None:
+    """The motion is that of a limit state without slip, at any strength, by a linear program (HiGHS).
+
+    A history carries as much of the load, 0.2 % below it at most, which is its step; rigid blocks would jam.
+    """
+    model = model_of(populations.wall(number))
+    found = limit_of_blocks(model, ranged=False)
+    assert (found.outcome, found.factor, found.by_turns) == (Outcome.NO_REST, None, None)
+    part, factor = found.tips
+    assert found.carried == pytest.approx(part, rel=1e-9)
+    for times in (1.0, 2.0, 1000.0):
+        assert load_oracle.tips_whatever_the_strength(model, found.velocity, part, times / factor)
+    for other in (0.999 * part, 1.001 * part):
+        assert not load_oracle.tips_whatever_the_strength(model, found.velocity, other, 1.0 / factor)
+    assert load_oracle.comes_on(model, 1.0 / factor) == pytest.approx(part - 1e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize(("number", "times", "path"), [(106, 4.0, 0.21731899832404), (117, 8.0, 0.13837830193287)])
+def test_walls_that_rest_only_at_more_strength_have_the_limit_of_the_path(number, times, path) -> None:
+    """METHOD-3 §13's prototype of the path to its digits, all loads on at so many times the static bound's strength.
+
+    A history that brings the load on last carries all of it at ten times that strength, and not at twice.
+    """
+    model = model_of(populations.wall(number))
+    found = limit_of_blocks(model)
+    assert (found.basis, found.loads_last) == (Basis.LIMIT, False)
+    assert found.factor == pytest.approx(path, rel=1e-12)
+    assert found.begun == pytest.approx(found.static_bound / times, rel=1e-9)
+    carried = [load_oracle.comes_on(model, times / found.static_bound) for times in (2.0, 10.0)]
+    assert carried[0] < 1.0 == carried[1]
+
+
+@pytest.mark.parametrize("number", [59, 104, 419])
+def test_columns_that_rest_only_at_more_strength_have_the_limit_of_the_path(number) -> None:
+    """Sections 59, 104, 419: a history of all loads at once, bonds lost as they open.
+
+    With the load on last there is no limit state, but a last rest: 0.3859 for 0.2603, 0.26399 for 0.26407.
+    """
+    model = model_of(populations.section(number))
+    found = limit_of_blocks(model, ranged=False)
+    ended, _ = path_oracle.with_bonds(model, 2.0 / found.static_bound)
+    assert (found.basis, found.loads_last, ended.end) == (Basis.LIMIT, False, "settled")
+    assert found.factor == pytest.approx(ended.factor, rel=1e-7)
+    assert found.begun < 0.3 * found.static_bound
+
+
+def test_a_push_that_holds_columns_up_comes_on_with_their_weight() -> None:
+    """Section 369: weight alone does not rest. A history of all loads at once, bonds lost as they open, to 1e-8."""
+    model = model_of(populations.section(369))
+    assert load_oracle.comes_on(model, 4.0) == 0.0
+    found = limit_of_blocks(model, ranged=False)
+    ended, bonds = path_oracle.with_bonds(model, 2.0 / found.static_bound)
+    assert ended.end == "settled"
+    assert found.factor == pytest.approx(ended.factor, rel=1e-8)
+    np.testing.assert_array_equal(found.bond > 0.0, (bonds > 0.0) | (model.cohesion == 0.0))
 
 
 def test_an_arch_too_thin_to_stand_comes_to_rest_at_no_strength() -> None:

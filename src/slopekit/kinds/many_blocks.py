@@ -472,6 +472,10 @@ def _notices(
     if limit.loads_last and first.fos:
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
+    if limit.begun and first.fos and first.static_bound:
+        yield Notice("W482", "with all loads on at once the blocks come to rest at "
+                     f"{first.static_bound / limit.begun:.3g} times the strength of the static bound, at twice that "
+                     "bound's they do not, and those that came on after the weight led to no limit state")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit)
     if limit.spent:
@@ -527,15 +531,24 @@ def _without_rest(limit: BlocksLimit) -> Notice:
     most = f"{STRONGER[-1]:g} times the strength of the static bound"
     if limit.loads_last and limit.carried is not None and limit.carried < 1.0:
         tried = f"up to {most}" if limit.static_bound else "at any strength that was tried"
-        return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight and "
-                      f"water, and {tried} they did not carry all of them: no factor of safety is given")  # fmt: skip
+        tips = ""
+        if limit.tips is not None:
+            part, factor = limit.tips
+            tips = (
+                f"; with it divided by {factor:.4g} or less they go at {part:.4g} of them in a motion that slips "
+                "nowhere: they tip, and no friction or cohesion hinders it"
+            )
+        return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight "
+                      f"and water, and {tried} they did not carry all of them: no factor of safety is given"
+                      f"{tips}")  # fmt: skip
     exist = (
         ""
         if limit.static_bound is None
         else "; the static bound says that forces in balance exist, not that they arise"
     )
-    return Notice("W363", "on elastic joints the blocks came to rest at none of the strengths that were tried: no "
-                  f"factor of safety is given{exist}")  # fmt: skip
+    bonds = "without the cohesion that is lost, " if limit.bonded else ""
+    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried: "
+                  f"no factor of safety is given{exist}")  # fmt: skip
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------

@@ -35,6 +35,7 @@ from slopekit.preie.path import first_peak, follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
+    ADMISSIBLE,
     BOUND_ACCURACY,
     LIMIT_BALANCED,
     LOADS_BRACKET,
@@ -85,7 +86,9 @@ class BlocksLimit:
     bond : (m,) 0 where a pair has lost its cohesion
     static_bound : None where none was found, or none exists; lowest, highest : the range of the mechanism's factors
     carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
-    loads_last : whether those loads came on after weight and water
+    loads_last : whether those loads came on after weight and water; tips : the part of them at which the blocks tip
+        then, in a motion that slips nowhere, at that factor and any lower one; None where no such motion was found
+    begun : the factor at which all loads came on at once, where that is far below the static bound
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
@@ -115,6 +118,18 @@ class BlocksLimit:
     spent: bool = False
     rested: float | None = None
     by_turns: tuple[float, float] | None = None
+    tips: tuple[float, float] | None = None
+    begun: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Loads:
+    """How the loads beside weight and water came on: `loads_last`, `carried`, `tips` and `begun` of a limit."""
+
+    last: bool = False
+    carried: float | None = None
+    tips: tuple[float, float] | None = None
+    begun: float | None = None
 
 
 class Proposal(Protocol):
@@ -157,6 +172,7 @@ def _limit_within(model: AssemblyModel, ranged: bool, ratio: float, proposal: Pr
         lowest=_times(found.lowest, unit), highest=_times(found.highest, unit), bonded=_times(found.bonded, unit),
         rested=_times(found.rested, unit),
         by_turns=None if found.by_turns is None else (unit * found.by_turns[0], unit * found.by_turns[1]),
+        tips=None if found.tips is None else (found.tips[0], unit * found.tips[1]), begun=_times(found.begun, unit),
     )  # fmt: skip
 
 
@@ -197,11 +213,11 @@ def _limit_of(
     model: AssemblyModel, unit: float, bound: StaticBound, ranged: bool, ratio: float, proposal: Proposal | None
 ) -> BlocksLimit:
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
-    steps, loads_last, carried = 0, False, None
+    steps, loads = 0, _Loads()
 
     def once(bond: Floats) -> PathLimit:
-        nonlocal steps, loads_last, carried
-        loads_last, carried = False, None
+        nonlocal steps, loads
+        loads = _Loads()
         settled = None
         try:
             if proposal is not None:
@@ -212,7 +228,7 @@ def _limit_of(
             steps += settled.factorisations
             return _weaker(settled, 1.0 / unit)
         with told_times(unit, "divided by"):
-            found, loads_last, carried, work = _on_path(model, unit, bond, bound, ratio)
+            found, loads, work = _on_path(model, unit, bond, bound, ratio)
         steps += work
         return found
 
@@ -222,7 +238,7 @@ def _limit_of(
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
         return replace(unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None)
-    limit = _limit(model, found, bond, bound, steps, loads_last, carried)
+    limit = _limit(model, found, bond, bound, steps, loads)
     if whole and (bond == 0.0).any():
         limit = replace(limit, bonded=1.0 / whole)
     if limit.factor is None or not ranged or model.lines is not None:
@@ -254,9 +270,8 @@ def _span(
 
 
 def _limit(
-    model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads_last: bool,
-    carried: float | None,
-) -> BlocksLimit:  # fmt: skip
+    model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads: _Loads
+) -> BlocksLimit:
     """What the path says, once every block has vouched for it; of a peak the range has what other ways to it give."""
     factor = 1.0 / path_end.parameter if path_end.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0
@@ -278,7 +293,7 @@ def _limit(
         if path_end.outcome is PathOutcome.GAVE_UP or off > LIMIT_BALANCED or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
     by_turns: tuple[float, float] | None = None
-    if outcome is Outcome.NOT_CONVERGED and loads_last and factor is not None and path_end.reached:
+    if outcome is Outcome.NOT_CONVERGED and loads.last and factor is not None and path_end.reached:
         by_turns = factor, 1.0 / path_end.reached
     if outcome is not Outcome.SLIDES or factor is None:
         factor, highest, basis = None, None, Basis.NONE
@@ -288,8 +303,8 @@ def _limit(
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(bond), top,
-        None if highest is None else factor, highest, carried, loads_last, steps, bound.steps, path_end.group,
-        path_end.width, by_turns=by_turns,
+        None if highest is None else factor, highest, loads.carried, loads.last, steps, bound.steps, path_end.group,
+        path_end.width, by_turns=by_turns, tips=loads.tips, begun=loads.begun,
     )  # fmt: skip
 
 
@@ -417,10 +432,11 @@ def _times(factor: float | None, by: float) -> float | None:
 
 def _on_path(
     model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float
-) -> tuple[PathLimit, bool, float | None, int]:
-    """The path with some bonds, whether the loads beside weight came last, what of them is carried, and the work.
+) -> tuple[PathLimit, _Loads, int]:
+    """The path with some bonds, how the loads beside weight came on, and the work.
 
-    The model is in unit strength: the design's is `unit` times that.
+    The model is in unit strength: the design's is `unit` times that. Where loads that come on last end in no limit
+    state, and tip nothing, they come on at once again, at more strength.
     """
     start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
@@ -431,18 +447,29 @@ def _on_path(
     if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
         path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
     if path_end.found or path_end.outcome is PathOutcome.STANDS:
-        return path_end, False, None, bed.factorisations
+        return path_end, _Loads(), bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
     if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
-        last, carried, work = _loads_last(model, unit, bond, bound, ratio)
-        return last, True, carried, work + bed.factorisations
+        last, loads, work = _loads_last(model, unit, bond, bound, ratio)
+        tipped = math.inf if loads.tips is None else 1.0 / loads.tips[1]  # and with all greater strengths
+        most = min(_LOCKED * start / _START, tipped)
+        if last.found or bed.tangents > 1 or bed.size > _PROPOSED or most < start:
+            return last, loads, work + bed.factorisations
+        path_end = follow(bed, start)
+        settled = path_end.found or last.outcome is not PathOutcome.BRACKET
+        if path_end.parameter is None or path_end.parameter > most or not settled:
+            return last, loads, work + bed.factorisations
+        if path_end.outcome is PathOutcome.BRACKET:
+            path_end = first_peak(bed, path_end)
+        begun = 1.0 / path_end.started if path_end.started > start else None
+        return path_end, _Loads(begun=begun), work + bed.factorisations
     locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
     if path_end.outcome is PathOutcome.BRACKET:
         if locked:  # a rest that needs many times the bound
             path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
         elif path_end.peak is not None:
             path_end = first_peak(bed, path_end)
-    return path_end, False, None, bed.factorisations
+    return path_end, _Loads(), bed.factorisations
 
 
 def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimit | None:
@@ -455,22 +482,38 @@ def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimi
 
 def _loads_last(
     model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float
-) -> tuple[PathLimit, float | None, int]:
+) -> tuple[PathLimit, _Loads, int]:
     """F where the loads beside weight and water, coming on last, all fit on; no rest where they do at no strength.
+
+    A motion at a part of them that slips nowhere is a limit state at any greater strength: there they may fit on, or
+    not, as it comes, and where the search does not end in a limit they do not.
 
     Returns
     -------
-    limit (its parameter is λ); where they fit on at no strength, the part that full strength carries; factorisations
+    limit (its parameter is λ), with what full strength carries and what tips where they fit on at none; factorisations
     """
     whole, live = model.load.ravel(), model.live.ravel()
-    work = 0
+    work, tip = 0, None
 
-    def carried(reduction: float) -> PathLimit:
+    def loaded(reduction: float) -> PathLimit:
         nonlocal work
         bed = Bed(model, Drive(whole - live, live, reduction), bond, ratio)
         overloaded = follow(bed, _FIRST_LOAD)
         work += bed.factorisations
         return overloaded
+
+    def carried(reduction: float) -> PathLimit:
+        nonlocal tip
+        overloaded = loaded(reduction)
+        if _tips(model, overloaded) and (tip is None or reduction < tip.reduction):
+            tip = overloaded
+        return overloaded
+
+    def without_rest(overloaded: PathLimit, full: PathLimit) -> tuple[PathLimit, _Loads, int]:
+        """No rest, what full strength carries, and the motion that tips the blocks where there is one."""
+        at = None if tip is None else (float(tip.parameter or 0.0), 1.0 / tip.reduction)
+        none = replace(tip or overloaded, outcome=PathOutcome.NO_REST, parameter=None)
+        return none, _Loads(True, full.parameter, at), work
 
     def exact(path_end: PathLimit, reduction: float) -> PathLimit | None:
         """The limit state in λ, at the whole load, of the modes of one in the load."""
@@ -503,12 +546,11 @@ def _loads_last(
         fails, overloaded = times * least, last
     if fits is None:
         assert overloaded is not None
-        full = carried(unit)
-        return replace(overloaded, outcome=PathOutcome.NO_REST, parameter=None), full.parameter, work
+        return without_rest(overloaded, loaded(unit))
     while fits / fails - 1.0 > LOADS_BRACKET:
         state = None if overloaded is None else exact(overloaded, fails)
         if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
-            return state, None, work
+            return state, _Loads(True), work
         middle = math.sqrt(fits * fails)
         trial = carried(middle)
         if fits_on(trial):
@@ -537,9 +579,22 @@ def _loads_last(
         rested = flow.at
     forces = bed.forces(rested, fits)
     settled = forces.residual < LIMIT_BALANCED * bed.load_size
+    if not settled and tip is not None and not fits_on(full := loaded(unit)):
+        return without_rest(overloaded or last, full)
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
     peak = replace(
         overloaded or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
         friction=forces.friction, residual=forces.residual / bed.load_size, reached=reached,
     )  # fmt: skip
-    return peak, None, work
+    return peak, _Loads(True), work
+
+
+def _tips(model: AssemblyModel, overloaded: PathLimit) -> bool:
+    """Whether blocks under a part of the loads move without slip where forces act: no strength hinders that."""
+    if overloaded.outcome is not PathOutcome.LIMIT or not 0.0 < (overloaded.parameter or 0.0) < 1.0:
+        return False
+    opening, slip = model.opening_and_slip(overloaded.motion)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    forces = model.by_group(np.abs(overloaded.normal)) + np.abs(overloaded.friction).sum(axis=1)
+    acts = forces > ADMISSIBLE * float(np.abs(model.load).max())
+    return bool(size[acts].max(initial=0.0) < NO_MOTION * max(float(np.abs(opening).max()), float(size.max())))
