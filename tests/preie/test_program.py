@@ -38,7 +38,7 @@ def test_frozen_strengths_against_clarabel(name, psi) -> None:
     program = BlockProgram(model)
     strength = elastic_strength(program)
     reference, dilation = 0.9 * model.by_group(program.start.normal), 0.4 * model.tan_dilation
-    ours = program.solve(Strengths(dilation, strength, reference), program.start, 1e-9, 120)
+    ours = program.solve(Strengths(dilation, strength, -dilation * reference), program.start, 1e-9, 120)
     exact = assembly_oracle.FrozenFriction(model, program.elastic, MOST_LOAD).solved(
         strength, dilation, reference, tolerance=1e-10
     )
@@ -143,7 +143,7 @@ KINDS = {
     "frozen": lambda model, at: Strengths(
         0.4 * model.tan_dilation,
         model.by_group(model.cohesion) + model.tan_friction * model.by_group(at.normal),
-        model.by_group(at.normal),
+        -0.4 * model.tan_dilation * model.by_group(at.normal),
     ),
     "limit": lambda model, at: Strengths(0.0 * model.tan_dilation),
     "limit with dilation": lambda model, at: Strengths(0.4 * model.tan_dilation),
@@ -168,13 +168,13 @@ def test_newtons_step_solves_the_linearised_equations(name, kind) -> None:
         velocity=start.velocity * rng.uniform(0.9, 1.1, start.velocity.shape),
     )  # fmt: skip
     strengths = KINDS[kind](model, at)
-    off = program_module._Residuals.of(program, strengths, at)
-    newton = program_module._Newton.at(program, strengths, at, off)
+    off = program_module.Residuals.of(program, strengths, at)
+    newton = program_module.NewtonEquations.at(program, strengths, at, off)
     to_normal, to_shed = rng.normal(size=at.normal.shape) * at.normal * at.gap, 0.1 * at.shed * at.shed_slack
     to_strength = rng.normal(size=at.strength.shape) * np.abs(newton.scale.times(at.slip)).max(axis=1)[:, None]
     step = newton.direction(to_normal, to_strength, to_shed)
     size = 1e-6
-    after = program_module._Residuals.of(program, strengths, step.taken(at, size))
+    after = program_module.Residuals.of(program, strengths, step.taken(at, size))
     for key in ("normal", "slip", "strength", "factor", "balance", "shed"):
         left = np.asarray(getattr(after, key)) - (1.0 - size) * np.asarray(getattr(off, key))
         # blocks that hardly anything holds move far, and rounding of their stiffness with them

@@ -20,6 +20,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bound_of_many import bound_in_one_run
 from slopekit.preie.distance import Distance, StaticBound, bound_by_programs
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
@@ -49,8 +50,10 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
     say("static bound")
     size = len(model.load)
-    if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
-        exact_bound = bound_by_programs(model)
+    if model.unknowns == 6 and size > _FEW:
+        exact_bound = bound_in_one_run(model)
+        if exact_bound is None and size <= _MOST_PROGRAMS:
+            exact_bound = bound_by_programs(model)
         if exact_bound is not None:
             return exact_bound
     program = BlockProgram(model)
@@ -75,7 +78,8 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         lifted = _falls_off(model)
     else:
         summed = model.by_group(program.start.normal)
-        dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
+        frozen = line(program.cohesion, model.tan_friction, summed)
+        dilating = Strengths(model.tan_friction, frozen, -model.tan_friction * summed)
         lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, most))
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 

@@ -60,13 +60,13 @@ class Strengths:
     ----------
     dilation : (g,) tangents
     frozen : (g,) r, or None where it follows the normal forces
-    reference : (g,) the sums N̂ of the normal forces that r was frozen at
+    apart : (g,) what friction carries beside λ r + t Σ N: t times less than none, -t N̂, where r was frozen at sums N̂
     normality : where r follows them: the share of normality by which slip opens at least, 1 for the static bound
     """
 
     dilation: Floats
     frozen: Floats | None = None
-    reference: Floats | None = None
+    apart: Floats | None = None
     normality: float = 0.0
 
     @property
@@ -133,14 +133,14 @@ class BlockProgram:
         at, trail, steps, stalled = start, [start], 0, 0
         length, best, since = 1.0, math.inf, 0
         while True:
-            off = _Residuals.of(self, strengths, at)
+            off = Residuals.of(self, strengths, at)
             if off.sound and off.gap < tolerance * max(at.load_factor, FEASIBLE):
                 return ProgramResult(at, True, steps, off.unbalanced, tuple(trail))
             best, since = (off.gap, 0) if off.gap < 0.8 * best else (best, since + 1)
             if steps >= most or stalled > _STALLED or since > _FRUITLESS or not math.isfinite(off.gap):
                 break
             try:
-                newton = _Newton.at(self, strengths, at, off)
+                newton = NewtonEquations.at(self, strengths, at, off)
             except SolverError:
                 break
             step = newton.step(recentre=length < _SHORT)
@@ -150,7 +150,7 @@ class BlockProgram:
             trail.append(at)
         finite = [k for k, iterate in enumerate(trail) if math.isfinite(iterate.complementarity)]
         last = trail[finite[-1]]
-        return ProgramResult(last, False, steps, _Residuals.of(self, strengths, last).unbalanced, tuple(trail))
+        return ProgramResult(last, False, steps, Residuals.of(self, strengths, last).unbalanced, tuple(trail))
 
     def release(self) -> Floats:
         """How blocks set off that nothing balances, (n u,): the acceleration of least constraint, contacts rough.
@@ -205,7 +205,7 @@ class BlockProgram:
 
 
 @dataclass(frozen=True, slots=True)
-class _Residuals:
+class Residuals:
     """What is off at an iterate, one part for each equation; `sound` where only the complementarity may be."""
 
     coupling: Coupling
@@ -220,7 +220,7 @@ class _Residuals:
     sound: bool
 
     @classmethod
-    def of(cls, program: BlockProgram, strengths: Strengths, at: Iterate) -> "_Residuals":
+    def of(cls, program: BlockProgram, strengths: Strengths, at: Iterate) -> "Residuals":
         model, load = program.model, program.load
         slips = at.slip[:, 0]
         if strengths.frozen is None:
@@ -238,8 +238,8 @@ class _Residuals:
             none = np.zeros(len(slips))
             coupling = Coupling(strengths.frozen, strengths.dilation, strengths.dilation, none, none)
             limit = at.load_factor * strengths.frozen
-            if strengths.reference is not None and strengths.dilation.any():
-                limit = limit + strengths.dilation * (model.by_group(at.normal) - strengths.reference)
+            if strengths.apart is not None:
+                limit = limit + strengths.dilation * model.by_group(at.normal) + strengths.apart
         opening, slip = model.opening_and_slip(at.velocity)
         normal = (
             program.elastic * program.give * at.normal + opening - at.gap - (coupling.dual * slips)[program.of_pair]
@@ -266,12 +266,12 @@ class _Residuals:
 
 
 @dataclass(frozen=True, slots=True)
-class _Newton:
+class NewtonEquations:
     """Newton's equations at an iterate, on the central path, scaled after Nesterov & Todd."""
 
     program: BlockProgram
     start: Iterate
-    off: _Residuals
+    off: Residuals
     scale: Scaling
     springs: Springs
     solver: Callable[[Floats], Floats]
@@ -280,8 +280,14 @@ class _Newton:
     system: Floats
 
     @classmethod
-    def at(cls, program: BlockProgram, strengths: Strengths, at: Iterate, off: _Residuals) -> "_Newton":
+    def at(
+        cls, program: BlockProgram, strengths: Strengths, at: Iterate, off: Residuals, inertia: Floats | None = None
+    ) -> "NewtonEquations":
         """Factorise them.
+
+        Parameters
+        ----------
+        inertia : (n u,) added to the diagonal of the stiffness, instead of parts of it
 
         Raises
         ------
@@ -294,7 +300,8 @@ class _Newton:
             model, program.of_pair, 1.0 / (program.elastic * program.give + at.gap / at.normal),
             program.elastic * program.group_give, scale, off.coupling,
         )  # fmt: skip
-        solver = program.solver.factored(springs.stiffness(program.pattern), DIAGONAL_SHIFT, strengths.symmetric)
+        shift = DIAGONAL_SHIFT if inertia is None else 0.0
+        solver = program.solver.factored(springs.stiffness(program.pattern), shift, strengths.symmetric, inertia)
         border = model.forces_on_blocks(*springs.of_factor).ravel() - program.middle
         row = border if strengths.symmetric else model.forces_on_blocks(*springs.row).ravel() - program.middle
         columns = solver(np.stack([border, load], axis=1))
@@ -304,16 +311,25 @@ class _Newton:
         ])  # fmt: skip
         return cls(program, at, off, scale, springs, solver, row, columns, system)
 
-    def step(self, recentre: bool) -> IterateStep:
-        """Mehrotra's step: what a step to the end would do tells how far to aim and what to correct."""
+    def step(self, recentre: bool = False, towards: float | None = None) -> IterateStep:
+        """Mehrotra's step: what a step to the end would do tells how far to aim and what to correct.
+
+        Parameters
+        ----------
+        recentre : back to the middle first; it ran along the boundary
+        towards : of a convex program, no less complementarity than this, and all that is of second order corrected
+        """
         at, cones = self.start, len(self.start.normal) + len(self.start.strength) + 1
         middle = self.scale.times(at.slip)
         ahead = self.direction(-at.gap * at.normal, -middle, -at.shed * at.shed_slack)
         reach = ahead.longest(at)
         centre, trust = max((1.0 - reach) ** 3, 1e-6), reach * reach
-        if recentre:  # it runs along the boundary: back to the middle first
+        if recentre:
             centre, trust = max(centre, _RECENTRE), 0.0
-        barrier = centre * self.off.gap / cones
+        gap = centre * self.off.gap
+        if towards is not None:
+            gap, trust = max(gap, towards), 1.0
+        barrier = gap / cones
         target = -product(middle, middle)
         target -= trust * product(self.scale.over(ahead.strength), self.scale.times(ahead.slip))
         target[:, 0] += barrier

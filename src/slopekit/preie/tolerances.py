@@ -16,6 +16,10 @@ SPRING_ROUNDING = 2e-15
 #: factors is of that size. Ten times as much moves a factor in two sections of 37.
 DIAGONAL_SHIFT = 1e-13
 
+#: The same of the program of the static bound, in parts of the stiffness that a force of each block's own load has
+#: there: slivers are a millionth of the largest block, and their stiffness is its square.
+SHIFT_BY_LOAD = 1e-13
+
 #: The same, in parts of the elastic stiffness, for the modes of a limit state: there may be several motions.
 MODES_SHIFT = 1e-12
 

@@ -1,0 +1,121 @@
+"""The static bound of many blocks in space by one run of the interior-point method, λ on its way to the bound.
+
+The program of `preie.distance` for no motion: at one λ forces that balance fall short of strength by s w_g at most,
+
+    minimise s:    Bᵀ f + P = 0,    N >= 0,    |T_g| <= λ (c_g + μ_g Σ N) + s w_g,
+
+w the load of the lighter block of a contact. For each λ it is convex; s falls with λ, and is nothing at the bound.
+Newton on s(λ) need not wait for s: an iterate whose forces balance and whose velocities are those of its multipliers
+says that s lies between what it is and that less its complementarity, and what s does as λ grows. So λ goes with every
+step by as much as is known, and the complementarity stays as large as what s may still be.
+
+It ends where forces that balance and a motion are so near that λ is known to `NEAR`. Steps are those of a convex
+program, a score for each program that `preie.distance` would solve; where there is no end, that is the way.
+"""
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import SolverError
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.distance import StaticBound
+from slopekit.preie.iterates import Iterate
+from slopekit.preie.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
+from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD
+
+_START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
+_LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
+_MOST = 150  # steps; it takes 30 to 80
+_HARDLY = 1e-6  # of the elastic energy of other programs
+_KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move, and a fifth of it at the end
+_FALLS, _GROWS = 0.7, 2.0  # parts of λ by which it goes down and up at most
+_CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: just above that λ blocks jam
+
+
+class _Shortfall(BlockProgram):
+    """That program in the terms of `BlockProgram`: its load factor is 1 + s."""
+
+    def __init__(self, model: AssemblyModel) -> None:
+        super().__init__(model)
+        own = self.least_load[:: model.unknowns]
+        lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
+        self.weight, self.pair_weight = lighter[model.group_contact], lighter[model.pair_contact]
+        self.elastic = _HARDLY * self.stiffest
+        self.own_load, self.pulls = self.load, self.middle
+        self.middle = np.zeros_like(self.load)
+        self.cones = len(self.pair_weight) + len(self.weight) + 1
+
+    def at(self, reduction: float) -> Strengths:
+        """The program of one λ."""
+        self.load = self.own_load + reduction * self.pulls
+        friction = reduction * self.model.tan_friction
+        return Strengths(friction, self.weight, reduction * self.cohesion - self.weight)
+
+    def begun(self) -> Iterate:
+        """A start in which every cone has its middle."""
+        pairs, (groups, tangents) = len(self.pair_weight), self.model.slip_rows.shape[:2]
+        none, unit = np.zeros((groups, tangents)), _LARGE / (2.0 * pairs)
+        normal, room = _LARGE * self.pair_weight, _LARGE * self.weight[:, None]
+        return Iterate(
+            normal, none, _LARGE, unit / MOST_LOAD, np.hstack([room, none]), np.zeros(len(self.load)), unit / normal,
+            np.hstack([unit / room, none]), MOST_LOAD,
+        )  # fmt: skip
+
+    def falls(self, at: Iterate) -> float:
+        """ds/dλ."""
+        strength = self.cohesion + self.model.tan_friction * self.model.by_group(at.normal)
+        return float(self.pulls @ at.velocity) - float(strength @ at.slip[:, 0])
+
+    def worth(self, at: Iterate, off: Residuals) -> float:
+        """What is off at an iterate may be worth to s."""
+        forces = float(np.abs(off.normal * at.normal).sum()) + float(np.abs(off.slip * at.friction).sum())
+        return forces + abs(float(off.balance @ at.velocity)) + abs(off.factor * (at.load_factor - 1.0))
+
+    def inertia(self, gap: float) -> Floats:
+        """Hardly anything of the stiffness of each block, (n u,): of slivers too, which the mean would hold."""
+        small: Floats = (SHIFT_BY_LOAD * self.cones / gap) * self.least_load * self.least_load
+        return small
+
+
+def bound_in_one_run(model: AssemblyModel) -> StaticBound | None:
+    """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return _run(_Shortfall(model))
+
+
+def _run(program: _Shortfall) -> StaticBound | None:
+    at, reduction, low, high, stalled = program.begun(), _START, 0.0, np.inf, 0
+    for steps in range(_MOST):
+        strengths = program.at(reduction)
+        off = Residuals.of(program, strengths, at)
+        if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < 1.0 / LEAST_REDUCTION:
+            return None
+        short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
+        balanced, most_off = off.unbalanced < FEASIBLE, -NEAR * reduction * falls
+        if balanced and worth < 0.2 * _KNOWN * most_off and abs(short) < most_off and off.gap < most_off:
+            bound = reduction - short / falls
+            return StaticBound(1.0 / bound, False, False, at.velocity, at.normal, steps)
+        middle, moves = short - 0.5 * off.gap, 0.0
+        if balanced and short < 0.0:
+            high = min(high, reduction)
+        if worth < _KNOWN * off.gap:
+            if short > off.gap + worth:
+                low = max(low, reduction)
+            moves = float(np.clip(-middle / falls, off.gap / falls, -off.gap / falls))
+            moves = min(max(moves, -_FALLS * reduction), _GROWS * reduction)
+            moves = min(max(moves, 0.5 * (low - reduction)), 0.5 * (high - reduction))
+            strengths = program.at(reduction + moves)
+            off = Residuals.of(program, strengths, at)
+        try:
+            equations = NewtonEquations.at(program, strengths, at, off, program.inertia(off.gap))
+        except SolverError:
+            return None
+        step = equations.step(towards=abs(middle) if worth < off.gap else 0.0)
+        length = step.longest(at)
+        at, reduction = step.taken(at, length), reduction + length * moves
+        stalled = stalled + 1 if length < _CRAWL else 0
+        if stalled > _STALLED and (low > 0.0 or short > 0.0):
+            return None
+        if stalled > _STALLED:
+            at, reduction, high, stalled = program.begun(), _LOWER * reduction, np.inf, 0
+    return None

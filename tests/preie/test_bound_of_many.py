@@ -1,0 +1,95 @@
+"""The static bound of many blocks in space by one run of the interior-point method, against programs at one λ each."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slopekit.geometry.patches import BEDROCK
+from slopekit.loads import PassiveBolts
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bound_of_many import bound_in_one_run
+from slopekit.preie.bounds import static_bound
+from slopekit.preie.distance import bound_by_programs
+from tests.preie import assembly_oracle
+from tests.preie.block_scenes import bench, boxes_in_space, downhill, random_bench
+
+BENCH = bench((("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0)))  # 16 blocks, loads from 1 to 4,000
+BOXES = boxes_in_space((2, 2, 3), (2.0, 3.0, 1.0), 25.0, 0.3)
+SLIVERS, SLIVERS_PHI = random_bench(7)  # 4 blocks, loads from 1 to 50,000; S is 13.8
+
+MODELS: dict[str, Callable[[], AssemblyModel]] = {
+    "boxes": lambda: BOXES.model([30.0, 35.0]),
+    "boxes with cohesion": lambda: BOXES.model([30.0, 35.0], 0.5),
+    "cohesion alone": lambda: BOXES.model(0.0, 20.0),
+    "bench": lambda: BENCH.model(30.0),
+    "bench with cohesion": lambda: BENCH.model(30.0, 8.0),
+    "slivers": lambda: SLIVERS.model(SLIVERS_PHI),
+}
+
+
+def bolted() -> AssemblyModel:
+    """The boxes with a bolt up the slope from each into bedrock, and one between two of them."""
+    blocks = np.flatnonzero(~BOXES.fixed)
+    head, toe = np.append(blocks, blocks[0]), np.append(np.full(len(blocks), BEDROCK), blocks[-1])
+    up = np.array([0.0, 0.3, 0.0]) - downhill(20.0)[:, 0]
+    forces = np.linspace(5.0, 60.0, len(head))[:, None] * up
+    return replace(BOXES, bolts=PassiveBolts(head, toe, forces, BOXES.centroids[head] + 0.1)).model([30.0, 35.0], 0.5)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_the_bound_is_that_of_bisection(name) -> None:
+    """Clarabel and bisection to 1e-6; ours ends where it knows λ to `NEAR`, 1e-5 of it."""
+    model = MODELS[name]()
+    found = bound_in_one_run(model)
+    assert found is not None
+    assert found.factor == pytest.approx(assembly_oracle.static_bound(model, parts=1e-6), rel=1.5e-5)
+
+
+def test_with_bolts_it_is_that_of_the_programs() -> None:
+    """Another program and another search, in which a bolt pulls with 0 <= T <= λ capacity, to 1e-5 of the factor."""
+    model = bolted()
+    found, programs = bound_in_one_run(model), bound_by_programs(model)
+    assert found is not None
+    assert programs is not None
+    assert found.factor == pytest.approx(programs.factor, rel=1.5e-5)
+    without = bound_in_one_run(BOXES.model([30.0, 35.0], 0.5))
+    assert without is not None
+    assert abs((found.factor or 0.0) / (without.factor or 0.0) - 1.0) > 1e-2
+
+
+@pytest.mark.parametrize("strength", [0.1, 7.0])
+def test_the_strength_divided(strength: float) -> None:
+    """S(strength / k) k = S, wherever λ begins: to twice `NEAR`."""
+    model = MODELS["bench with cohesion"]()
+    weaker = replace(model, tan_friction=model.tan_friction / strength, cohesion=model.cohesion / strength)
+    found, whole = bound_in_one_run(weaker), bound_in_one_run(model)
+    assert found is not None
+    assert whole is not None
+    assert strength * (found.factor or 0.0) == pytest.approx(whole.factor, rel=2e-5)
+
+
+def test_the_motion_proves_it() -> None:
+    """The dual, without cohesion: slip opens every contact by λ tan φ of it, and the load does no work against it.
+
+    At a λ lower by a thousandth it does more than that everywhere, to a part of the fastest motion: no forces balance.
+    """
+    model = BOXES.model(33.0)
+    found = bound_in_one_run(model)
+    assert found is not None
+    opening, slip = model.opening_and_slip(found.velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    fastest = float(size.max())
+    over = opening - model.tan_friction * size / (found.factor or 0.0)
+    assert float(over.min()) > -1e-5 * fastest
+    assert float(model.load.ravel() @ found.velocity) > -1e-5 * fastest
+    lower = opening - 0.999 * model.tan_friction * size / (found.factor or 0.0)
+    assert float(lower[size > 2e-2 * fastest].min()) > 0.0
+
+
+def test_without_an_end_others_say_why() -> None:
+    """Pulled off its base nothing balances the boxes."""
+    lifted = replace(BOXES, forces=-0.5 * BOXES.forces).model(35.0)
+    assert bound_in_one_run(lifted) is None
+    assert static_bound(lifted).lifted
