@@ -34,7 +34,11 @@ _OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _FAILS = 7
-_SNAPS, _FARTHER, _SLOWLY = 20, 1e3, 4000  # of a path in the load; work at which they run, and patience to see them rest
+_SNAPS, _FARTHER, _SLOWLY = (
+    20,
+    1e3,
+    4000,
+)  # of a path in the load; work at which they run; factorisations
 _MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
 
