@@ -13,10 +13,9 @@ from slopekit.design.templates import path_of
 from slopekit.geometry.patches import Assembly
 from slopekit.kinds import kind_of
 from slopekit.kinds.many_blocks_shaking import gyration
-from slopekit.kinds.protocol import Factors
-from slopekit.studies.points import Point
-from slopekit.studies.solve import by_factor
-from slopekit.studies.solve.roots import Sample
+from slopekit.studies.running import ALONE
+from slopekit.studies.solve.by_factor import for_factor
+from slopekit.studies.solve.sheet import sheet_of
 
 KEY = "loads.seismic.k"
 
@@ -162,31 +161,14 @@ def test_a_motion_that_does_not_settle_has_the_factor_of_one_block_and_says_so()
     assert f"runs at {ours.runs:.6f}" in str(found)
 
 
-def test_a_last_state_at_rest_that_holds_less_as_strength_is_divided_last_is_no_answer(monkeypatch) -> None:
-    """Then the value is looked for through the strength, as where there is no path in the load."""
-    looked = []
-
-    def look(search, *_):
-        looked.append(search.samples.append(Sample(0.0, 0.1, "slides", held)))
-        return []
-
-    held = Point(Factors("slides", 0.9, None, None, None, None, False, True))
-    monkeypatch.setattr(by_factor._Asked, "both", lambda *_: held)
-    monkeypatch.setattr(by_factor._Asked, "before", lambda *_: held)
-    monkeypatch.setattr(by_factor, "_look_roughly", look)
-    found = sk.solve(sk.load(_bench(face="75/180")), KEY, fos=1.0)
-    assert found.answer is None
-    assert len(looked) == 1
-
-
-def test_a_bracket_in_the_load_is_an_answer_of_solve() -> None:
+def test_a_bracket_in_the_load_is_an_answer_of_an_earthquake() -> None:
     """No second search by the strength: its factor at the value is said, and is none below the target."""
-    found = sk.solve(sk.load(_bench(face="75/180")), KEY, fos=1.0)
+    found = for_factor(sk.load(_bench(face="75/180")), KEY, 1.0, None, ALONE, lambda _: None, load_last=True)
     answer = found.answer
     assert 0.0 < answer.runs - answer.value < 1e-3 * answer.value
     assert answer.strength_last > 1.0
     assert [notice.code for notice in found.warnings] == ["W469"]
-    assert "run at" in str(found)
+    assert "run at" in str(sheet_of(found))
     assert found.pre_ie.evaluations == 2
     root = found.to_dict()["pre_ie"]["roots"][0]
     assert [end["value"] for end in root["bracket"]] == [answer.value, answer.runs]

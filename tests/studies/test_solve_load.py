@@ -1,9 +1,17 @@
 """A load of many blocks straight from the path in it."""
 
+import math
+
 import pytest
 
 import slopekit as sk
 from benchmarks.blocks import multiplier
+from slopekit.design.files import with_values
+from slopekit.design.templates import path_of
+from slopekit.kinds.protocol import AtLoad
+from slopekit.preie import effort
+from slopekit.studies.running import ALONE
+from slopekit.studies.solve import by_factor
 
 COLUMN = {
     "slopekit": 1, "kind": "blocks",
@@ -14,17 +22,106 @@ COLUMN = {
 }  # fmt: skip
 
 
-def test_a_column_tips_at_its_slenderness_and_nothing_is_said_to_be_put_back() -> None:
-    """1 m by 2 m tips at k = 1/2 whatever its friction; no factor is shown that was not computed there."""
-    found = sk.solve(sk.load(COLUMN), "loads.seismic.k", fos=1.0)
+KEY = "loads.seismic.k"
+DIP, PHI = math.radians(20.0), math.radians(35.0)
+YIELD = math.tan(PHI - DIP)  # of a slab on a plane
+
+
+def _slab():
+    """A slab 20 m long and 1 m high on a plane that dips west by 20°."""
+    along, up = (math.cos(DIP), math.sin(DIP)), (-math.sin(DIP), math.cos(DIP))
+    at = [[t * along[0] + n * up[0], t * along[1] + n * up[1]] for t, n in ((10, 0), (30, 0), (30, 1), (10, 1))]
+    base = [[0, 0], [40 * along[0], 40 * along[1]], [40 * along[0], -5], [0, -5]]
+    return sk.load({
+        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25},
+        "blocks": {"base": {"polygon": base, "fixed": True}, "B1": {"polygon": at}},
+        "strength": {"joint": {"c": 0, "phi": 35}}, "loads": {"seismic": {"k": 0, "toward": 270}},
+    })  # fmt: skip
+
+
+def test_a_column_tips_at_its_slenderness_and_what_it_holds_there_is_said() -> None:
+    """1 m by 2 m tips at k = 1/2 whatever its friction: there it would slide at F = tan 60° / k, and jumps to none."""
+    found = sk.solve(sk.load(COLUMN), KEY, fos=1.0)
     assert found.answer is not None
     assert found.answer.value == pytest.approx(0.5, rel=1e-9)
+    assert found.answer.strength_last == pytest.approx(math.tan(math.radians(60.0)) / 0.5, rel=1e-9)
     root = found.to_dict()["pre_ie"]["roots"][0]
     assert (root["fos"], root["misses_by"], root["put_back"]) == (None, None, None)
+    assert [notice.code for notice in found.warnings] == ["W476"]
     sheet = str(found)
-    assert "not put back" in sheet
+    assert "put back its FoS is 3.4641" in sheet
     for claim in ("misses by", "BRACKET", "REACH", "the methods at"):  # there was no search, and no second method
         assert claim not in sheet
+
+
+def test_both_ways_to_the_yield_of_a_slab_are_one() -> None:
+    """k = tan(φ - β), by the path in the load, and its factor put back is the target: nothing is searched."""
+    found = sk.solve(_slab(), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(YIELD, rel=1e-9)
+    assert found.answer.factor == pytest.approx(1.0, rel=1e-9)
+    assert found.answer.load_last == (found.answer.value, None)
+    assert found.pre_ie.evaluations == 2
+    assert found.warnings == ()
+
+
+@pytest.mark.parametrize(("part", "runs"), [(0.8, None), (1.3, None), (0.8, 0.9), (1.3, 1.31)])
+def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, part, runs) -> None:
+    """Wherever another history ended, k is where the factor is the target; the other end is said."""
+    other = AtLoad(part * YIELD, "slides", None if runs is None else runs * YIELD)
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: other)
+    found = sk.solve(_slab(), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(YIELD, rel=2e-6)
+    assert found.answer.factor == pytest.approx(1.0, rel=1e-6)
+    assert found.answer.load_last == (other.multiplier, other.runs)
+    assert found.to_dict()["pre_ie"]["roots"][0]["load_last"] == {"value": other.multiplier, "runs": other.runs}
+    assert found.pre_ie.evaluations <= 9
+    assert [notice.code for notice in found.warnings] == ["W477"]
+    assert "load last" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("part", "runs", "taken"), [(0.8, None, 0.8), (1.3, None, 1.3), (0.8, 0.81, 0.8), (1.3, 1.31, 1.0)]
+)
+def test_an_earthquake_comes_on_last(monkeypatch, part, runs, taken) -> None:
+    """Its limit state is taken; a last state at rest only where the strength divided last holds as much."""
+    other = AtLoad(part * YIELD, "slides", None if runs is None else runs * YIELD)
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: other)
+    found = by_factor.for_factor(_slab(), KEY, 1.0, None, ALONE, lambda _: None, load_last=True)
+    assert found.answer.value == pytest.approx(taken * YIELD, rel=2e-6)
+
+
+def test_blocks_that_fail_without_the_load_are_said_to_at_once() -> None:
+    """Goodman & Bray's columns hold 0.99996 without an earthquake, though they rest elastically to k 0.018."""
+    found = sk.solve(sk.load(path_of("goodman-bray")), KEY, fos=1.0)
+    assert found.answer is None
+    assert found.reason.code == "E315"
+    assert "at most 0.999957, at 0 " in found.reason.message
+    assert found.pre_ie.evaluations == 2
+
+
+def test_a_slab_that_slides_by_itself_is_looked_at_at_three_places() -> None:
+    found = sk.solve(with_values(_slab(), {"strength.joint.phi": 15.0}), KEY, fos=1.0)
+    assert found.reason.code == "E315"
+    assert found.pre_ie.evaluations == 3
+
+
+def test_work_of_one_answer_ends(monkeypatch) -> None:
+    """What is known by then is said, and that it is cut short; no value is claimed not to exist."""
+    monkeypatch.setattr(effort, "MOST", 3e4)
+    found = sk.solve(sk.load(path_of("bench")), KEY, fos=1.0)
+    assert found.answer is None
+    assert found.reason.code == "E319"
+    assert "before a factor of 1 was found" in found.reason.message
+    assert "W478" in [notice.code for notice in found.warnings]
+
+
+def test_a_snap_on_the_way_is_no_limit() -> None:
+    """A bench that snaps to another rest at k 0.2763 is at its limit at 0.2767, by either history."""
+    changes = {"slope.height": 7, "slope.length": 12, "slope.face": "75/180", "sets.S2.spacing": 3}
+    found = sk.solve(sk.load(path_of("bench"), set=changes), KEY, fos=1.0)
+    assert found.answer.load_last == (found.answer.value, None)
+    assert found.answer.value == pytest.approx(0.276668, rel=1e-5)
+    assert found.answer.factor == pytest.approx(1.0, abs=1e-6)
 
 
 def test_the_benchmark_takes_the_way_of_solve() -> None:

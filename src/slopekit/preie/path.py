@@ -9,7 +9,8 @@ Joints are elastic without tension (`preie.bed`). Gravity comes on at a strength
 
 That limit is the factor. Where C or L do not get there the path starts again nearer to the last state at rest; where
 nothing helps the elastic peak, the factor at which the blocks were last at rest, stands for it, and says so.
-With the load instead of the strength as what changes (`Drive.ramp`) the same gives a load multiplier.
+With the load instead of the strength as what changes (`Drive.ramp`) the same gives a load multiplier. There a peak is
+passed where blocks that flow slowly from the last state at rest come to another: a sliver has snapped, nothing failed.
 """
 
 import math
@@ -33,6 +34,11 @@ _OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _FAILS = 7
+_SNAPS, _FARTHER, _SLOWLY = (
+    20,
+    1e3,
+    4000,
+)  # of a path in the load; work at which they run; factorisations
 _MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
 
@@ -68,7 +74,8 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
     rested.append(parameter)
     runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
     ratio = _STRIDE
-    nearest = iter((_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2]))
+    brackets = (_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2])
+    nearest, snaps = iter(brackets), 0 if strength else _SNAPS
     near = next(nearest)
     traces = strength and bed.tangents > 1 and not bed.dilates
     smooth = strength and bed.tangents == 1 and not bed.dilates and bed.bolted is None
@@ -90,9 +97,14 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
                     return replace(ended, peak=(parameter, bad), started=begun)
                 runs.append((bad, flow))
                 near = next(nearest, 0.0)
-                if near == 0.0:
+                if near:
+                    continue
+                flow = relaxed(bed, at, bad, THICK, runs_at=_FARTHER, patience=_SLOWLY) if snaps else flow
+                if flow.ended != "rest":
                     break
-                continue
+                snaps, nearest, ratio = snaps - 1, iter(brackets), _STRIDE  # they only snapped, to another rest
+                near = next(nearest)
+                runs.clear()
             parameter, at = bad, flow.at
         if runs:
             ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))

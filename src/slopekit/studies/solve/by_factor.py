@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field, replace
 from functools import partial
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import TypeAlias
 
 from slopekit.core.errors import DesignError, Fault
@@ -15,13 +15,14 @@ from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
+from slopekit.preie import effort
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew, run_all
 from slopekit.studies.solve.roots import Crossing, Sample, Search, near_by, places
-from slopekit.studies.solve.solutions import ALIKE, TOLERANCE, Answers, Found, Solution, notices, reason_of
+from slopekit.studies.solve.solutions import ALIKE, TOLERANCE, Answers, Found, Solution, cut_short, notices, reason_of
 
 _EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
 _SECTIONS = 24
@@ -39,13 +40,20 @@ _ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
 _SAME = 2e-3  # a step that other node pairs make in the factor of PRE-IE: no jump
 _SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
 _LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
-_UNIT_LOAD = 1.0
+_K, _UNIT_LOAD = "loads.seismic.k", 1.0
+_OF_PATH = 0.5  # of the work that is allowed, for the path in a load
+_ABOVE = 1e-4  # of a value: a factor that falls on this by more than a jump does so at once
+_FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value of the path in a load, where the factor is above the target
+_SECANTS = 10  # from there to the value where it is the target
+_LOAD_RESOLUTION, _LOAD_NEAR, _LOAD_JUMP = 1e-7, 4e-7, (1e-4, 0.02)
+_FALLS = (0.0, 0.01, 0.1)  # of the range: where a factor below the target has to fall, to be left alone
 _Samples: TypeAlias = list[Sample[Point]]
 
 
 def for_factor(
-    design: Design, key: str, fos: float | None, within: Within | None, crew: Crew, advance: Advance
-) -> Solution:
+    design: Design, key: str, fos: float | None, within: Within | None, crew: Crew, advance: Advance,
+    load_last: bool = False,
+) -> Solution:  # fmt: skip
     """The value of one number of a design at which its factor of safety is a target.
 
     Parameters
@@ -53,6 +61,8 @@ def for_factor(
     fos : the target; None takes that of the design's acceptance rule
     within : between which values to look (numbers, or texts with units); None: what such a number can be
     crew : who evaluates the grid; advance : told of every evaluation
+    load_last : of a load on many blocks, that at which they fail as it comes on last, at the strength divided by the
+        target: what an earthquake does; else that at which their factor is the target, their strength divided last
 
     The factor is looked at on a grid that is fine near the present value; every place where it passes the target is
     narrowed down, edges of validity and changes of status are looked at from both sides. Where nothing drives the
@@ -74,7 +84,7 @@ def for_factor(
     low, high = parse_within(one, text if equals else within)
     target, own = _target(design, fos)
     closed: Answers | None = None
-    direct: AtLoad | None = None
+    spent = False
     asked = _Asked(design, one, low, high, target, crew, advance)
     if kind_of(design).closed_form is not None:
         quick = asked.search("closed_form")
@@ -83,19 +93,17 @@ def for_factor(
         closed = _answers("closed_form", asked, quick, crossings)
         search = asked.search("pre_ie")
         _look_again(search, quick, crossings, asked)
-        found = _crossings(search)
+        pre_ie = _answers("pre_ie", asked, search, _crossings(search))
     else:
-        search, found = asked.search("pre_ie", slow=True), []
-        direct = _by_load(asked)
-        if direct is None:
-            found = _look_roughly(search, asked, bool(equals) or within is not None)
-    pre_ie = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct)
+        search, whole = asked.search("pre_ie", slow=True), bool(equals) or within is not None
+        if kind_of(design).at_load is not None and _LOAD.fullmatch(one.path):
+            pre_ie, spent = _of_load(replace(asked, crew=ALONE), whole, load_last)
+        else:
+            pre_ie = _answers("pre_ie", asked, search, _look_roughly(search, asked, whole))
     if closed is not None:
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
-    before = asked.before()
-    solution = Solution(design, one, target, (low, high), own, before, closed, pre_ie, None)
-    rounded = None if direct is not None else _rounded(solution, asked)
-    solution = replace(solution, rounded=rounded, warnings=tuple(notices(solution)))
+    solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent)
+    solution = replace(solution, rounded=_rounded(solution, asked), warnings=tuple(notices(solution)))
     return replace(solution, seconds=time.perf_counter() - began)
 
 
@@ -152,6 +160,8 @@ class _Asked:
 
     def before(self) -> Point:
         """The design as it is."""
+        if self.key.value in self.points:
+            return self.points[self.key.value]
         return Point.from_record(Evaluation(self.design)({}))
 
     def grid(self, even: int, close: int, each_decade: float) -> list[float]:
@@ -251,22 +261,107 @@ def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Cro
     return crossings
 
 
-def _by_load(asked: _Asked) -> AtLoad | None:
-    """The value of a load of many blocks straight from the elastic path in it; None: it has none."""
+# -- a load on many blocks: the path in it says where to look, and is the other end of what histories give -------------
+
+
+def _of_load(asked: _Asked, whole: bool, load_last: bool) -> tuple[Answers, bool]:
+    """What there is of a load on many blocks within the work of one answer, and whether that was all done."""
+    search = Search(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
+                    near=_LOAD_NEAR, same=_SAME, jump=_LOAD_JUMP)  # fmt: skip
+    with effort.allowed(effort.MOST):
+        with effort.part(_OF_PATH):
+            last = _path_in_load(asked)
+        direct, found = _driven(search, asked, whole, load_last, last)
+        spent = effort.is_spent()
+    if direct is not None:
+        return _in_load(asked, direct), spent
+    answers = _answers("pre_ie", asked, search, found)
+    if spent and not answers.roots:
+        return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True
+    if answers.roots and last is not None:
+        first = replace(answers.roots[0], load_last=(last.multiplier, last.runs))
+        answers = replace(answers, roots=(first, *answers.roots[1:]))
+    return answers, spent
+
+
+def _path_in_load(asked: _Asked) -> AtLoad | None:
+    """Where the blocks fail as the load comes on last, at the strength divided by the target; None: nowhere."""
     at_load = kind_of(asked.design).at_load
-    if at_load is None or not _LOAD.fullmatch(asked.key.path):
-        return None
+    assert at_load is not None
     without, unit = (
         with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
     )
     found = at_load(without, unit, asked.target)
-    if found is None or not asked.low <= found.multiplier <= asked.high:
-        return None
-    if found.runs is not None:  # a last state at rest: with the strength divided last they may hold less
-        factor = factor_at(asked.both(found.multiplier), "pre_ie")
-        if factor is not None and factor < asked.target - TOLERANCE["pre_ie"]:
-            return None
-    return found
+    return found if found is not None and asked.low <= found.multiplier <= asked.high else None
+
+
+def _driven(
+    search: Search[Point], asked: _Asked, whole: bool, load_last: bool, last: AtLoad | None
+) -> tuple[AtLoad | None, list[Crossing[Point]]]:
+    """The value of the path in the load where that is the answer, else where the factor passes the target."""
+    if last is None:
+        falls = asked.key.path == _K and not whole and _falls_from_below(search, asked)
+        return None, [] if falls else _look_roughly(search, asked, whole)
+    if load_last and last.runs is None:
+        return last, []
+    here = search.at(last.multiplier)
+    factor = factor_at(here.found, "pre_ie")
+    if here.level is None or factor is None or (load_last and factor >= asked.target - TOLERANCE["pre_ie"]):
+        return last, []
+    if abs(factor - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
+        return last, []
+    other = here
+    if here.level > 0.0:
+        if here.at > 0.0 and _jumps_down(here, search.at(min(here.at * (1.0 + _ABOVE), asked.high))):
+            return last, []  # they tip there, whatever their strength
+        other = next((beyond for beyond in _further(search, asked, here.at) if _level(beyond) < 0.0), here)
+        if other is here:
+            return last, []
+    else:
+        other = search.at(asked.low)
+    if _level(other) * here.level < 0.0:
+        _close_in(search, other, here)
+    found = _crossings(search)
+    if found and found[0].how == "jump" and not found[0].rises:
+        before = found[0].before
+        return AtLoad(before.at, found[0].after.label, None), []
+    return None, found
+
+
+def _falls_from_below(search: Search[Point], asked: _Asked) -> bool:
+    """Whether the factor is below the target without the load, and falls as it comes on."""
+    levels = [search.at(asked.low).level]
+    if levels[0] is None or levels[0] >= 0.0:
+        return False
+    levels += [sample.level for sample in search.add(asked.low + part * (asked.high - asked.low) for part in _FALLS)]
+    return all(b is not None and b <= a for a, b in pairwise(levels[1:]) if a is not None)
+
+
+def _jumps_down(here: Sample[Point], above: Sample[Point]) -> bool:
+    return above.level is not None and above.level < 0.0 and _level(here) - above.level > _LOAD_JUMP[1]
+
+
+def _further(search: Search[Point], asked: _Asked, value: float) -> Iterator[Sample[Point]]:
+    """Places beyond a value, ever further; at the end that of the range."""
+    for place in (times * value for times in _FURTHER):
+        if value < place < asked.high:
+            yield search.at(place)
+    yield search.at(asked.high)
+
+
+def _close_in(search: Search[Point], one: Sample[Point], other: Sample[Point]) -> None:
+    """False positions between two places of either sign until a level is near zero (Illinois rule)."""
+    at_one, at_other = _level(one), _level(other)
+    for _ in range(_SECANTS):
+        part = at_one / (at_one - at_other)
+        new = search.at(one.at + part * (other.at - one.at))
+        if new.level is None or abs(new.level) <= search.near or search.narrow(one.at, other.at):
+            return
+        if new.level * at_other < 0.0:
+            one, at_one = other, at_other
+        else:
+            at_one *= 0.5
+        other, at_other = new, new.level
 
 
 def _in_load(asked: _Asked, at: AtLoad) -> Answers:
@@ -274,12 +369,21 @@ def _in_load(asked: _Asked, at: AtLoad) -> Answers:
 
     Where the motion did not settle the value is that of the last state at rest; the bracket ends where they run.
     """
-    point = Point(Factors(at.status, asked.target, None, None, None, None, False, True))
-    here = (at.multiplier, asked.target)
-    beyond = here if at.runs is None else (at.runs, math.nan)
-    last = None if at.runs is None else factor_at(asked.both(at.multiplier), "pre_ie")
-    found = Found("root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last)
-    return Answers("pre_ie", (found,), (), None, None, (), (0.0, beyond[0]), 1 + len(asked.points), None)
+    known = asked.points.get(at.multiplier)
+    last = None if known is None else factor_at(known, "pre_ie")
+    evaluations = 1 + len(asked.points)
+    if last is not None and at.runs is None and abs(last - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
+        assert known is not None
+        here = at.multiplier, last
+        found = Found(
+            "root", at.multiplier, last, at.status, (here, here), False, known, load_last=(at.multiplier, None)
+        )
+    else:
+        point = Point(Factors(at.status, asked.target, None, None, None, None, False, True))
+        here = (at.multiplier, asked.target)
+        beyond = here if at.runs is None else (at.runs, math.nan)
+        found = Found("root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last)
+    return Answers("pre_ie", (found,), (), None, None, (), (0.0, found.runs or at.multiplier), evaluations, None)
 
 
 def _crossings(search: Search[Point]) -> list[Crossing[Point]]:
@@ -340,7 +444,7 @@ def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:
 def _rounded(solution: Solution, asked: _Asked) -> tuple[float, float] | None:
     """The first root in four digits, rounded to where the factor is the greater."""
     found = solution.answer
-    if found is None or not found.value:
+    if found is None or not found.value or found.from_path:
         return None
     step = 10.0 ** (math.floor(math.log10(abs(found.value))) - 3)
     up: Callable[[float], int] = math.ceil if found.rises else math.floor

@@ -50,8 +50,10 @@ def _of_factor(solution: Solution) -> tuple[Section, ...]:
     """Of a value at which the factor of safety is a target."""
     key, found = solution.key, solution.answer
     from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
-    put_back = [one for one in _all(solution) if one.roots and one.roots[0].put_back and found is not None]
-    searched = [one for one in _all(solution) if all(root.put_back for root in one.roots)]  # else there is no reach
+    searched = [
+        one for one in _all(solution) if not any(root.from_path for root in one.roots)
+    ]  # else there is no reach
+    put_back = [one for one in searched if one.roots and found is not None]
     reached = [one for one in searched if one.reason or one.method == "closed_form" or not solution.closed_form]
     return (
         Section("TARGET", [f"FoS {number(solution.target)}{from_rule}"]),
@@ -182,9 +184,12 @@ def _put_back(solution: Solution) -> list[str]:
             if not root.put_back:
                 shown = f"{_name(answers)} {solution.key.shown(root.value)}"
                 what = "limit state" if root.runs is None else "last state at rest"
-                entries.append(f"{shown}: not put back; the {what} of the path in this load, {root.status}")
+                said = "not put back; " if root.strength_last is None else ""
+                entries.append(f"{shown}: {said}the {what} of the path in this load, {root.status}")
                 if root.runs is not None:
                     entries.append(f"the blocks run at {solution.key.shown(root.runs)}")
+                if root.strength_last is not None:
+                    entries.append(f"put back its FoS is {_factor(root.strength_last)}, the strength divided last")
                 continue
             miss = abs(root.factor - solution.target)
             missed = f"{miss:.1e}" if miss else "nothing"
@@ -198,6 +203,10 @@ def _put_back(solution: Solution) -> list[str]:
                 f"{_name(answers)} {solution.key.shown(root.value)}: FoS {root.factor:.10f}, "
                 f"misses by {missed}, {root.status}{said}"
             )
+    if solution.answer is not None and solution.answer.load_last is not None:
+        value, runs = solution.answer.load_last
+        what = "limit state" if runs is None else "last state at rest"
+        entries.append(f"load last    {solution.key.shown(value)}: {what} of the path in this load")
     if solution.answer is not None and solution.answer.put_back:
         verdict = {True: "AGREE", False: "DISAGREE", None: "not compared"}[solution.agree]
         entries.append(

@@ -40,8 +40,9 @@ class Found:
     both : what both methods say at the value
     put_back : whether the factor is that of the value put back; False: the path in a load has it for its own strength,
         and the bracket goes from the last value at rest to the first that runs, one value where a limit state was found
-    strength_last : of a last state at rest, the factor of the value put back, as the strength is divided last; None
-        where there is none
+    strength_last : of what is not put back, the factor as the strength is divided last; None where there is none
+    load_last : of a load on many blocks, the value at which they fail as it comes on last, and, where it is that of the
+        last state at rest, the first at which they run
     """
 
     how: Literal["root", "jump", "gap"]
@@ -53,6 +54,12 @@ class Found:
     both: Point
     put_back: bool = True
     strength_last: float | None = None
+    load_last: tuple[float, float | None] | None = None
+
+    @property
+    def from_path(self) -> bool:
+        """Whether the value is that of the path in a load: nothing was searched."""
+        return not self.put_back or self.load_last == (self.value, None)
 
     @property
     def runs(self) -> float | None:
@@ -97,6 +104,7 @@ class Solution(Outcome):
     before : the design as it is
     closed_form : None where the kind has none that is quick; pre_ie
     rounded : the first root of PRE-IE in four digits on the safe side, with the factor there; None without a root
+    spent : whether the work that one answer may take was done before all was looked at
     """
 
     name: ClassVar[str] = "solve"
@@ -111,6 +119,7 @@ class Solution(Outcome):
     rounded: tuple[float, float] | None
     warnings: tuple[Notice, ...] = ()
     seconds: float = field(default=0.0, compare=False)
+    spent: bool = False
 
     @property
     def answer(self) -> Found | None:
@@ -188,6 +197,8 @@ class Solution(Outcome):
             "rises": found.rises,
             "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in found.bracket],
             "put_back": found.both.to_dict() if of_it else None, "strength_last": json_of(found.strength_last),
+            "load_last": None if found.load_last is None
+            else dict(zip(("value", "runs"), found.load_last, strict=True)),
         }  # fmt: skip
 
 
@@ -234,6 +245,14 @@ def reason_of(
     return Fault("E315", text, "", end_advice(key, end[0], within))
 
 
+def cut_short(key: Key, target: float, least: End, most: End) -> Fault:
+    """Why there is no value where the work of one answer was done first: E319, with what is known."""
+    ends = [f"{shown(factor)} at {key.shown(at, 7)}" for at, factor in filter(None, (most, least))]
+    known = f"it goes from {' to '.join(ends)}" if ends else "it is known nowhere"
+    message = f"the work of one answer was done before a factor of {number(target)} was found: {known}"
+    return Fault("E319", message, "", f"Fewer or larger blocks, or a narrower range: {key.path}=lo:hi.")
+
+
 def end_advice(key: Key, value: float, within: tuple[float, float]) -> str:
     """What to try where the nearest is reached at an end of the range that could be moved on."""
     further = key.kind in ("length", "force", "pressure") or key.low < value < key.high
@@ -258,7 +277,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358, W469, and means taken (W320)."""
+    """What is to be known beside the value: W355 to W358, W469, W476 to W478, and means taken (W320)."""
     key, target, found = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -271,11 +290,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
         point = other.both
         why = "with moments there is no such value" if point.factors else f"there {point.code} {point.message}"
         yield Notice("W355", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
-    if found is not None and found.runs is not None:
-        last = "none" if found.strength_last is None else shown(found.strength_last)
-        yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(found.value)} and "
-                             f"run at {key.shown(found.runs)} as this load comes on last; with the strength divided "
-                             f"last their factor there is {last}")  # fmt: skip
+    yield from _of_paths(solution)
     if len(solution.pre_ie.roots) > 1:
         further = [f"{key.shown(one.value)} ({one.status})" for one in solution.pre_ie.roots[1:]]
         others = ", ".join(further[:_MOST_LISTED]) + (", …" if len(further) > _MOST_LISTED else "")
@@ -290,6 +305,31 @@ def notices(solution: Solution) -> Iterator[Notice]:
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
 
     yield from means_taken(solution.design, [key.path])
+
+
+def _of_paths(solution: Solution) -> Iterator[Notice]:
+    """Of a load on many blocks: what it gives as it comes on last, and what as the strength is divided last."""
+    key, target, found = solution.key, solution.target, solution.answer
+    if solution.spent:
+        yield Notice("W478", "the work that one answer may take was done before all was looked at")
+    if found is None:
+        return
+    last = "none" if found.strength_last is None else shown(found.strength_last)
+    if found.runs is not None:
+        yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(found.value)} and "
+                             f"run at {key.shown(found.runs)} as this load comes on last; with the strength divided "
+                             f"last their factor there is {last}")  # fmt: skip
+    elif not found.put_back and found.strength_last is not None:
+        yield Notice("W476", f"the factor jumps at {key.shown(found.value)}: put back it is {last}, and just above it "
+                             f"is below {number(target)}, or there is none")  # fmt: skip
+    if found.load_last is not None and found.load_last[0] != found.value:
+        value, runs = found.load_last
+        fail = f"are at their limit at {key.shown(value)}"
+        if runs is not None:
+            fail = f"were last at rest at {key.shown(value)} and run at {key.shown(runs)}"
+        yield Notice("W477", f"the order of loads counts: as this load comes on last the blocks {fail}; with the "
+                             f"strength divided last their factor is {number(target)} at {key.shown(found.value)}, "
+                             "which is given")  # fmt: skip
 
 
 def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
