@@ -1,6 +1,8 @@
-"""Newton's step condensed to the nodes of the contacts is the step of the whole matrix; work that ends, and says so."""
+"""Many blocks condensed to the nodes of their contacts: Newton's step is that of the whole matrix with all
+flexibilities, one block, stiff blocks and a bench are what they have to be; work that ends says so."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,55 +17,98 @@ from slopekit.kinds import cut
 from slopekit.kinds.elastic import _many_blocks
 
 
+def wall(cohesion: float = 0.0) -> dict:
+    """Running bond on a base that falls at 20 degrees, four courses of 2 m x 1 m: corners to all digits."""
+    turn = np.array([[np.cos(0.35), np.sin(0.35)], [-np.sin(0.35), np.cos(0.35)]])
+    courses = {"A": (0, 2, 4, 6), "B": (0, 1, 3, 5, 6), "C": (0, 2, 4, 6), "D": (0, 1, 3, 5, 6)}
+    ends = {f"{name}{k}": (*pair, z, z + 1) for z, (name, at) in enumerate(courses.items())
+            for k, pair in enumerate(pairwise(at), 1)} | {"base": (-1, 7, -2, 0)}  # fmt: skip
+    blocks = {
+        name: {"polygon": (np.array([[x, z], [x1, z], [x1, z1], [x, z1]]) @ turn).tolist()}
+        for name, (x, x1, z, z1) in ends.items()
+    }
+    blocks["base"]["fixed"] = True
+    return {
+        "slopekit": 1, "kind": "blocks", "blocks": blocks, "strength": {"joint": {"c": cohesion, "phi": 35}},
+        "rock": {"unit_weight": 25},
+    }  # fmt: skip
+
+
 @pytest.fixture(scope="module")
-def scene():
-    design = sk.load("templates/wall.yaml")
-    return _many_blocks(design, cut(design), sk.analyse(design))
+def scenes():
+    """The wall, condensed and with its flexibilities in dense matrices."""
+    design = sk.load(wall())
+    given = design, cut(design), sk.analyse(design)
+    condensed = _many_blocks(*given)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("slopekit.elastic.model._DENSE", 10**6)
+        dense = _many_blocks(*given)
+    assert not condensed.model.is_dense
+    assert dense.model.is_dense
+    return condensed, dense
 
 
 def by_the_whole(model, law, off, balance, springs):
-    """The same changes of d and γ from one matrix of all d and γ."""
+    """The changes of d and γ from one matrix of all d and γ."""
     bolts = sparse.csr_matrix(-(model.bolt_rows.T * springs) @ model.bolt_rows)
-    upper, right = sparse.identity(len(off)), -model.rows
+    upper, right = sparse.identity(len(off)), sparse.csr_matrix(-model.rows)
     if model.give is not None:
         upper, right = upper - model.give @ law, right - model.give_load @ bolts
-    whole = sparse.bmat([[upper, right], [model.rows.T @ law, bolts]], format="csc")
+    whole = sparse.bmat([[sparse.csc_matrix(upper), right], [model.rows.T @ law, bolts]], format="csc")
     found = splu(whole).solve(np.concatenate([-off, -balance]))
     return found[: len(off)], found[len(off) :]
 
 
 @pytest.mark.parametrize("rigid", [False, True])
 @pytest.mark.parametrize("pulling", [0, 2])
-def test_the_condensed_step_is_the_step(scene, rigid: bool, pulling: int) -> None:
-    model = scene.model.rigid() if rigid else scene.model
+def test_the_condensed_step_is_the_step(scenes, rigid: bool, pulling: int) -> None:
+    """What is off is of the loads and of some forces, as it is on the way to rest."""
+    model, whole = ((one.model.rigid() if rigid else one.model) for one in scenes)
     size, unknowns = model.rows.shape
-    assert not model.is_dense
     draw = np.random.default_rng(7)
-    springs = np.array([3e3, 5e3, 4e3]) * (np.arange(3) < pulling)
-    model = replace(model, bolt_rows=draw.normal(size=(3, unknowns)), bolt_capacity=np.ones(3))
+    springs, bolts = np.array([3e3, 5e3, 4e3]) * (np.arange(3) < pulling), draw.normal(size=(3, unknowns))
+    model, whole = (replace(one, bolt_rows=bolts, bolt_capacity=np.ones(3)) for one in (model, whole))
     slopes = draw.normal(size=(size // 3, 3, 3)) * 50.0 - 1e4 * np.eye(3)  # friction: not symmetric
     law = sparse.block_diag(list(slopes), format="csr")
-    off = (abs(model.rows) @ np.ones(unknowns) > 0) * draw.normal(size=size)  # none out of the section
-    balance = 1e3 * draw.normal(size=unknowns)
-    found = Condensed(model).step(law, off, balance, springs)
-    assert found is not None
-    for own, whole in zip(found, by_the_whole(model, law, off, balance, springs), strict=True):
-        assert own == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())
+    forces = 1e2 * draw.normal(size=size)
+    loads = 1e3 * draw.normal(size=unknowns)
+    off = np.zeros(size) if rigid else -whole.give @ forces - whole.give_load @ loads
+    equations = Condensed(model)
+    nowhere = np.zeros(size), np.zeros(unknowns), np.zeros(equations.bent)
+    found = equations.step(slopes, equations.off(nowhere, forces, loads), springs)
+    exact = by_the_whole(whole, law, off, whole.rows.T @ forces + loads, springs)
+    for own, other in zip(found, exact, strict=False):
+        assert own == pytest.approx(other, abs=1e-9 * np.abs(other).max())
 
 
-def test_a_wall_comes_to_rest_by_the_condensed_step_alone(scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    search = Search(scene.model, scene.stiffness)
-    found = search.rest(1.0)
+def test_a_wall_rests_as_with_all_its_flexibilities(scenes) -> None:
+    """Two ways to the same rest: bodies condensed to nodes, and a flexibility of all pairs."""
+    condensed, dense = (Search(one.model, one.stiffness) for one in scenes)
+    start = {True: [], False: []}
+    for search in (condensed, dense):
+        fresh = rest.Rest(
+            1.0, search.first[0].reshape(-1, 3), *search.first[1:], np.zeros(search.model.rows.shape[0]),
+            np.zeros(len(search.model.area), dtype=np.int64), np.zeros(len(search.model.area), dtype=bool),
+            np.zeros((len(search.model.area), 2)), np.inf, 0,
+        )  # fmt: skip
+        start[search is dense] = search.settled(fresh, 1.0)
+    found, exact = start[False], start[True]
     assert found.stands
-    monkeypatch.setattr(Condensed, "step", lambda *_: None)  # the whole matrix instead
-    slow = Search(scene.model, scene.stiffness).rest(1.0)
-    assert slow.steps == found.steps
-    assert (slow.parted == found.parted).all()
-    assert found.forces == pytest.approx(slow.forces, abs=1e-9 * np.abs(slow.forces).max())
+    assert exact.stands
+    assert (found.parted == exact.parted).all()
+    assert found.forces == pytest.approx(exact.forces, abs=1e-7 * np.abs(exact.forces).max())
+    assert found.motion == pytest.approx(exact.motion, abs=1e-7 * np.abs(exact.motion).max())
+    for block in range(len(scenes[0].names)):
+        shown = [one.model.seen_of(block, state.forces, state.motion, 1.0, state.bent)
+                 for one, state in zip(scenes, (found, exact), strict=True)]  # fmt: skip
+        assert shown[0][0] == pytest.approx(shown[1][0], abs=1e-7 * np.abs(exact.motion).max())
 
 
-def test_what_still_parts_is_not_at_rest(scene) -> None:
-    """Rounds or steps that run out leave pairs in tension: that is no rest."""
+def test_what_still_parts_is_not_at_rest() -> None:
+    """Rounds or steps that run out leave bonds in tension: that is no rest."""
+    design = sk.load(wall(cohesion=1.0))
+    scene = _many_blocks(design, cut(design), sk.analyse(design))
+    assert Search(scene.model, scene.stiffness).rest(1.0).parted.any()
     search = Search(scene.model, scene.stiffness)
     search.releases = 2
     assert not search.rest(1.0).stands
@@ -75,7 +120,7 @@ def test_what_still_parts_is_not_at_rest(scene) -> None:
 
 
 def test_work_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rest, "_WORK", 1e4)
+    monkeypatch.setattr(rest, "_WORK", 1e3)
     found = sk.run("templates/wall.yaml", elastic=True)
     assert found.elastic is None
     (said,) = [str(one) for one in found.warnings if one.code == "W451"]

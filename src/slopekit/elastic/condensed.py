@@ -1,16 +1,18 @@
-"""Newton's step for many blocks: each condensed to the nodes of its contacts.
+"""Many blocks: each condensed to the nodes of its contacts, and Newton's step of all of them by fronts.
 
-    d = B γ + D f + H q,   Bᵀ f + q = 0,   f = S d   (slopes S of the pairs)
+    K w = Pᵀ f + G q,   d = B γ + P w,   f = A law(d; F)
 
-D is that of one block beside the other, and has as many numbers as a block has pairs, squared. With its shapes P at
-the pairs and its condensed stiffness K, motions of the block as a whole in it, the same step is
+w are the displacements of those nodes of a block beside its motion γ, P its shapes at the pairs, K what is left of its
+stiffness there and G of its load (`Body`). What is off of the first is the unbalance of the blocks too, since motions
+Z as a whole are among the w: Zᵀ Pᵀ = Bᵀ, Zᵀ G = 1, Zᵀ K = 0. With the slopes S of the pairs the step is
 
-    (K - Pᵀ S P) u = Rᵀ balance - Pᵀ S off,   Δd = P u - off,   Δγ = R u,   R = (BᵀB)⁻¹ Bᵀ P
+    (K - Pᵀ S P) u = r,   Δγ = R u,   Δw = u - Z Δγ,   R = (BᵀB)⁻¹ Bᵀ P
 
-with a sparse matrix of the nodes on the contacts, whose order of elimination is sought once. Rigid blocks: K = 0,
-u = γ, P = B, R = 1.
+with a matrix of the nodes, factorised by fronts (`preie/fronts.py`). No flexibility D of all pairs is made, which has
+as many numbers as a block has pairs, squared. Rigid blocks: K = 0, P = B, Z = R = 1, no w.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -19,13 +21,15 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Floats, Ints
+from slopekit.elastic.flexibility import Body
 from slopekit.elastic.model import ElasticModel
+from slopekit.elastic.whole import Place
+from slopekit.preie.fronts import Fronts
 
-_PIVOT = 0.01  # a pivot on the diagonal is taken where it is no smaller than this part of its column
 _EXACT = 1e-6  # what is left of a step's right side, in parts of it
-_FLOOR = 1e-4  # and of the step itself, where there is next to no right side
-
-Step = tuple[Floats, Floats]
+_ALIKE = 0.9  # cosine between normals of one joint set
+_NUDGE = 1e-3  # of a node within its block, so that cuts fall between blocks
+_CHUNK = 1_000_000  # entries placed at a time
 
 
 class Condensed:
@@ -34,121 +38,176 @@ class Condensed:
     def __init__(self, model: ElasticModel) -> None:
         self.model = model
         size, unknowns = model.rows.shape
-        if model.give is None:
-            self.shapes, self.motions = model.rows.tocsr(), sparse.identity(unknowns, format="csr")
-            self.stiffness: Any = None
-            width = unknowns // max(len(model.seen), 1)
+        self.unit = 1.0
+        self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
+        if not model.bodies:
+            self.shapes, self.width = model.rows.tocsr(), unknowns // len(model.seen)
+            self.motions = self.loads = sparse.identity(unknowns, format="csr")
+            self.first = self.width * np.arange(len(model.seen) + 1)
+            self.bent = 0
         else:
-            at, stiff, motions, first = [], [], [], 0
-            back = np.empty(unknowns, dtype=np.int64)
-            place = 0
-            for block, pairs, own in model.seen:
-                shapes = block.shapes.tocoo()
+            at, motions, rigid, loads = [], [], [], []
+            self.first = np.cumsum([0, *(one.shapes.shape[1] for one, *_ in model.bodies)])
+            back = np.concatenate([own for *_, own in model.bodies])
+            for (one, pairs, own), first in zip(model.bodies, self.first.tolist(), strict=False):
+                shapes = one.shapes.tocoo()
                 at.append((shapes.data, pairs[shapes.row], shapes.col + first))
-                stiff.append(block.stiffness)
-                motions.append(np.linalg.pinv(model.rows[pairs][:, own].toarray()) @ block.shapes)
-                back[own] = place + np.arange(len(own))
-                first, place = first + shapes.shape[1], place + len(own)
+                motions.append(np.linalg.pinv(model.rows[pairs][:, own].toarray()) @ one.shapes)
+                rigid.append(one.rigid)
+                loads.append(one.load)
             values, rows, columns = (np.concatenate(one) for one in zip(*at, strict=True))
-            self.shapes = sparse.csr_matrix((values, (rows, columns)), shape=(size, first))
-            self.stiffness = sparse.block_diag(stiff, format="csr")
-            self.motions = sparse.block_diag(motions, format="csr")[back]
-            width = 1
-        self.turned, self.turned_rows = self.shapes.T.tocsr(), model.rows.T.tocsr()
-        self.order = self._order(width)
+            self.bent = int(self.first[-1])
+            self.shapes = sparse.csr_matrix((values, (rows, columns)), shape=(size, self.bent))
+            order = np.argsort(back)
+            self.motions = sparse.block_diag(motions, format="csr")[order]
+            self.rigid = sparse.block_diag(rigid, format="csc")[:, order].tocsr()
+            self.turned_rigid = self.rigid.T.tocsr()
+            self.loads = sparse.block_diag(loads, format="csc")[:, order].tocsr()
+            self.width = model.bodies[0][0].where.shape[1]
+        self.turned = self.shapes.T.tocsr()
+        self.fronts: Fronts | None = None
+        self.pattern: tuple[Ints, Ints, Ints] | None = None
 
-    def _order(self, width: int) -> Ints:
-        """The order of elimination: minimum degree, of blocks where each has `width` unknowns."""
-        pairs = len(self.model.area)
-        ones = abs(self.shapes)
-        joined = sparse.csr_matrix((np.ones(3 * pairs), (np.arange(3 * pairs) // 3, np.arange(3 * pairs)))) @ ones
-        if width > 1:
-            n = self.shapes.shape[1]
-            joined = joined @ sparse.csr_matrix((np.ones(n), (np.arange(n), np.arange(n) // width)))
-        pattern = joined.T @ joined
-        if self.stiffness is not None:
-            pattern = pattern + abs(self.stiffness)
-        graph = pattern.tocsc()
-        graph.data[:] = -1.0
-        graph = graph + sparse.diags(np.asarray(-graph.sum(axis=1)).ravel() + 2.0)
-        factor = splu(graph, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        order = np.argsort(factor.perm_c)
-        found: Ints = (width * order[:, None] + np.arange(width)).ravel()
-        return found
+    # -- what is off --------------------------------------------------------------------------------------------------
 
-    def step(self, law: Any, off: Floats, balance: Floats, springs: Floats) -> Step | None:
-        """The changes of d and γ that take away what is off; None where no factors are found that do.
+    def fitting(self, place: Place) -> Place:
+        """A place with the relative displacements d that its γ and w have."""
+        _, motion, bent = place
+        relative = self.model.rows @ motion
+        return relative + self.shapes @ bent if self.bent else relative, motion, bent
+
+    def off(self, place: Place, forces: Floats, loads: Floats) -> tuple[Floats, ...]:
+        """What is off of balance at the nodes: r (k,) kN."""
+        found: Floats = self.turned @ forces + self.loads @ loads
+        self._take_stiffness(found, place[2])
+        return (found,)
+
+    def _take_stiffness(self, off: Floats, bent: Floats) -> None:
+        for (one, *_), first, end in zip(self.model.bodies, self.first, self.first[1:], strict=False):
+            off[first:end] -= one.stiffness @ bent[first:end]
+
+    def size(self, off: tuple[Floats, ...]) -> float:
+        """Of what is off, in parts of the load: at the nodes and of the blocks."""
+        (at_nodes,) = off
+        of_blocks = self.turned_rigid @ at_nodes if self.bent else at_nodes
+        return math.sqrt(float(at_nodes @ at_nodes) + float(of_blocks @ of_blocks)) / self.weight
+
+    # -- the step -----------------------------------------------------------------------------------------------------
+
+    def step(self, slopes: Floats, off: tuple[Floats, ...], springs: Floats) -> Place:
+        """The changes that take away what is off.
 
         Parameters
         ----------
-        law : (3n, 3n) sparse, slopes of the forces by d; springs : (b,) of the passive bolts, kN/m
+        slopes : (n, 3, 3) of the forces by d; springs : (b,) of the passive bolts, kN/m
         """
-        model = self.model
-        solve = self._factored(law)
-        if solve is None:
-            return None
-
-        def once(off: Floats, balance: Floats) -> Step:
-            u = solve(self.motions.T @ balance - self.turned @ (law @ off))
-            return self.shapes @ u - off, self.motions @ u
-
-        def left(step: Step, off: Floats, balance: Floats) -> Step:
-            forces = law @ step[0]
-            rest = off + step[0] - model.rows @ step[1]
-            if model.give is not None:
-                rest = rest - model.give @ forces
-            return rest, balance + self.turned_rows @ forces
-
-        def refined(off: Floats, balance: Floats) -> Step | None:
-            found = once(off, balance)
-            rest = left(found, off, balance)
-            if not all(np.isfinite(one).all() for one in rest):
-                return None
-            more = once(*rest)
-            found = found[0] + more[0], found[1] + more[1]
-            rest = left(found, off, balance)
-            exact = all(
-                float(one @ one) <= _EXACT**2 * max(float(given @ given), _FLOOR**2 * float(moved @ moved))
-                for one, given, moved in ((rest[0], off, found[0]), (rest[1], balance, law @ found[0]))
-            )
-            return found if exact else None
-
-        found = refined(off, balance)
+        law = sparse.bsr_matrix((slopes, np.arange(len(slopes)), np.arange(len(slopes) + 1))).tocsr()
+        contacts = (self.turned @ (law @ self.shapes)).tocsr()
+        solve = self._factored(contacts)
+        found = solve(off[0])
         active = np.flatnonzero(springs)
-        if found is None or not len(active):
-            return found
-        pulled = model.bolt_rows[active]
-        ways = list[Step]()
-        for row in pulled:  # what a bolt's pull moves
-            way = refined(np.zeros(len(off)) if model.give_load is None else model.give_load @ row, -row)
-            if way is None:
-                return None
-            ways.append(way)
-        small = np.diag(1.0 / springs[active]) - pulled @ np.array([way[1] for way in ways]).T
-        try:
-            pulls = np.linalg.solve(small, pulled @ found[1])
-        except np.linalg.LinAlgError:
-            return None
-        for pull, way in zip(pulls.tolist(), ways, strict=True):
-            found = found[0] + pull * way[0], found[1] + pull * way[1]
-        return found
+        if len(active):  # what a bolt's pull moves
+            pulled = self.model.bolt_rows[active] @ self.motions
+            ways = np.array([solve(way) for way in (self.loads @ self.model.bolt_rows[active].T).T])
+            small = np.diag(1.0 / springs[active]) + pulled @ ways.T
+            found = found - np.linalg.lstsq(small, pulled @ found, rcond=None)[0] @ ways
+        motion = self.motions @ found
+        return self.shapes @ found, motion, found - self.rigid @ motion if self.bent else np.zeros(0)
 
-    def _factored(self, law: Any) -> Callable[[Floats], Floats] | None:
-        matrix = -(self.turned @ (law @ self.shapes))
-        if self.stiffness is not None:
-            matrix = matrix + self.stiffness
-        order = self.order
-        try:
-            factor = splu(
-                matrix[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=_PIVOT,
-                options={"SymmetricMode": True},
-            )  # fmt: skip
-        except RuntimeError:  # singular
-            return None
+    def _factored(self, contacts: Any) -> Callable[[Floats], Floats]:
+        """A solver of K - Pᵀ S P, by fronts and where they do not do by SuperLU, which takes pivots from wherever."""
+        fronts = self.fronts = self.fronts or self._laid_out(contacts)
+        entries = np.zeros(fronts.size)
+        if self.pattern is None or not (
+            np.array_equal(self.pattern[0], contacts.indptr) and np.array_equal(self.pattern[1], contacts.indices)
+        ):
+            rows = np.repeat(np.arange(contacts.shape[0]), np.diff(contacts.indptr))
+            self.pattern = contacts.indptr, contacts.indices, self._at(fronts, rows, contacts.indices)
+        entries[self.pattern[2]] = -contacts.data
+        for (one, *_), at in zip(self.model.bodies, self.own, strict=True):
+            entries[at] += one.stiffness.ravel()
+        inner = fronts.factored(entries)
+
+        def by_fronts(right: Floats) -> Floats:
+            assert inner is not None
+            placed = np.empty(len(right))
+            placed[self.order] = right
+            found: Floats = inner(placed)[self.order]
+            return found
+
+        def left(found: Floats, right: Floats) -> Floats:
+            rest: Floats = right + contacts @ found
+            self._take_stiffness(rest, found)
+            return rest
+
+        slow: list[Any] = []
+
+        def by_any_pivots(right: Floats) -> Floats:
+            if not slow:
+                whole = -contacts
+                if self.bent:
+                    whole = whole + sparse.block_diag([one.stiffness for one, *_ in self.model.bodies], format="csr")
+                try:
+                    slow.append(splu(whole[self.back][:, self.back].tocsc(), permc_spec="NATURAL"))
+                except RuntimeError:  # singular
+                    slow.append(None)
+            found = np.zeros(len(right))
+            if slow[0] is not None:
+                found[self.back] = slow[0].solve(right[self.back])
+            return found
 
         def solve(right: Floats) -> Floats:
-            out = np.empty(len(right))
-            out[order] = factor.solve(right[order])
-            return out
+            if inner is not None and not slow:
+                found = by_fronts(right)
+                found = found + by_fronts(left(found, right))
+                rest = left(found, right)
+                if float(rest @ rest) <= _EXACT**2 * float(right @ right):
+                    return found
+            return by_any_pivots(right)
 
         return solve
+
+    def _laid_out(self, contacts: Any) -> Fronts:
+        """The fronts of the nodes, cut between blocks: along the normals of the joints, their sums and differences."""
+        width = self.width
+        touching = contacts.tocoo()
+        edges = [np.stack([touching.row // width, touching.col // width])]
+        counts = np.diff(self.first) // width
+        edges += [first // width + np.stack(np.triu_indices(count, 1))
+                  for first, count in zip(self.first.tolist(), counts.tolist(), strict=False)]  # fmt: skip
+        joined = np.concatenate(edges, axis=1)
+        joined = joined[:, joined[0] != joined[1]]
+        if self.bent:
+            where = np.concatenate([one.where for one, *_ in self.model.bodies])
+            middle = np.repeat([one.where.mean(axis=0) for one, *_ in self.model.bodies], counts, axis=0)
+            where = middle + _NUDGE * (where - middle)
+        else:
+            where = np.array([one.where.mean(axis=0) for one, *_ in self.model.seen if isinstance(one, Body)])
+        normals, axes = self._normals(where.shape[1]), list[Floats]()
+        while len(normals) and len(axes) < where.shape[1]:
+            alike = np.abs(normals @ normals[0]) > _ALIKE
+            axes.append(normals[0])
+            normals = normals[~alike]
+        signs = np.stack(np.meshgrid(*[[0.0, 1.0, -1.0]] * len(axes), indexing="ij"), axis=-1).reshape(-1, len(axes))
+        fronts = Fronts.of_graph(joined, signs[1:] @ np.array(axes) @ where.T, max(int(counts.max()), 2), width)
+        self.order = (width * fronts.place[:, None] + np.arange(width)).ravel()  # where each unknown goes
+        self.back = np.argsort(self.order)
+        self.own = list[Ints]()
+        for first, end in zip(self.first[:-1].tolist(), self.first[1:].tolist(), strict=True):
+            if self.bent:
+                row, column = np.broadcast_arrays(np.arange(first, end)[:, None], np.arange(first, end)[None])
+                self.own.append(self._at(fronts, row.ravel(), column.ravel()))
+        return fronts
+
+    def _normals(self, dim: int) -> Floats:
+        """Of the pairs (n, d): by what they open where a block moves."""
+        opening = self.model.rows[::3].tocoo()
+        axis = opening.col % (self.model.rows.shape[1] // len(self.model.seen))
+        found, moving = np.zeros((opening.shape[0], dim)), axis < dim
+        found[opening.row[moving], axis[moving]] = opening.data[moving]
+        return found
+
+    def _at(self, fronts: Fronts, row: Ints, column: Ints) -> Ints:
+        """Where entries of the matrix are stored."""
+        parts = np.array_split(np.arange(len(row)), 1 + len(row) // _CHUNK)
+        return np.concatenate([fronts.at(self.order[row[part]], self.order[column[part]]) for part in parts])

@@ -43,8 +43,6 @@ class Flexibility:
     by_force : (3m, 3m) relative displacement of its m pairs per force there, m/kN; by_load : (3m, u) per load
     seen_by_force : (3q, 3m), seen_by_load : (3q, u) displacement east, north, up: the block's mean, then of points
     degrees : unknowns of the finite elements; cells : their number
-    shapes : (3m, k) sparse, displacement of the pairs by the k unknowns of the elements there
-    stiffness : (k, k) kN/m, what is left of K once all other unknowns are eliminated
     """
 
     by_force: Floats
@@ -53,8 +51,30 @@ class Flexibility:
     seen_by_load: Floats
     degrees: int
     cells: int
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A block of many, condensed to the k unknowns of its elements at its contacts.
+
+    Attributes
+    ----------
+    shapes : (3m, k) sparse, displacement of its m pairs by them; where : (k / d, d) m, their nodes
+    stiffness : (k, k) kN/m, what is left of K once all others are eliminated; load : (k, u), of a unit load
+    rigid : (k, u), of a unit motion as a whole
+    seen, seen_by_load : (3, k), (3, u) its mean displacement by them and by a unit load
+    degrees : unknowns of the finite elements; cells : their number
+    """
+
     shapes: Any
+    where: Floats
     stiffness: Floats
+    load: Floats
+    rigid: Floats
+    seen: Floats
+    seen_by_load: Floats
+    degrees: int
+    cells: int
 
 
 class Elements:
@@ -213,16 +233,27 @@ class Elements:
 
         return solve
 
-    def condensed(self, kept: Ints) -> Floats:
-        """What is left of K (k, k), symmetric, once all unknowns but those kept (k,) are eliminated."""
+    def condensed(self, kept: Ints, loads: Floats, seen: Any) -> tuple[Floats, Floats, Floats, Floats]:
+        """What is left at the unknowns kept (k,) once all others are eliminated.
+
+        Parameters
+        ----------
+        loads : (degrees, u); seen : (q, degrees) sparse, what is wanted of the displacements
+
+        Returns K (k, k), symmetric, the loads (k, u), and what is seen by the displacements kept (q, k) and by the
+        loads (q, u).
+        """
         others = np.setdiff1d(np.arange(self.degrees), kept)
         own, beside = self.stiffness[kept][:, kept].toarray(), self.stiffness[others][:, kept].toarray()
+        load, mean, by_load = loads[kept], seen[:, kept].toarray(), np.zeros((seen.shape[0], loads.shape[1]))
         if len(others):
             inner = self.stiffness[others][:, others].tocsc()
             factor = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-            own = own - beside.T @ factor.solve(beside)
+            by_kept, by_loads = factor.solve(beside), factor.solve(np.ascontiguousarray(loads[others]))
+            own, load = own - beside.T @ by_kept, load - by_kept.T @ loads[others]
+            mean, by_load = mean - seen[:, others] @ by_kept, seen[:, others] @ by_loads
         found: Floats = 0.5 * (own + own.T)
-        return found
+        return found, load, mean, by_load
 
     def held_at(self, fixed: Ints, points: Floats, axes: Floats) -> Floats:
         """D (3m, 3m): displacements at points (m, 3) in their local axes (m, 3, 3) per force there, held at `fixed`.
@@ -290,8 +321,6 @@ def flexibility(
     seen = elements.mean() if also is None else sparse.vstack([elements.mean(), elements.shapes(also)]).tocsr()
     solve = elements.held(elements.supports())
     by_force, by_load = solve(at_pairs.T.toarray()), solve(elements.spread(length))
-    near = local @ _cleaned(elements.shapes(points))
-    kept = np.unique(near.tocoo().col)
     normal = np.linalg.pinv(rows)  # (BᵀB)⁻¹ Bᵀ
     there = elements.rigid(wanted, elements.centroid_point(), length)
 
@@ -307,5 +336,22 @@ def flexibility(
     return Flexibility(
         frozen(0.5 * (projected + projected.T)), frozen(give_load + give @ balancing),
         frozen(seen_give - (seen_give @ rows) @ normal), frozen(seen_load + seen_give @ balancing),
-        elements.degrees, int(elements.mesh.t.shape[1]), near[:, kept], frozen(elements.condensed(kept)),
+        elements.degrees, int(elements.mesh.t.shape[1]),
+    )  # fmt: skip
+
+
+def body(elements: Elements, points: Floats, axes: Floats, length: float) -> Body:
+    """A block of many, by its node pairs: points (m, 3), axes (m, 3, 3) and length as `flexibility` has them."""
+    dim, centre = len(elements.space), elements.centroid_point()
+    shapes = (sparse.block_diag(list(axes), format="csr") @ _cleaned(elements.shapes(points))).tocsr()
+    nodes = np.unique(shapes.tocoo().col // dim)
+    kept = (dim * nodes[:, None] + np.arange(dim)).ravel()
+    where = np.asarray(elements.basis.doflocs)[:, nodes].T
+    at = np.zeros((len(nodes), 3))
+    at[:, elements.space] = where
+    rigid = elements.rigid(at, centre, length).reshape(len(nodes), 3, -1)[:, elements.space].reshape(len(kept), -1)
+    stiffness, load, seen, by_load = elements.condensed(kept, elements.spread(length), elements.mean())
+    return Body(
+        shapes[:, kept], frozen(where), frozen(stiffness), frozen(load), frozen(rigid), frozen(seen), frozen(by_load),
+        elements.degrees, int(elements.mesh.t.shape[1]),
     )  # fmt: skip

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from slopekit.core.arrays import Floats, Ints, frozen
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.records import dataclass
-from slopekit.elastic.flexibility import Flexibility
+from slopekit.elastic.flexibility import Body, Flexibility
 from slopekit.preie.equilibrium import BOLT_GIVE_M
 
 _DENSE = 600  # unknowns up to which matrices are dense
@@ -32,8 +32,9 @@ class ElasticModel:
     load : (N,) kN, moments over `length`
     area : (n,) m²; cohesion, tension : (n,) kPa; tan_friction, tan_dilation : (n,)
     bolt_rows : (b, N); bolt_capacity : (b,) kN
-    give : (3n, 3n) D, dense or sparse, None where rigid; give_load : (3n, N) H
-    seen : of each elastic block its flexibility, the rows of its pairs and its unknowns
+    give : (3n, 3n) D, None where rigid or of many blocks; give_load : (3n, N) H
+    seen : of each elastic block its flexibility, of many its condensed body, the rows of its pairs and its unknowns
+    bends : whether the blocks are elastic
     """
 
     rows: Any
@@ -47,7 +48,8 @@ class ElasticModel:
     bolt_capacity: Floats
     give: Any = None
     give_load: Any = None
-    seen: tuple[tuple[Flexibility, Ints, Ints], ...] = field(default=())
+    seen: "tuple[tuple[Flexibility | Body, Ints, Ints], ...]" = field(default=())
+    bends: bool = False
 
     @property
     def is_dense(self) -> bool:
@@ -56,7 +58,18 @@ class ElasticModel:
 
     def rigid(self) -> "ElasticModel":
         """The same blocks, rigid."""
-        return replace(self, give=None, give_load=None)
+        return replace(self, give=None, give_load=None, bends=False)
+
+    @property
+    def unbonded(self) -> Bools:
+        """Pairs (n,) that have no bond to lose."""
+        found: Bools = (self.cohesion == 0.0) & (self.tension == 0.0)
+        return found
+
+    @property
+    def bodies(self) -> tuple[tuple[Body, Ints, Ints], ...]:
+        """The condensed bodies of many elastic blocks."""
+        return tuple((one, pairs, own) for one, pairs, own in self.seen if isinstance(one, Body)) if self.bends else ()
 
     def pulls(self, motion: Floats, factor: float) -> tuple[Floats, Floats]:
         """Pulls (b,) of the passive bolts, and by how much they grow per m that a bolt is drawn out."""
@@ -64,43 +77,38 @@ class ElasticModel:
         pull = -stiff * (self.bolt_rows @ motion)
         return np.clip(pull, 0.0, most), np.where((pull > 0.0) & (pull < most), stiff, 0.0)
 
-    def seen_of(self, block: int, forces: Floats, motion: Floats, factor: float) -> Floats:
-        """Displacements (q, 3) of what is seen of a block: its elastic part."""
+    def seen_of(self, block: int, forces: Floats, motion: Floats, factor: float, bent: Floats | None = None) -> Floats:
+        """Displacements (q, 3) of what is seen of a block: its elastic part; bent (k,) those of the bodies' nodes."""
         flexible, pairs, unknowns = self.seen[block]
-        if self.give is None:
+        if not self.bends:
             return np.zeros((len(flexible.seen_by_load) // 3, 3))
         loads = (self.load + self.pulls(motion, factor)[0] @ self.bolt_rows)[unknowns]
-        found: Floats = (flexible.seen_by_force @ forces[pairs] + flexible.seen_by_load @ loads).reshape(-1, 3)
+        if isinstance(flexible, Body):
+            assert bent is not None
+            first = sum(one.seen.shape[1] for one, *_ in self.bodies[:block])
+            shown = flexible.seen @ bent[first : first + flexible.seen.shape[1]]
+        else:
+            shown = flexible.seen_by_force @ forces[pairs]
+        found: Floats = (shown + flexible.seen_by_load @ loads).reshape(-1, 3)
         return found
 
 
-def with_blocks(model: ElasticModel, blocks: "tuple[tuple[Flexibility, Ints, Ints], ...]") -> ElasticModel:
-    """The model with elastic blocks, each with the rows (3m,) of its pairs and its unknowns (u,)."""
+def with_blocks(model: ElasticModel, blocks: "tuple[tuple[Flexibility | Body, Ints, Ints], ...]") -> ElasticModel:
+    """The model with elastic blocks, each with the rows (3m,) of its pairs and its unknowns (u,): dense ones with D."""
     size, unknowns = model.rows.shape
-    if model.is_dense:
-        give, give_load = np.zeros((size, size)), np.zeros((size, unknowns))
-        for one, rows, own in blocks:
+    if not model.is_dense:
+        return replace(model, seen=blocks, bends=True)
+    give, give_load = np.zeros((size, size)), np.zeros((size, unknowns))
+    for one, rows, own in blocks:
+        if isinstance(one, Flexibility):
             give[np.ix_(rows, rows)] += one.by_force
             give_load[np.ix_(rows, own)] += one.by_load
-        return replace(model, give=frozen(give), give_load=frozen(give_load), seen=blocks)
-    parts = [_placed(one.by_force, rows, rows) for one, rows, _ in blocks]
-    loads = [_placed(one.by_load, rows, own) for one, rows, own in blocks]
-    return replace(model, give=_summed(parts, (size, size)), give_load=_summed(loads, (size, unknowns)), seen=blocks)
+    return replace(model, give=frozen(give), give_load=frozen(give_load), seen=blocks, bends=True)
 
 
 def on_bedrock(model: ElasticModel, by_force: Floats) -> ElasticModel:
     """One elastic block on elastic bedrock, which gives by (3n, 3n) per force: D + D_r."""
     return replace(model, give=frozen(np.asarray(model.give) + by_force))
-
-
-def _placed(values: Floats, rows: Ints, columns: Ints) -> tuple[Floats, Ints, Ints]:
-    row, column = np.broadcast_arrays(rows[:, None], columns[None])
-    return values.ravel(), row.ravel(), column.ravel()
-
-
-def _summed(parts: list[tuple[Floats, Ints, Ints]], shape: tuple[int, int]) -> Any:
-    values, rows, columns = (np.concatenate(one) for one in zip(*parts, strict=True))
-    return sparse.coo_matrix((values, (rows, columns)), shape=shape).tocsr()
 
 
 def dense_or_sparse(rows: Any) -> Any:

@@ -7,22 +7,24 @@ the way, which lead blocks in flight back; a rest is one without them, so nothin
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from scipy import sparse
-from scipy.linalg import lu_factor, lu_solve
-from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.model import ElasticModel
-from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
+from slopekit.elastic.whole import Place, Whole
+from slopekit.preie.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
 
 BALANCED = 1e-8  # residual, in parts of the load and of the first displacement, that counts as rest
 _AIM = 1e-10  # where Newton's method stops
 _FULL, _DAMPED = 12, 40  # steps of Newton's method
+_LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is looked at, and what it has to be then
+_ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
+_DASHPOT = 0.1  # of the normal stiffness
+_NEARLY = 3e-3  # residual at which dashpots at all pairs are no help any more
 _RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
 _MOST_STEPS, _MOST_OF_BRACKET = 300, 3000  # of Newton's method, to a state at rest and to the ends of a bracket
 _MORE = 2  # times as many steps for many blocks, of which more part one after the other
@@ -41,7 +43,8 @@ class Rest:
     Attributes
     ----------
     factor : strength reduction factor
-    relative : (n, 3) m of the pairs; motion : (N,) of the blocks; forces : (3n,) kN
+    relative : (n, 3) m of the pairs; motion : (N,) of the blocks; bent : (k,) m of the nodes of condensed bodies beside
+        it; forces : (3n,) kN
     modes : (n,) ContactMode; parted : (n,) pairs whose bond is gone; memory : (n, 2) slip at which they parted
     residual : in parts of the load and of the first displacement; steps : of Newton's method, to get there
     """
@@ -49,6 +52,7 @@ class Rest:
     factor: float
     relative: Floats
     motion: Floats
+    bent: Floats
     forces: Floats
     modes: Ints
     parted: Bools
@@ -61,10 +65,24 @@ class Rest:
         """Whether forces and displacements agree."""
         return self.residual <= BALANCED
 
+    def opened(self, model: ElasticModel) -> Bools:
+        """Pairs (n,) whose bond is gone, and of those that never had one those that are open."""
+        found: Bools = np.where(model.unbonded, self.modes == ContactMode.DEBOND, self.parted)
+        return found
+
     @property
     def failed_pairs(self) -> int:
         """Pairs that slip or are open."""
         return int((self.modes != ContactMode.STICK).sum())
+
+
+class _State(NamedTuple):
+    """Blocks somewhere on the way to rest: what is off there, its size, and the law."""
+
+    size: float
+    at: Rest
+    off: tuple[Floats, ...]
+    law: Tractions
 
 
 class Search:
@@ -81,39 +99,31 @@ class Search:
         if not model.is_dense:
             self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
             self.releases *= _MORE
-        self.condensed: Condensed | None = None
-        self.start, self.first = self._linear()
-        self.unit = math.sqrt(float(self.first @ self.first) / len(self.first)) or 1.0
+        self.equations = Whole(model) if model.is_dense else Condensed(model)
+        self.first = self._linear()
+        self.equations.unit = math.sqrt(float(self.first[0] @ self.first[0]) / len(self.first[0])) or 1.0
 
     @property
     def spent(self) -> bool:
         """Whether the steps of Newton's method that it may take are taken."""
         return self.steps > self.most
 
-    def _linear(self) -> tuple[Floats, Floats]:
-        """Motion and relative displacements with springs at the pairs that neither slip nor part."""
+    def _linear(self) -> Place:
+        """Where springs at the pairs that neither slip nor part bring the blocks."""
         model, law = self.model, self.stiffness.tangential
         shear = law if isinstance(law, float | int) else law.modulus_number * law.water_unit_weight
-        k = np.tile([self.stiffness.normal, shear, shear], len(model.area)) * np.repeat(model.area, 3)
-        slopes = np.zeros((len(model.area), 3, 3))
-        slopes[:, [0, 1, 2], [0, 1, 2]] = -k.reshape(-1, 3)
-        off = -self._given(model.load)
-        relative, motion = self._step(slopes, off, model.load, np.zeros(len(model.bolt_capacity)))
-        return motion, relative
-
-    def _given(self, loads: Floats) -> Floats:
-        """What the loads alone do to the pairs of elastic blocks."""
-        if self.model.give_load is None:
-            return np.zeros(self.model.rows.shape[0])
-        found: Floats = self.model.give_load @ loads
-        return found
+        slopes = np.tile(-np.diag([self.stiffness.normal, shear, shear]), (len(model.area), 1, 1))
+        size, unknowns = model.rows.shape
+        nowhere = np.zeros(size), np.zeros(unknowns), np.zeros(sum(len(one.load) for one, *_ in model.bodies))
+        off = self.equations.off(nowhere, np.zeros(size), model.load)
+        return self._solved(slopes, off, np.zeros(len(model.bolt_capacity)))
 
     def rest(self, factor: float) -> Rest:
         """Rest at a factor; where there is none the last that was seen."""
-        n, size = len(self.model.area), self.model.rows.shape[0]
+        n, size, unbonded = len(self.model.area), self.model.rows.shape[0], self.model.unbonded
         fresh = Rest(
-            factor, self.first.reshape(-1, 3), self.start, np.zeros(size), np.zeros(n, dtype=np.int64),
-            np.zeros(n, dtype=bool), np.zeros((n, 2)), math.inf, 0,
+            factor, self.first[0].reshape(-1, 3), *self.first[1:], np.zeros(size), np.zeros(n, dtype=np.int64),
+            np.zeros(n, dtype=bool) if self.model.is_dense else unbonded, np.zeros((n, 2)), math.inf, 0,
         )  # fmt: skip
         found = fresh
         for part in _FIRST:
@@ -173,7 +183,8 @@ class Search:
             if self.spent:  # no rest: pairs might still part
                 return replace(found, residual=math.inf)
             found, law = self._newton(found)
-            if not found.stands and found.parted.any():  # what has parted slides on from where it is
+            if self.model.is_dense and not found.stands and found.parted.any():
+                # what has parted slides on from where it is
                 memory = found.memory.copy()
                 memory[found.parted] = found.relative[found.parted, 1:]
                 found, law = self._newton(replace(found, memory=memory))
@@ -191,8 +202,8 @@ class Search:
             return self._newton(found, self.bare)[0]
         return found
 
-    def _state(self, at: Rest, stiffness: JointStiffness) -> tuple[Floats, Floats, Tractions, float]:
-        """What is off of displacements (3n,) and of balance (N,), the law there, and the size of both."""
+    def _state(self, at: Rest, stiffness: JointStiffness) -> "_State":
+        """What is off of displacements and of balance, the law there, and the size of it."""
         model = self.model
         relative = at.relative.copy()
         relative[:, 1:] -= at.memory
@@ -203,104 +214,100 @@ class Search:
         loads = model.load
         if len(model.bolt_capacity):
             loads = loads + model.pulls(at.motion, at.factor)[0] @ model.bolt_rows
-        off = at.relative.ravel() - model.rows @ at.motion
-        if model.give is not None:
-            off = off - model.give @ forces - model.give_load @ loads
-        balance = model.rows.T @ forces + loads
-        size = math.hypot(
-            math.sqrt(float(off @ off) / len(off)) / self.unit, math.sqrt(float(balance @ balance)) / self.weight
-        )
-        return off, balance, law, size
+        off = self.equations.off((at.relative.ravel(), at.motion, at.bent), forces, loads)
+        return _State(self.equations.size(off), at, off, law)
 
     def _newton(self, at: Rest, stiffness: JointStiffness | None = None) -> tuple[Rest, Tractions]:
         given = stiffness or self.stiffness
-        off, balance, law, size = self._state(at, given)
-        best = (size, at, law)
-        for damped, most in ((False, _FULL), (True, _DAMPED)):
-            if damped and best[0] > _AIM:
-                at = best[1]
-                off, balance, law, size = self._state(at, given)
-            for _ in range(most):
-                if size <= _AIM or not size < _LOST:
-                    break
-                slopes = law.slopes * self.model.area[:, None, None]
-                springs = self.model.pulls(at.motion, at.factor)[1]
-                by_relative, by_motion = self._step(slopes, off, balance, springs)
-                length = 1.0
-                while True:
-                    trial = replace(
-                        at, relative=at.relative + length * by_relative.reshape(-1, 3),
-                        motion=at.motion + length * by_motion,
-                    )  # fmt: skip
-                    new = self._state(trial, given)
-                    if not damped or new[3] < size * (1.0 - 0.1 * length) or length < 1e-3:
-                        break
-                    length *= 0.5
-                if damped and length < 1e-3:
-                    break
-                at, (off, balance, law, size) = trial, new
-                if size < best[0]:
-                    best = (size, at, law)
-            if best[0] <= BALANCED:
+        here = self._state(at, given)
+        best = self._full(here, given)
+        if best.size > BALANCED:
+            best = self._damped(best, given)
+        if best.size > BALANCED and not self.model.is_dense:
+            best = self._relaxed(here, given)
+        forces = (best.law.tractions * self.model.area[:, None]).ravel()
+        return replace(best.at, forces=forces, modes=best.law.modes, residual=best.size), best.law
+
+    def _full(self, here: "_State", given: JointStiffness) -> "_State":
+        """Full steps, even where the residual rises; of many blocks no more where it has not fallen after a few."""
+        best, first = here, here.size
+        for k in range(_FULL):
+            if here.size <= _AIM or not here.size < _LOST:
                 break
-        size, at, law = best
-        forces = (law.tractions * self.model.area[:, None]).ravel()
-        return replace(at, forces=forces, modes=law.modes, residual=size), law
+            if k >= _LOOK and not self.model.is_dense and best.size > _FALLEN * first:
+                break
+            here = self._state(self._moved(here.at, self._step(here), 1.0), given)
+            best = min(best, here, key=lambda one: one.size)
+        return best
 
-    def _step(self, slopes: Floats, off: Floats, balance: Floats, springs: Floats) -> tuple[Floats, Floats]:
-        """The changes of d and γ that take away what is off."""
+    def _damped(self, best: "_State", given: JointStiffness) -> "_State":
+        """Steps cut until the residual falls; of many blocks a few."""
+        here = best = self._state(best.at, given)
+        for _ in range(_DAMPED if self.model.is_dense else _LOOK):
+            if here.size <= _AIM or not here.size < _LOST:
+                break
+            step, length = self._step(here), 1.0
+            while True:
+                trial = self._state(self._moved(here.at, step, length), given)
+                if trial.size < here.size * (1.0 - 0.1 * length) or length < 1e-3:
+                    break
+                length *= 0.5
+            if length < 1e-3:
+                break
+            here = trial
+            best = min(best, here, key=lambda one: one.size)
+        return best
+
+    def _relaxed(self, here: "_State", given: JointStiffness) -> "_State":
+        """Steps against dashpots at the pairs, in rounds; between them what has slipped stays where it is.
+
+        First at all pairs, fewer as the residual falls, then at those that change between stick, slip and open alone:
+        elsewhere the steps are full ones. The dashpots do no work at rest.
+        """
+        for _ in range(_ROUNDS):
+            began = best = here
+            dashpots, every = np.zeros(len(self.model.area)), _DASHPOT
+            for _ in range(_ROUND):
+                if best.size <= _AIM or not here.size < _LOST or self.spent:
+                    break
+                braked = np.maximum(dashpots, every if here.size > _NEARLY else 0.0)
+                trial = self._state(self._moved(here.at, self._step(here, braked), 1.0), given)
+                changed = trial.law.modes != here.law.modes
+                dashpots = np.where(changed, np.clip(2.0 * dashpots, 3.0 * _DASHPOT, 100.0 * _DASHPOT), 0.3 * dashpots)
+                dashpots[dashpots < 0.1 * _DASHPOT] = 0.0
+                ratio = trial.size / here.size
+                every = min(max(every * (ratio if ratio < 1.0 else 4.0), 0.01 * _DASHPOT), 10.0 * _DASHPOT)
+                here = trial
+                best = min(best, here, key=lambda one: one.size)
+            if best.size <= BALANCED or self.spent:
+                break
+            here = self._state(self._slipped(here if best is began else best, given), given)
+        return best
+
+    def _slipped(self, here: "_State", given: JointStiffness) -> Rest:
+        """What slips has no more elastic shear than its strength, what is open none."""
+        at, law, shear = here.at, here.law, given.tangential
+        memory, slips = at.memory.copy(), law.modes == ContactMode.SLIP
+        if isinstance(shear, CloughDuncan) or self.model.tan_dilation.any():
+            return at
+        memory[slips] = at.relative[slips, 1:] + law.tractions[slips, 1:] / shear
+        open_ = law.modes == ContactMode.DEBOND
+        memory[open_] = at.relative[open_, 1:]
+        return replace(at, memory=memory)
+
+    def _moved(self, at: Rest, step: Place, length: float) -> Rest:
+        old = at.relative.ravel(), at.motion, at.bent
+        relative, motion, bent = (own + length * by for own, by in zip(old, step, strict=True))
+        relative, motion, bent = self.equations.fitting((relative, motion, bent))
+        return replace(at, relative=relative.reshape(-1, 3), motion=motion, bent=bent)
+
+    def _step(self, here: "_State", dashpots: Floats | None = None) -> Place:
+        """The changes that take away what is off; dashpots (n,) at the pairs, in parts of the normal stiffness."""
+        slopes = here.law.slopes
+        if dashpots is not None:
+            slopes = slopes - (self.stiffness.normal * dashpots)[:, None, None] * np.eye(3)
+        return self._solved(slopes, here.off, self.model.pulls(here.at.motion, here.at.factor)[1])
+
+    def _solved(self, slopes: Floats, off: tuple[Floats, ...], springs: Floats) -> Place:
         self.steps += 1
-        return (self._dense_step if self.model.is_dense else self._sparse_step)(slopes, off, balance, springs)
-
-    def _dense_step(self, slopes: Floats, off: Floats, balance: Floats, springs: Floats) -> tuple[Floats, Floats]:
-        model = self.model
-        size, rows = len(off), model.rows
-        by_motion = rows
-        bolts = -(model.bolt_rows.T * springs) @ model.bolt_rows  # dq/dγ
-        if model.give is not None:
-            matrix = -np.matmul(
-                np.ascontiguousarray(model.give.reshape(size, -1, 3).transpose(1, 0, 2)), slopes
-            ).transpose(1, 0, 2).reshape(size, size)  # fmt: skip
-            matrix[np.arange(size), np.arange(size)] += 1.0
-            by_motion = rows + model.give_load @ bolts if len(springs) else rows
-            right = np.concatenate([by_motion, -off[:, None]], axis=1)
-            solved = lu_solve(
-                lu_factor(matrix, check_finite=False, overwrite_a=True), right, check_finite=False
-            )  # fmt: skip
-        else:
-            solved = np.concatenate([by_motion, -off[:, None]], axis=1)
-        stiff = (rows.reshape(-1, 3, rows.shape[1]).transpose(0, 2, 1) @ slopes).transpose(1, 0, 2).reshape(
-            rows.shape[1], size
-        )  # fmt: skip
-        small = stiff @ solved[:, :-1] + bolts
-        motion = _solved(small, -balance - stiff @ solved[:, -1])
-        return solved[:, -1] + solved[:, :-1] @ motion, motion
-
-    def _sparse_step(self, slopes: Floats, off: Floats, balance: Floats, springs: Floats) -> tuple[Floats, Floats]:
-        model, size = self.model, len(off)
-        law = sparse.bsr_matrix(
-            (slopes, np.arange(len(slopes)), np.arange(len(slopes) + 1)), shape=(size, size)
-        ).tocsr()  # fmt: skip
-        self.condensed = self.condensed or Condensed(model)
-        short = self.condensed.step(law, off, balance, springs)
-        if short is not None:
-            return short
-        bolts: Any = sparse.csr_matrix(-(model.bolt_rows.T * springs) @ model.bolt_rows) if len(springs) else None
-        upper, right = sparse.identity(size, format="csr"), -model.rows
-        if model.give is not None:
-            upper = upper - model.give @ law
-            right = right if bolts is None else right - model.give_load @ bolts
-        whole = sparse.bmat([[upper, right], [model.rows.T @ law, bolts]], format="csc")
-        try:
-            found: Floats = splu(whole).solve(np.concatenate([-off, -balance]))
-        except RuntimeError:  # singular
-            found = np.zeros(size + len(balance))
-        return found[:size], found[size:]
-
-
-def _solved(matrix: Floats, right: Floats) -> Floats:
-    """A small system, where nothing holds a block the shortest of its answers."""
-    try:
-        return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
+        return self.equations.step(slopes * self.model.area[:, None, None], off, springs)

@@ -19,7 +19,7 @@ from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.elastic.bedrock import Bedrock, bedrock, box_around, graded
-from slopekit.elastic.flexibility import Elements, Flexibility, Rock, flexibility
+from slopekit.elastic.flexibility import Body, Elements, Flexibility, Rock, body, flexibility
 from slopekit.elastic.meshing import (
     cells_of,
     edges_of,
@@ -46,9 +46,10 @@ from slopekit.result import Result
 MODULUS_KPA, POISSON = 2e7, 0.25
 ORDER = 2
 RIGID, ELASTIC = "rigid", "elastic"  # bedrock
-_MOST_BLOCKS, _MOST_PAIRS, _MOST_IN_SPACE = 300, 1500, 1200
+_MOST_BLOCKS, _MOST_PAIRS, _MOST_OF_MANY = 300, 1500, 12_000
 _MOST_CELLS, _AUTO_CELLS = 20_000, 1500  # of all blocks; of one with `edge: auto`
 _HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of a block is halved, `edge: auto`
+_FEW = 50  # blocks in space; of more the edges are not halved
 _MOST_REFINED = 5
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
 _LINES = 12  # rounds of strength lines that follow the normal forces
@@ -80,15 +81,15 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         if found.stands:
             break
     else:
-        pairs = f"{int(found.parted.sum())} of {len(found.parted)} node pairs pulled open"
+        pairs = f"{int(found.opened(scene.model).sum())} of {len(found.parted)} node pairs pulled open"
         how = f"in {search.steps} steps, {pairs}" if search.spent else f"({pairs})"
         said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
     _, rigid = _at_rest(scene, scene.model.rigid(), factor)
     limit = rigid_limit = scene.rigid_limit
     if not stands:
-        limit = scene.limit_without(found.parted)
-        without = scene.limit_without(rigid.parted) if rigid.stands else None
+        limit = scene.limit_without(found.opened(scene.model))
+        without = scene.limit_without(rigid.opened(scene.model)) if rigid.stands else None
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
@@ -96,7 +97,7 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     if bracket and limit is not None:
         say("elastic bracket", head=True)
         low, high, gave_up = search.bracket(found, limit)
-        ends, at_bracket = (low.factor, high), scene.limit_without(low.parted)
+        ends, at_bracket = (low.factor, high), scene.limit_without(low.opened(scene.model))
     answer = _answer(design, scene, found, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if other:
@@ -175,7 +176,7 @@ class _Scene:
     unknowns: int
     length: float
     edge: float
-    blocks: Sequence[Flexibility]
+    blocks: Sequence[Flexibility | Body]
     bedrock: Bedrock | None = None
 
 
@@ -350,7 +351,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
         raise DesignError([Fault("E289", message, "--elastic", "Leave --elastic out, or make the slope smaller.")])
     bodies = _bodies(scene)
     meshes = {block: bodies(block) for block in np.flatnonzero(~assembly.fixed).tolist()}
-    halved = _HALVED["section" if assembly.in_section else "space"]
+    halved = _HALVED["section"] if assembly.in_section else _HALVED["space"] * (moving <= _FEW)
     own_edges = {block: design.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
     edge = float(np.median(list(own_edges.values())))
     halved_by = np.zeros(len(assembly) + 1, dtype=np.int64)  # bedrock last
@@ -364,10 +365,8 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
     if whole is None:
         raise _refuse("its blocks touch nothing")
     pairs = whole.joint_pairs.stop
-    most = 8 * _MOST_PAIRS if assembly.in_section else _MOST_IN_SPACE
-    if pairs > most:
-        where = "in a section" if assembly.in_section else "in space"
-        message = f"{pairs} node pairs between elastic blocks {where}, at most {most} are taken"
+    if pairs > _MOST_OF_MANY:
+        message = f"{pairs} node pairs between elastic blocks, at most {_MOST_OF_MANY} are taken"
         raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or fewer blocks.")])
     rows, bolt_rows = _rows(whole, pairs)
     contact = whole.pair_contact[:pairs]
@@ -385,7 +384,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
         whole.cohesion[:pairs] * whole.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
         whole.tan_friction[group], whole.tan_dilation[group], bolt_rows, whole.cohesion[bolted] * whole.force_scale,
     )  # fmt: skip
-    flexible, cells = list[tuple[Flexibility, Ints, Ints]](), 0
+    flexible, cells = list[tuple[Flexibility | Body, Ints, Ints]](), 0
     for k, block in enumerate(whole.moving.tolist()):
         own = np.flatnonzero((plus == k) | (minus == k))
         at = (3 * own[:, None] + np.arange(3)).ravel()
@@ -396,11 +395,13 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
             message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements"
             raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
         sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
-        part = plain.rows[at][:, unknowns]
         elements = Elements(mesh, rock, scene.thickness or 1.0)
-        give = flexibility(
-            elements, whole.points[own], sides, part if plain.is_dense else part.toarray(), whole.length_scale
-        )
+        where, length = whole.points[own], whole.length_scale
+        if plain.is_dense:
+            part = plain.rows[at][:, unknowns]
+            give: Flexibility | Body = flexibility(elements, where, sides, part, length)
+        else:
+            give = body(elements, where, sides, length)
         flexible.append((give, at, unknowns))
 
     def limit_without(parted: Bools) -> float | None:
@@ -506,13 +507,13 @@ def _answer(
         on = names == name
         joints[name] = OnElasticJoint(
             (float(elastic[on].min()), float(elastic[on].max())), (float(stiff[on].min()), float(stiff[on].max())),
-            float(area[on & found.parted].sum() / area[on].sum()),
+            float(area[on & found.opened(model)].sum() / area[on].sum()),
         )  # fmt: skip
     moved = _displacements(scene, model, found)
     most = int(np.argmax((moved * moved).sum(axis=1)))
-    opened, rigid_opened = (float(area[state.parted].sum() / area.sum()) for state in (found, rigid))
+    opened, rigid_opened = (float(area[state.opened(model)].sum() / area.sum()) for state in (found, rigid))
     rigid_moved = _displacements(scene, model.rigid(), rigid)
-    bodies: list[Flexibility | Bedrock] = [*scene.blocks, *([] if scene.bedrock is None else [scene.bedrock])]
+    bodies: list[Flexibility | Body | Bedrock] = [*scene.blocks, *([] if scene.bedrock is None else [scene.bedrock])]
     return ElasticBlocks(
         limits[0], limits[1], bracket, *at_bracket, found.factor, opened, rigid_opened, joints, frozen(moved[most]),
         frozen(rigid_moved[most]),
@@ -522,7 +523,7 @@ def _answer(
         RIGID if scene.bedrock is None else ELASTIC, taken, found.residual, steps,
         ElasticPairs(
             frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
-            frozen(stiff), tuple(found.parted.tolist()),
+            frozen(stiff), tuple(found.opened(model).tolist()),
         ),
     )  # fmt: skip
 
@@ -534,6 +535,6 @@ def _displacements(scene: _Scene, model: ElasticModel, state: Rest) -> Floats:
     for k in range(len(out)):
         own = state.motion[k * scene.unknowns : (k + 1) * scene.unknowns]
         out[k, [0, 2] if in_section else [0, 1, 2]] = own[: 2 if in_section else 3]
-        out[k] += model.seen_of(k, state.forces, state.motion, state.factor)[0]
+        out[k] += model.seen_of(k, state.forces, state.motion, state.factor, state.bent)[0]
     turned: Floats = out @ scene.axes
     return turned

@@ -27,12 +27,30 @@ class Fronts:
     """
 
     def __init__(self, model: AssemblyModel, symmetric: bool) -> None:
-        n, u = model.load.shape
-        edges = np.unique(np.sort(touching_blocks(model), axis=0), axis=1)
-        self._kernels = compiled()
-        leaf = _LEAF if self._kernels is None else _LEAF // FINER
+        u = model.unknowns
+        leaf = _LEAF if compiled() is None else _LEAF // FINER
         # at least two blocks: halves of two would never be done, a cut beyond the second is the cheapest
-        self.place, counts = dissection(edges, along_joints(model), max(leaf // u, 2))
+        self._laid_out(touching_blocks(model), along_joints(model), max(leaf // u, 2), u, symmetric)
+
+    @classmethod
+    def of_graph(cls, edges: Ints, coordinates: Floats, leaf: int, unknowns: int) -> "Fronts":
+        """Those of a matrix that is not symmetric, by the nodes that it joins.
+
+        Parameters
+        ----------
+        edges : (2, k) nodes; coordinates : (d, n) along which they may be cut; leaf : nodes of pieces that are not
+        unknowns : of each node
+        """
+        made = cls.__new__(cls)
+        made._laid_out(edges, coordinates, leaf, unknowns, False)
+        return made
+
+    def _laid_out(self, edges: Ints, coordinates: Floats, leaf: int, u: int, symmetric: bool) -> None:
+        n = coordinates.shape[1]
+        low, high = np.sort(edges, axis=0)
+        edges = np.stack(np.divmod(np.unique(low * n + high), n))
+        self._kernels = compiled()
+        self.place, counts = dissection(edges, coordinates, leaf)
         self.symmetric, self.u = symmetric, u
         ends = np.cumsum(counts)
         starts = ends - counts

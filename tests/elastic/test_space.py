@@ -1,0 +1,160 @@
+"""Many elastic blocks in space, condensed to the nodes of their contacts, against what is known of them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import slopekit as sk
+from slopekit.core.errors import DesignError
+from slopekit.elastic.flexibility import body
+from slopekit.elastic.model import with_blocks
+from slopekit.elastic.rest import Search
+from slopekit.kinds import cut, elastic
+from slopekit.kinds.elastic import _many_blocks
+from slopekit.preie.contact import ContactMode
+from slopekit.preie.model import local_axes
+from tests.elastic.test_rest import STIFFNESS, blocks
+
+FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+E, K_N, GAMMA = 2e6, 1e5, 25.0
+
+
+@pytest.fixture
+def condensed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All models by the way of many blocks, whatever their size."""
+    monkeypatch.setattr("slopekit.elastic.model._DENSE", 0)
+
+
+def in_section(ends: dict, depth: float, turn: float = 0.0) -> dict:
+    """Boxes (x, x1, z, z1) of a section, all turned about y; the first is fixed."""
+    turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    given = {
+        name: {"polygon": (np.array([[x, z], [x1, z], [x1, z1], [x, z1]]) @ turned).tolist(), "unit_weight": GAMMA}
+        for name, (x, x1, z, z1) in ends.items()
+    }
+    given[next(iter(ends))]["fixed"] = True
+    return {
+        "slopekit": 1, "kind": "blocks", "section": {"thickness": depth}, "blocks": given,
+        "rock": {"modulus": E, "poisson": 0.0},
+        "strength": {"joint": {"c": 10, "phi": 30, "stiffness": {"normal": K_N, "shear": K_N}}},
+    }  # fmt: skip
+
+
+def in_space(folder: Path, ends: dict, depth: float, turn: float = 0.0) -> dict:
+    """The same as meshes of a depth."""
+    design = in_section(ends, depth, turn)
+    del design["section"]
+    for name, given in design["blocks"].items():
+        sides = np.array(given.pop("polygon"))
+        corners = [(x, y, z) for y in (0.0, depth) for x, z in sides.tolist()]
+        rows = [" ".join(map(repr, corner)) for corner in corners] + [f"4 {a} {b} {c} {d}" for a, b, c, d in FACES]
+        (folder / f"{name}.off").write_text("\n".join(["OFF", "8 6 0", *rows]) + "\n")
+        given["mesh"] = str(folder / f"{name}.off")
+    return design
+
+
+def test_one_wedge_as_one_of_many() -> None:
+    """Its rest by a flexibility of its pairs, and by a body condensed to their nodes, where its bond parts too."""
+    dense, elements, scene, model = blocks(2e6)
+    axes, n = local_axes(scene.pairs.normals), len(scene.pairs)
+    one = body(elements, scene.pairs.points, axes, model.length_scale)
+    plain = replace(dense, give=None, give_load=None, rows=sparse.csr_matrix(dense.rows), seen=(), bends=False)
+    given = with_blocks(plain, ((one, np.arange(3 * n), np.arange(6)),))
+    assert not given.is_dense
+    found, exact = Search(given, STIFFNESS).rest(1.0), Search(dense, STIFFNESS).rest(1.0)
+    assert found.stands
+    assert exact.stands
+    assert exact.parted.any()
+    assert (found.parted == exact.parted).all()
+    assert found.forces == pytest.approx(exact.forces, abs=1e-6 * np.abs(exact.forces).max())
+    assert found.motion == pytest.approx(exact.motion, abs=1e-6 * np.abs(exact.motion).max())
+    shown, wanted = (one.seen_of(0, at.forces, at.motion, 1.0, at.bent) for one, at in ((given, found), (dense, exact)))
+    assert shown[0] == pytest.approx(wanted[0], abs=1e-6 * np.abs(exact.motion).max())
+
+
+def test_a_stack_settles_as_strength_of_materials_says(tmp_path: Path, condensed: None) -> None:
+    """γ h² / 2E and γ h / k_n, of what stands on it too; node pairs cross the elements, which takes 1e-3."""
+    lower, upper = 4.0, 7.0
+    ends = {"base": (-5, 8, -5, 0), "A": (0, 3, 0, lower), "B": (0, 3, lower, lower + upper)}
+    found = sk.run(in_space(tmp_path, ends, 2.0), elastic=True).elastic
+    assert found is not None
+    assert found.block == "B"
+    springs = (GAMMA * (lower + upper) + GAMMA * upper) / K_N
+    below = (GAMMA * lower**2 / 2.0 + GAMMA * upper * lower) / E
+    mean = springs + below + GAMMA * upper**2 / 3.0 / E
+    assert found.displacement_m[2] == pytest.approx(-mean, rel=2e-3)
+    (tmp_path / "finer").mkdir()
+    design = in_space(tmp_path / "finer", ends, 2.0) | {"analysis": {"elastic": {"edge": 2}}}
+    finer = sk.run(design, elastic=True).elastic.displacement_m[2]
+    assert abs(finer + mean) < 0.6 * abs(found.displacement_m[2] + mean)
+    assert found.rigid_displacement_m[2] == pytest.approx(-springs, rel=1e-10)
+
+
+def test_an_extruded_section_is_the_section(tmp_path: Path) -> None:
+    """Two blocks and one on both, on a base that falls at 15 degrees, ν = 0: but for the meshes the same."""
+    ends = {"base": (-4, 8, -3, 0), "A": (0, 2, 0, 1), "B": (2, 4, 0, 1), "C": (1, 3, 1, 2.5)}
+    plane = sk.run(in_section(ends, 1.0, 0.26), elastic=True)
+    space = sk.run(in_space(tmp_path, ends, 1.0, 0.26), elastic=True)
+    assert plane.elastic is not None
+    assert space.elastic is not None
+    assert space.elastic.block == plane.elastic.block == "C"
+    assert space.elastic.limit == pytest.approx(plane.elastic.limit, rel=5e-3)
+    one, other = space.elastic.displacement_m, plane.elastic.displacement_m
+    assert one == pytest.approx(other, abs=0.01 * float(np.abs(other).max()))
+    assert not np.allclose(other, plane.elastic.rigid_displacement_m, rtol=0.05)  # it is the rock that gives
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """A corner of the bench of the template: its design and answer."""
+    design = sk.load("templates/bench.yaml", {
+        "slope.height": "9 m", "slope.length": "7 m", "analysis.elastic.edge": "6 m", "rock.modulus": "5 GPa",
+    })  # fmt: skip
+    return design, sk.analyse(design)
+
+
+def test_blocks_of_a_bench_balance(bench) -> None:
+    design, answer = bench
+    scene = _many_blocks(design, cut(design), answer)
+    model = scene.model
+    assert not model.is_dense
+    found = Search(model, scene.stiffness).rest(1.0)
+    assert found.stands
+    unbalanced = (model.rows.T @ found.forces + model.load).reshape(-1, 6)
+    assert np.abs(unbalanced).max() < 1e-8 * np.abs(model.load).max()
+    normal, *shear = found.forces.reshape(-1, 3).T
+    assert (normal >= 0.0).all()
+    assert (np.hypot(*shear) <= model.tan_friction * normal + 1e-9 * normal.max()).all()
+    open_ = found.modes == ContactMode.DEBOND
+    assert open_.any()
+    assert (found.relative[open_, 0] >= 0.0).all()
+    assert not found.forces.reshape(-1, 3)[open_].any()
+    assert (found.opened(model) == open_).all()
+
+
+def test_stiff_rock_is_rigid_in_space(bench) -> None:
+    design, answer = bench
+    stiff = replace(design, modulus_kpa=1e14)
+    scene = _many_blocks(stiff, cut(stiff), answer)
+    found = Search(scene.model, scene.stiffness).rest(1.0)
+    exact = Search(scene.model.rigid(), scene.stiffness).rest(1.0)
+    assert found.stands
+    assert exact.stands
+    assert found.forces == pytest.approx(exact.forces, abs=1e-6 * np.abs(exact.forces).max())
+    assert found.motion == pytest.approx(exact.motion, abs=1e-6 * np.abs(exact.motion).max())
+
+
+def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    design, _ = bench
+    found = sk.analyse(design, elastic=True)
+    assert found.elastic is not None
+    assert found.elastic.limit == found.fos.limit  # no cohesion to lose
+    assert found.elastic.residual < 1e-8
+    assert 0.0 < found.elastic.opened_share < 0.5
+    monkeypatch.setattr(elastic, "_MOST_OF_MANY", 50)
+    with pytest.raises(DesignError) as caught:
+        sk.analyse(design, elastic=True)
+    assert [fault.code for fault in caught.value.faults] == ["E290"]
