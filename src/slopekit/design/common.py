@@ -11,6 +11,7 @@ from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, group, number, text
 from slopekit.design.parts import (
+    Action,
     Bolt,
     CaseKeys,
     Force,
@@ -122,6 +123,9 @@ class Design:
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
     WITHOUT: ClassVar[tuple[str, ...]] = ()
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
+    ACTIONS: ClassVar[Mapping[str, Action]] = {
+        "unit_weight_kn_m3": "weight", "density_kg_m3": "weight", "water_unit_weight_kn_m3": "water",
+    }  # fmt: skip
     #: Attributes that hold what stands at a key of another path.
     INTO: ClassVar[Mapping[str, str]] = {}
     #: Attributes that inputs and their hash leave out where they are None: younger than the hashes that users keep.
@@ -219,6 +223,11 @@ class Design:
     def is_cut_for_loads(self) -> bool:
         """Whether loads are integrated over the faces of the block: closed forms need it cut, too."""
         return False
+
+    @property
+    def is_wet(self) -> bool:
+        """Whether there is water."""
+        return self.water.mode != "dry"
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
