@@ -123,6 +123,7 @@ class SlopeDesign(Design):
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m", "surcharge_kpa")
 
     table_depth_m: float | None = table_depth()
     table_points_m: tuple[tuple[float, float], ...] | None = table_points("distance from the toe into the slope")

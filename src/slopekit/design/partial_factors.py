@@ -27,7 +27,7 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
 from slopekit.design.nodes import Document, Node
-from slopekit.design.parts import Action, FactoredNumber, PartialFactors, Residual, Rule, Strength
+from slopekit.design.parts import Action, FactoredNumber, PartialFactors, Residual, Rule, Strength, listed
 from slopekit.strength.reduced import Reduced
 
 _SHIPPED = Path(__file__).with_name("factors")
@@ -217,9 +217,9 @@ def _with(
     return replace(made, partial=replace(given, table=tuple(rows)))
 
 
-def _actions(kind: type) -> dict[str, Action]:
-    """The attributes of a record that partial factors multiply, those of its bases among them."""
-    return {name: how for base in reversed(kind.__mro__) for name, how in vars(base).get("ACTIONS", {}).items()}
+def _actions(record: type) -> dict[str, Action]:
+    """The attributes of a record that partial factors multiply."""
+    return {name: how for own in listed(record, "ACTIONS") for name, how in own.items()}
 
 
 def _acting(value: Any, by: Mapping[Action, float]) -> Any:

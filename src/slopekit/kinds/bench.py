@@ -96,6 +96,7 @@ class BenchDesign(TableDesign):
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "surcharge_kpa")
 
     face: Plane = orientation("slope.face", axis="the face", example="70/180")
     upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180", left_out="level")

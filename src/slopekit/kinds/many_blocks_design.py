@@ -80,6 +80,8 @@ class AssemblyDesign(Design):
 class TableDesign(AssemblyDesign):
     """Many blocks that water table and pond may wet; `table_points_m` are places from the toe, or x, and elevations."""
 
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_points_m", "table_plane", "pond_m")
+
     table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
     table_plane: TablePlane | None = table_plane("the origin")
     pond_m: float | None = pond()
@@ -99,6 +101,7 @@ class NamedDesign(TableDesign):
     """Blocks with names: a surcharge stands on those that it names."""
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharges_kpa": "surcharge"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("surcharges_kpa",)
 
     surcharges_kpa: tuple[tuple[str, float], ...] = number_field(
         "loads.surcharge", "pressure", default=(), least=0.0, code="E458", many="names", axis="surcharge",
