@@ -51,7 +51,7 @@ LESS = {
     "slopekit prob templates/wedge-scatter.yaml -n 20000": "-n 200 --confirm 3 --near 0.1%",
     "slopekit check my-cut.yaml -o checked": "",  # the how-to of check runs one
     "slopekit bench-design examples/bench-survey.csv --height 15 --face 60,70 --dip-direction 180 --c 2 --phi 32"
-    " -n 2000": "-n 200",  # its how-to runs a larger one and compares
+    " -n 2000": "-n 200 --confirm 3 --near 0.1%",  # its how-to runs a larger one and compares
     "slopekit run templates/bench.yaml": "",  # tests/test_templates.py, which runs doctor too
     "slopekit doctor": "",
 }

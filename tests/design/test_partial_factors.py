@@ -6,7 +6,8 @@ import math
 import pytest
 
 import slopekit as sk
-from slopekit.design.files import with_values
+from slopekit.design.files import load, with_values
+from slopekit.design.templates import path_of
 from slopekit.kinds import factors_of
 from tests.commands import slopekit
 
@@ -119,6 +120,52 @@ def test_many_blocks_are_factored_too() -> None:
     wanted = math.tan(math.radians(35.0)) / math.tan(math.pi / 6) / 1.25 / 1.1
     assert result.fos.limit == pytest.approx(wanted, rel=1e-6)
     assert result.design.blocks[1].unit_weight_kn_m3 == pytest.approx(27.0)
+
+
+@pytest.mark.parametrize(("template", "water"), [
+    ("bench", {"S1": "10 kPa"}), ("topple", {"base": "10 kPa"}), ("wedge", {"J1": "10 kPa"}), ("sphere", "10 kPa"),
+])  # fmt: skip
+def test_water_pressures_of_every_kind_are_multiplied(template, water) -> None:
+    """Whatever records a kind keeps them in, what analyses see is what 13.5 kPa written into the design gives."""
+    own = {"analysis.partial_factors": {"permanent_unfavourable": 1.35}}
+    factored = load(path_of(template), [("water", {"pressures": water}), *own.items()])
+    more = str(water).replace("10", "13.5") if isinstance(water, str) else dict.fromkeys(water, "13.5 kPa")
+    by_hand = load(path_of(template), [("water", {"pressures": more})])
+    assert pressures_in(factored) == pytest.approx(pressures_in(by_hand), rel=1e-12)
+    assert 13.5 in [round(one, 9) for one in pressures_in(factored)]
+
+
+def pressures_in(design) -> list[float]:
+    """Every pressure of the inputs, in their order."""
+
+    def walk(value, key=""):
+        if isinstance(value, dict):
+            return [one for name, below in value.items() for one in walk(below, name)]
+        if isinstance(value, list):
+            return [one for below in value for one in walk(below, key)]
+        return [value] if key.startswith("pressure") and isinstance(value, float) else []
+
+    return walk(design.inputs())
+
+
+@pytest.mark.parametrize("fill", [False, True])
+def test_uplift_of_a_footing_is_water(fill) -> None:
+    """F = (c L + (P cos δ - U) tan φ) / (P sin δ) with load and uplift 1.35 times as large, however that is given."""
+    dip, length = math.radians(40.0), 7.0
+    toe = 9.81 * length * math.sin(dip)  # full, linear to nothing
+    design = {
+        "slopekit": 1, "kind": "footing", "footing": {"load": 1500}, "weak_plane": {"dip": 40, "length": length},
+        "strength": {"seam": {"c": 100, "phi": 20}}, "uplift": {"fill": 1} if fill else {"toe": toe},
+        "analysis": {"partial_factors": "DA1-C1"},
+    }  # fmt: skip
+    found = sk.run(design)
+    load_kn, uplift = 1.35 * 1500.0, 1.35 * toe / 2.0 * length
+    normal = load_kn * math.cos(dip) - uplift
+    factor = (100.0 * length + normal * math.tan(math.radians(20.0))) / (load_kn * math.sin(dip))
+    assert found.fos.closed_form == pytest.approx(factor, rel=1e-12)
+    assert found.fos.limit == pytest.approx(factor, rel=1e-6)
+    said = [row["what"] for row in found.to_dict()["partial_factors"]["table"]]
+    assert "unit weight of water, and its pressures" in said
 
 
 def test_studies_see_the_design_values() -> None:

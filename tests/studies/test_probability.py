@@ -232,8 +232,8 @@ def test_the_same_numbers_whoever_works() -> None:
     pool = prob(design, 20, seed=7, by="pre-ie", jobs=2)
     assert alone.factor.tobytes() == pool.factor.tobytes()
     assert alone.counts == pool.counts
-    other = prob(design, 20, seed=8, by="pre-ie")
-    assert other.factor.tobytes() != alone.factor.tobytes()
+    other = prob(design, 3, seed=8, by="pre-ie")
+    assert not set(other.factor.tolist()) & set(alone.factor.tolist())
 
 
 def test_an_interrupted_study_goes_on(tmp_path, monkeypatch) -> None:

@@ -8,6 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Annotated, Any, NoReturn, cast
 
+# how many objects may come before the garbage collector looks at them all: those of starting up are all there to stay,
+# and Python's 700 has them gone through a hundred times (a tenth of a cold wedge)
+gc.set_threshold(50_000, 20, 20)
+
 try:
     import typer
     from typer.core import TyperGroup
@@ -31,9 +35,6 @@ _WRITTEN: Mapping[str, str] = {
     "lint": "designs", "plot": "outputs", "export": "outputs", "report": "outputs",
     "app": "tools", "templates": "tools", "doctor": "tools", "explain": "tools",
 }  # fmt: skip
-#: How many objects may come before the garbage collector looks at them all: those of starting up are all there to stay,
-#: and Python's 700 has them gone through a hundred times (5 % of a cold wedge).
-_OBJECTS = 50_000
 
 
 class _Commands(TyperGroup):
@@ -136,7 +137,6 @@ def _refuse_swallowed(declared: Iterable[Any], arguments: Sequence[str]) -> None
 
 def main() -> None:
     """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
-    gc.set_threshold(_OBJECTS, 20, 20)
     atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
         _refuse_repeats(sys.argv[1:])

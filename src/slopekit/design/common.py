@@ -11,6 +11,7 @@ from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, group, number, text
 from slopekit.design.parts import (
+    Action,
     Bolt,
     CaseKeys,
     Force,
@@ -24,6 +25,7 @@ from slopekit.design.parts import (
     Water,
     bolts_without,
     forces_without,
+    listed,
 )
 from slopekit.design.structure import Leaf, ListOf
 
@@ -122,10 +124,14 @@ class Design:
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
     WITHOUT: ClassVar[tuple[str, ...]] = ()
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
+    ACTIONS: ClassVar[Mapping[str, Action]] = {
+        "unit_weight_kn_m3": "weight", "density_kg_m3": "weight", "water_unit_weight_kn_m3": "water",
+    }  # fmt: skip
     #: Attributes that hold what stands at a key of another path.
     INTO: ClassVar[Mapping[str, str]] = {}
     #: Attributes that inputs and their hash leave out where they are None: younger than the hashes that users keep.
-    UNSAID: ClassVar[tuple[str, ...]] = ()
+    #: Those of bases count too, and other records have theirs.
+    UNSAID: ClassVar[tuple[str, ...]] = ("partial", "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock")
 
     title: str = text("title", default="", doc="text")
     project: Project = group("project", Project, default=Project(), left_out="nothing", doc="on pages only")
@@ -221,6 +227,11 @@ class Design:
         return False
 
     @property
+    def is_wet(self) -> bool:
+        """Whether there is water."""
+        return self.water.mode != "dry"
+
+    @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The interfaces that may have a water pressure of their own, by the names of the file."""
         return ()
@@ -263,9 +274,6 @@ class Design:
         document: dict[str, Any] = _plain(self._single())
         for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES, *_BESIDE):
             document.pop(key, None)
-        for key in self.UNSAID:
-            if document.get(key, "") is None:
-                del document[key]
         return document
 
     def input_hash(self) -> str:
@@ -279,9 +287,6 @@ class Design:
             del exact[key]
         for key in ("read_as", "crack_searched"):
             exact.pop(key, None)
-        for key in self.UNSAID:
-            if exact.get(key, "") is None:
-                del exact[key]
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
@@ -306,14 +311,9 @@ def _changed(value: Any, change: Callable[[Strength], Strength]) -> Any:
     return tuple(_changed(item, change) for item in value) if type(value) is tuple else value
 
 
-_IF_GIVEN = (
-    "law", "laws", "made_of", "residual", "residuals", "table_depth_m", "table_points_m", "table_plane", "pond_m",
-    "surcharge_kpa", "surcharges_kpa", "partial", "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock",
-)  # fmt: skip
-
-
-def _parts(given: Any) -> tuple[Any, ...]:
-    return given if isinstance(given, tuple) else (given,)
+def _is_nothing(given: Any) -> bool:
+    """Whether a value is None, or a tuple of nothing else."""
+    return all(one is None for one in given) if isinstance(given, tuple) else given is None
 
 
 def _plain(value: Any, exact: bool = False) -> Any:
@@ -323,10 +323,9 @@ def _plain(value: Any, exact: bool = False) -> Any:
     if isinstance(value, Plane) and not exact:
         return str(value)
     if is_dataclass(value):
-        found = {
-            part.name: _plain(getattr(value, part.name), exact) for part in fields(value)
-            if part.name not in _IF_GIVEN or any(one is not None for one in _parts(getattr(value, part.name)))
-        }  # fmt: skip
+        unsaid = {name for own in listed(type(value), "UNSAID") for name in own}
+        given = ((part.name, getattr(value, part.name)) for part in fields(value))
+        found = {name: _plain(own, exact) for name, own in given if not (name in unsaid and _is_nothing(own))}
         if hasattr(value, "resistance"):  # a law is written with its name, waves beside it
             inner = found.pop("law", {"law": getattr(value, "name", "")})
             found = inner | found

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import field
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Plane, parse_plane
@@ -12,7 +12,7 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of, number, text
 from slopekit.design.nodes import Node
-from slopekit.design.parts import Water
+from slopekit.design.parts import Action, Water
 from slopekit.design.reader import Reader
 from slopekit.design.structure import Leaf, ListOf
 
@@ -124,6 +124,9 @@ class SlopeDesign(Design):
     elevation), `table_plane` is given, or `pond_m` alone; the others are None. `crack_searched` says how the worst
     place of a crack lies in its range, where it was looked for.
     """
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m", "surcharge_kpa")
 
     table_depth_m: float | None = table_depth()
     table_points_m: tuple[tuple[float, float], ...] | None = table_points("distance from the toe into the slope")

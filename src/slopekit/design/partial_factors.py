@@ -14,8 +14,8 @@ more, which divides that factor of safety alike.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
 from difflib import get_close_matches
 from functools import cache
 from itertools import product
@@ -27,7 +27,7 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
 from slopekit.design.nodes import Document, Node
-from slopekit.design.parts import FactoredNumber, PartialFactors, Residual, Rule, Strength
+from slopekit.design.parts import Action, FactoredNumber, PartialFactors, Residual, Rule, Strength, listed
 from slopekit.strength.reduced import Reduced
 
 _SHIPPED = Path(__file__).with_name("factors")
@@ -173,9 +173,7 @@ def _combinations(design: Design, kind: Any, given: PartialFactors) -> Iterator[
     """Factors of weight, forces and surcharge; the unfavourable ones first."""
     permanent = (given.permanent_unfavourable, given.permanent_favourable)
     variable = (given.variable_unfavourable, given.variable_favourable)
-    forces = (
-        (variable if given.forces == "variable" else permanent) if design.forces or _footing_load(design) else (1.0,)
-    )
+    forces = (variable if given.forces == "variable" else permanent) if design.forces or _load(design) else (1.0,)
     surcharge = variable if _surcharges(design) else (1.0,)
     every = product(dict.fromkeys(permanent), dict.fromkeys(forces), dict.fromkeys(surcharge))
     yield from every if kind.closed_form is not None else [next(every)]
@@ -195,44 +193,21 @@ def _with(
     design: Design, kind: Any, given: PartialFactors, on_weight: float, on_forces: float, on_surcharge: float
 ) -> Design:  # fmt: skip
     weight, water = on_weight * given.unit_weight, given.permanent_unfavourable
-    values: dict[str, Any] = {
-        "unit_weight_kn_m3": design.unit_weight_kn_m3 * weight,
-        "density_kg_m3": None if design.density_kg_m3 is None else design.density_kg_m3 * weight,
-        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3 * water,
-        "water": replace(design.water, pressures_kpa=_times(design.water.pressures_kpa, water)),
-        "seismic": replace(design.seismic, coefficient=design.seismic.coefficient / weight),
-        "forces": tuple(
-            replace(one, components_kn=_times(one.components_kn, on_forces)) for one in design.forces
-        ),
-    }  # fmt: skip
-    own = {part.name for part in fields(design)}
-    if "pressures_kpa" in own:
-        values["pressures_kpa"] = _times(getattr(design, "pressures_kpa"), water)  # noqa: B009  (of some kinds)
-    if "blocks" in own:
-        values["blocks"] = tuple(
-            one if one.unit_weight_kn_m3 is None else replace(one, unit_weight_kn_m3=one.unit_weight_kn_m3 * weight)
-            for one in getattr(design, "blocks")  # noqa: B009
-        )
-    load = _footing_load(design)
-    if load:
-        values["load_kn"] = load * on_forces
-    surcharges = _surcharges(design)
-    if "surcharges_kpa" in own:
-        values["surcharges_kpa"] = tuple((name, one * on_surcharge) for name, one in surcharges.items())
-    elif surcharges:
-        values["surcharge_kpa"] = surcharges[""] * on_surcharge
-    made = replace(design.each_strength(lambda one: _weaker(one, given)), **values)
+    by: dict[Action, float] = {"weight": weight, "water": water, "force": on_forces, "surcharge": on_surcharge}
+    load, surcharges = _load(design), _surcharges(design)
+    shaken = replace(design.seismic, coefficient=design.seismic.coefficient / weight)
+    made: Design = replace(_acting(design.each_strength(lambda one: _weaker(one, given)), by), seismic=shaken)
     rows = [*_of_strengths(design, made, kind, given)]
     if design.unit_weight_kn_m3:  # a footing may stand on rock without weight
         rows.append(FactoredNumber("unit weight", design.unit_weight_kn_m3, weight, made.unit_weight_kn_m3, "kN/m³"))
-    if design.water.mode != "dry" or any(_flat(getattr(design, "pressures_kpa", ()))):
+    if design.is_wet:
         rows.append(FactoredNumber("unit weight of water, and its pressures", design.water_unit_weight_kn_m3, water,
                                    made.water_unit_weight_kn_m3, "kN/m³"))  # fmt: skip
     for k, (before, after) in enumerate(zip(design.forces, made.forces, strict=True), 1):
         rows.append(FactoredNumber(f"force {k}, {given.forces}", math.hypot(*before.components_kn), on_forces,
                                    math.hypot(*after.components_kn), "kN"))  # fmt: skip
     if load:
-        rows.append(FactoredNumber(f"footing load, {given.forces}", load, on_forces, load * on_forces, "kN"))
+        rows.append(FactoredNumber(f"{design.kind} load, {given.forces}", load, on_forces, load * on_forces, "kN"))
     for name, one in surcharges.items():
         what = f"surcharge{f' on {name}' if name else ''}, variable"
         rows.append(FactoredNumber(what, one, on_surcharge, one * on_surcharge, "kPa"))
@@ -242,15 +217,37 @@ def _with(
     return replace(made, partial=replace(given, table=tuple(rows)))
 
 
-def _footing_load(design: Design) -> float:
-    """In kN; 0 where there is no footing."""
-    return float(getattr(design, "load_kn", 0.0))
+def _actions(record: type) -> dict[str, Action]:
+    """The attributes of a record that partial factors multiply."""
+    return {name: how for own in listed(record, "ACTIONS") for name, how in own.items()}
+
+
+def _acting(value: Any, by: Mapping[Action, float]) -> Any:
+    """A record, or a tuple of records, with what acts in it times its factor; what does not act stays as it is."""
+    if isinstance(value, tuple):
+        made = tuple(_acting(one, by) for one in value)
+        return made if any(new is not old for new, old in zip(made, value, strict=True)) else value
+    if not is_dataclass(value) or isinstance(value, type):
+        return value
+    own = _actions(type(value))
+    changed = {name: _times(getattr(value, name), by[how]) for name, how in own.items()}
+    for part in fields(value):
+        if part.compare and part.name not in own:
+            old = getattr(value, part.name)
+            new = _acting(old, by)
+            changed |= {} if new is old else {part.name: new}
+    return replace(value, **changed) if changed else value
+
+
+def _load(design: Design) -> float:
+    """In kN, that of a footing; 0 where there is none."""
+    return float(sum(getattr(design, name) for name, how in _actions(type(design)).items() if how == "force"))
 
 
 def _surcharges(design: Design) -> dict[str, float]:
     """In kPa, by the block they stand on; of the upper slope by no name."""
-    one = getattr(design, "surcharge_kpa", None)
-    return dict(getattr(design, "surcharges_kpa", ())) or ({"": one} if one else {})
+    given = [getattr(design, name) for name, how in _actions(type(design)).items() if how == "surcharge"]
+    return {name: one for own in given if own for name, one in (own if isinstance(own, tuple) else (("", own),))}
 
 
 def _weaker(one: Strength, given: PartialFactors) -> Strength:
@@ -288,9 +285,3 @@ def _times(value: Any, factor: float) -> Any:
     if isinstance(value, tuple):
         return tuple(_times(part, factor) for part in value)
     return value * factor if isinstance(value, int | float) else value
-
-
-def _flat(value: Any) -> Sequence[float]:
-    if isinstance(value, tuple):
-        return [one for part in value for one in _flat(part)]
-    return [value] if isinstance(value, int | float) else []

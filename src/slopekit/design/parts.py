@@ -1,6 +1,7 @@
 """What designs are made of, in m, kN, kPa and degrees: water, loads, bolts, strength and stiffness, partial factors."""
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -14,6 +15,16 @@ if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
 _FOR_PICTURES_KPA = 100.0
+
+
+#: What a number does to a slope: weight, water, a force, or a load on its top. `ACTIONS` of a record has those of its
+#: attributes that partial factors multiply.
+Action = Literal["weight", "water", "force", "surcharge"]
+
+
+def listed(record: type, name: str) -> Iterator[Any]:
+    """What a record and its bases have under the name of a class attribute, the bases first."""
+    return (vars(base)[name] for base in reversed(record.__mro__) if name in vars(base))
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +50,8 @@ class Water:
 
     `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
     """
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
 
     mode: Literal["dry", "full", "pressures", "table"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
     fill: float = number(
@@ -96,6 +109,7 @@ class Force:
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (Field("toward", "line", example="000/10", doc="trend/plunge"),)
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"components_kn": "force"}
 
     components_kn: tuple[float, float, float] = number(
         "force", "force", code="E123", coordinates=1, axis="size", forms=(ListOf(Leaf(), 3, 3, example="[0, -3, 6]"),),
@@ -224,6 +238,8 @@ class Strength:
         Field("law", "text", example="barton-bandis", left_out="mohr-coulomb",
               doc="`mohr-coulomb`, or one of [curved strength](#curved-strength), whose keys then stand for c and phi"),
     )  # fmt: skip
+
+    UNSAID: ClassVar[tuple[str, ...]] = ("law", "made_of", "residual")
 
     cohesion_kpa: float = number(
         "c",

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
 from slopekit.design.ground_water import read_ground_water, surcharge, table_depth
-from slopekit.design.parts import Water
+from slopekit.design.parts import Action, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
@@ -45,6 +45,8 @@ class JointSetInput:
     spacing_scatter : standard deviation of the distances, in parts of the spacing
     pressure_kpa : mean water pressure on its joints
     """
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"pressure_kpa": "water"}
 
     name: str
     plane: Plane = orientation("plane", example="45/170")
@@ -92,6 +94,9 @@ class BenchDesign(TableDesign):
     forces, bolts : name their block, or lie in it: a force by `at_m`, a bolt by its head
     max_blocks : more are refused; min_volume_m3 : smaller ones are joined to the neighbour they share most with
     """
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "surcharge_kpa")
 
     face: Plane = orientation("slope.face", axis="the face", example="70/180")
     upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180", left_out="level")

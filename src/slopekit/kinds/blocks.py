@@ -15,7 +15,7 @@ from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.ground_water import read_ground_water
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
-from slopekit.design.parts import MeshFile, Water
+from slopekit.design.parts import Action, MeshFile, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.design.structure import Leaf, ListOf, Named
@@ -44,6 +44,8 @@ class BlockInput:
 
     `unit_weight_kn_m3` is None where the block has the rock's; `fixed` blocks are bedrock.
     """
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"unit_weight_kn_m3": "weight"}
 
     name: str
     polygon_m: tuple[Point2, ...] | None = text(
@@ -79,6 +81,7 @@ class BlocksDesign(NamedDesign):
     """
 
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
 
     blocks: tuple[BlockInput, ...] = group(
         "blocks", BlockInput, many="names", at_least=1, example="{B1: {polygon: [[0, 0], [2, 0], [2, 1]]}}"

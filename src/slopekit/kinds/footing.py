@@ -1,7 +1,7 @@
 """The footing on a weak plane (Sheng et al. 2023, §3.3)."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
 
@@ -13,7 +13,7 @@ from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, group, number
-from slopekit.design.parts import Stiffness, Strength
+from slopekit.design.parts import Action, Stiffness, Strength
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
@@ -32,6 +32,8 @@ NAME = "weak plane"
 @dataclass(frozen=True, slots=True)
 class Uplift:
     """Water on the weak plane: its pressure at both ends (kPa), linear between, or a part of full; less by drains."""
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"toe_kpa": "water", "heel_kpa": "water"}
 
     toe_kpa: float | None = number(
         "toe", "pressure", default=None, least=0.0, code="E119", label="uplift at the toe", left_out="0",
@@ -64,6 +66,7 @@ class FootingDesign(Design):
     )
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
     UNSAID: ClassVar[tuple[str, ...]] = ("uplift",)
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"load_kn": "force"}
     WITHOUT: ClassVar[tuple[str, ...]] = ("water", "loads", "support")
 
     load_kn: float = number("footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward")
@@ -95,6 +98,11 @@ class FootingDesign(Design):
             full = (water.fill * self.water_unit_weight_kn_m3 * deep, 0.0)
         left = 1.0 - water.drain
         return left * full[0], left * full[1]
+
+    @property
+    def is_wet(self) -> bool:
+        """Whether water presses on the plane."""
+        return any(self.ends_kpa)
 
     @property
     def uplift_kn(self) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
@@ -12,7 +12,7 @@ from slopekit.design.fields import Field, count, fields_of, group
 from slopekit.design.fields import number as number_field
 from slopekit.design.ground_water import TABLE, TablePlane, pond, table_in_words, table_plane, table_points
 from slopekit.design.nodes import Node
-from slopekit.design.parts import Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
+from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strength
 from slopekit.design.structure import Leaf
@@ -80,6 +80,8 @@ class AssemblyDesign(Design):
 class TableDesign(AssemblyDesign):
     """Many blocks that water table and pond may wet; `table_points_m` are places from the toe, or x, and elevations."""
 
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_points_m", "table_plane", "pond_m")
+
     table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
     table_plane: TablePlane | None = table_plane("the origin")
     pond_m: float | None = pond()
@@ -97,6 +99,9 @@ class TableDesign(AssemblyDesign):
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NamedDesign(TableDesign):
     """Blocks with names: a surcharge stands on those that it names."""
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharges_kpa": "surcharge"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("surcharges_kpa",)
 
     surcharges_kpa: tuple[tuple[str, float], ...] = number_field(
         "loads.surcharge", "pressure", default=(), least=0.0, code="E458", many="names", axis="surcharge",

@@ -22,7 +22,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, count, number
 from slopekit.design.ground_water import read_ground_water
-from slopekit.design.parts import Water
+from slopekit.design.parts import Action, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.findings import Column, Mechanism
@@ -68,6 +68,7 @@ class ToppleDesign(NamedDesign):
     """
 
     UNSAID: ClassVar[tuple[str, ...]] = ("slope_height_m", "slope_face_deg", "slope_upper_deg", "base_angle_deg")
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
 
     ALSO: ClassVar[tuple[Field, ...]] = (
         Field("columns.base", "text", left_out="the only one", doc="strength of the bases"),

@@ -122,6 +122,7 @@ class SurfaceDesign(Design):
     """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 
     REQUIRED: ClassVar[tuple[str, ...]] = ("slope", "strength", "rock")
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m")
 
     profile_m: Points | None = text(
         "slope.profile", default=None, coordinates=2, left_out="one of the two",

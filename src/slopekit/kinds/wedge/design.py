@@ -121,7 +121,7 @@ class WedgeDesign(SlopeDesign):
     FILLS: ClassVar[bool] = True
     INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
-    UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits", "crack_water_m")
+    UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits", "crack_water_m", "laws", "made_of", "residuals")
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")

@@ -281,8 +281,8 @@ def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]
     slope, faults = slope_of({**planes, **{key: given[key] for key in _OF_WEDGE}}, option)
     trend = slope.seismic.trend_deg
     if trend is not None and trend % 360.0 != toward:
-        message, where = f"the earthquake acts toward {number(trend)}, here it acts out of the face", option("seismic")
-        faults.append(Fault("E417", message, f"{where} {given['seismic']}", "Give the coefficient alone."))
+        message = f"the earthquake acts toward {number(trend)}, here it acts out of the face"
+        faults.append(Fault("E417", message, f"{option('seismic')} {given['seismic']}", "Give the coefficient alone."))
     faults.refuse()
     coefficient = slope.seismic.coefficient
     return replace(slope, seismic=Seismic(coefficient, toward if coefficient else None))

@@ -22,7 +22,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
-from slopekit.kinds import kind_of
+from slopekit.kinds import dilates, kind_of
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Point, point_of
 from slopekit.studies.prob.bolts import (
@@ -458,7 +458,8 @@ def _asked(
     known = kind_of(design).closed_form is not None
     if by == "closed-form" and not known:
         faults.append(Fault("E308", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
-    chosen: By = "pre-ie" if by == "pre-ie" or not known or (by is None and _dilates(design)) else "closed-form"
+    may_dilate = dilates(design) or any(variable.path.endswith(".dilation") for variable in design.variables)
+    chosen: By = "pre-ie" if by == "pre-ie" or not known or (by is None and may_dilate) else "closed-form"
     most = _MOST if chosen == "closed-form" else _MOST_BY_PRE_IE
     n = (MANY if chosen == "closed-form" else FEW) if n is None else n
     near = design.agree_within if near is None else near
@@ -476,13 +477,6 @@ def _asked(
         raise DesignError(faults)
     checked_limits(design)
     return Asked(n, seed, method, chosen, target, confirm_count, near, confidence, accept)
-
-
-def _dilates(design: Design) -> bool:
-    """Whether the closed form leaves something out that the design has."""
-    strength = getattr(design, "strength", None)
-    angles = getattr(design, "dilation_deg", None) or (getattr(strength, "dilation_deg", 0.0),)
-    return any(angles) or any(variable.path.endswith(".dilation") for variable in design.variables)
 
 
 def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judged:

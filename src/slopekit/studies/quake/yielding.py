@@ -19,6 +19,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.design.parts import Force
+from slopekit.design.registry import KINDS, record_of
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.points import Method, factor_at, point_of, status_of
@@ -101,7 +102,8 @@ def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bo
     """E523: no seismic coefficient, no direction of it, or one that leaves the section."""
     if has_no_key:
         message = f"quake needs a design with a seismic coefficient: a {design.kind} has none"
-        return Fault("E523", message, "", "Kinds with loads.seismic.k: wedge, plane, surface, topple, bench, blocks.")
+        known = ", ".join(name for name in KINDS if "loads" not in record_of(name).WITHOUT)
+        return Fault("E523", message, "", f"Kinds with loads.seismic.k: {known}.")
     if toward is None:
         message = "quake needs the direction of the shaking: the blocks do not say which way they fall"
         return Fault("E523", message, "", f"Give {named} 270 (or 090), or loads: {{seismic: {{toward: 270}}}}.")
