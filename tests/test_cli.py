@@ -221,3 +221,63 @@ def test_picture(tmp_path) -> None:
     assert run.returncode == 0, run.stderr
     assert target.read_bytes().startswith(b"\x89PNG")
     assert target.stat().st_size > 10_000
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+@pytest.mark.parametrize(
+    ("redirected", "code", "says"),
+    [
+        (
+            "wedge --dips 45/115 45/245 --json > /dev/full",
+            2,
+            "E129 the output cannot be written: No space left on device",
+        ),
+        ("wedge --dips 45/115 45/245 --quiet 2>&-", 0, ""),
+        ("wedge --dips 45/115 2> /dev/full", 2, ""),
+        ("explain --all | true", 0, ""),
+    ],
+)
+def test_streams_that_take_nothing(redirected, code, says, tmp_path) -> None:
+    """A full disk is no bug of ours, a closed stderr no reason to stop."""
+    line = f"{sys.executable} -m slopekit.cli {redirected}"
+    run = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    assert run.returncode == code
+    assert run.stderr.startswith(says)
+    assert "Traceback" not in run.stderr
+    assert "E599" not in run.stderr
+
+
+def test_without_a_command_the_help_is_printed_as_it_is() -> None:
+    run = slopekit()
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr.startswith("Usage: ")
+    assert "Try --help" not in run.stderr
+
+
+@pytest.mark.parametrize("dash", ["–", "—", "−"])
+def test_a_dash_that_is_no_hyphen_is_told_apart(dash) -> None:
+    """As mail and text programs put them for two hyphens."""
+    run = slopekit("wedge", f"{dash}dips", "45/115", "45/245")
+    assert run.returncode == 2
+    assert f"{dash}dips begins with a dash that is no hyphen: type --dips" in run.stderr
+
+
+def test_an_empty_name_of_a_folder_is_refused(tmp_path) -> None:
+    """`-o "$DIR"` of a variable that is not set wrote into the folder one stood in."""
+    run = slopekit(*PAPER, "-o", "", cwd=tmp_path)
+    assert run.returncode == 2
+    assert run.stderr.startswith("E129 the folder to write to has an empty name")
+    assert not list(tmp_path.iterdir())
+    assert slopekit(*PAPER, "-o", ".", "--no-pictures", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "result.json").is_file()
+
+
+def test_a_link_that_leads_nowhere_is_said_to(tmp_path) -> None:
+    (tmp_path / "wall.yaml").symlink_to("gone.yaml")
+    run = slopekit("run", "wall.yaml", cwd=tmp_path)
+    assert run.stderr.startswith("E147 wall.yaml leads to gone.yaml, which does not exist")
+
+
+def test_a_name_with_a_gap_is_quoted_to_be_typed(tmp_path) -> None:
+    run = slopekit("templates", "new", "plane", "my cut.yaml", cwd=tmp_path)
+    assert run.stdout == "wrote my cut.yaml; try: slopekit run 'my cut.yaml'\n"

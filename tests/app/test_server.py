@@ -255,6 +255,8 @@ def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
         assert analyse(load(path_of(template), [*sets, *by.items()])).fos.closed_form == pytest.approx(factor, rel=1e-9)
         moved += len(by)
     assert moved >= 3
+    shared = [name for name, _, _ in result.governs if name.startswith("JRC")]
+    assert shared == ([] if template != "rough" else ["JRC +1 of J1 and J2" if sets else "JRC +1 of J1"])
 
 
 def test_set_is_answered_with_the_number_that_the_library_gives(desk):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.orientation import Line, parse_plane
 from slopekit.design import words
 from slopekit.design.files import with_values
 from slopekit.kinds import held_bolts
@@ -86,3 +87,22 @@ def test_many_stand_as_each_does_alone() -> None:
             assert alone.holds.tolist() == together.holds[k : k + 1].tolist()
             np.testing.assert_allclose(alone.moved, together.moved[k : k + 1], rtol=1e-12)
     assert 0 < held_bolts.held(moved[0], design.bolts, before).holds.sum() < COUNT
+
+
+def test_each_has_to_reach_behind_its_joint() -> None:
+    """Where a line meets J1 and J2, which pass through the toe, by hand: a little shorter is too short (E212)."""
+    normals = [parse_plane(plane, "").normal() for plane in ("45/115", "45/245")]
+    given = design_with()["support"]["bolts"]
+    for bolt in given[::8]:
+        head, way = np.array(bolt["head"]), Line(*map(float, bolt["toward"].split("/"))).vector()
+        leaves = min(t for normal in normals if (t := -(normal @ head) / (normal @ way)) > 0.0)
+        for part, codes in ((1.001, None), (0.999, ("E212",))):
+            design = design_with()
+            design["support"]["bolts"] = [bolt | {"length": part * leaves}]
+            if codes is None:
+                sk.run(design)
+                continue
+            with pytest.raises(sk.GeometryError) as caught:
+                sk.run(design)
+            assert caught.value.codes == codes
+            assert f"leaves the block after {leaves:.4g} m" in caught.value.faults[0].message

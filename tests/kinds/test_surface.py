@@ -1,11 +1,14 @@
 """Curved slip surfaces from design to result: files, notices, evidence, and faults with their codes."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.design.files import with_values
+from slopekit.design.templates import path_of
 from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, run, save, sheet, slab
 
 CAP = {**PAPER, **COARSE}
@@ -209,3 +212,15 @@ def test_json_has_the_surface_and_every_number_is_finite() -> None:
     text = json.dumps(run(CAP).to_dict(), allow_nan=False)
     assert json.loads(text)["geometry"]["slip_motions"] == 1
     assert sk.load(inputs(CAP)).kind == "surface"
+
+
+@pytest.mark.parametrize("x", [4000.0, -4000.0])
+def test_a_mass_beyond_the_profile_is_no_slope(x) -> None:
+    """It stood, and met its rule, on level ground that nobody has described."""
+    design = with_values(sk.load(path_of("surface")), {"slip.centre": [x, 0, 40]})
+    with pytest.raises(sk.GeometryError) as caught:
+        sk.analyse(design)
+    assert caught.value.codes == ("E551",)
+    low, high = (float(one) for one in re.findall(r"x (\S+) to (\S+) m, the profile goes from -30 to 60 m",
+                                                  caught.value.faults[0].message)[0])  # fmt: skip
+    assert x - 44.0 <= low < x < high <= x + 44.0

@@ -149,3 +149,18 @@ def test_files_with_anything_in_them_are_read_or_refused(tmp_path) -> None:
             assert (np.diff(record.times_s) > 0.0).all()
     assert "read" in outcomes
     assert len(outcomes) > 4
+
+
+def test_a_record_that_is_given_twice_is_said_to_be(tmp_path) -> None:
+    """By its name and by its folder, or as a copy under another name: it weighs twice in the median."""
+    text = "time (s),acceleration (g)\n0,0\n0.01,0.1\n0.02,-0.1\n0.03,0\n"
+    (tmp_path / "a.csv").write_text(text)
+    (tmp_path / "copy.csv").write_text(text)
+    (tmp_path / "other.csv").write_text(text.replace("-0.1", "-0.2"))
+    records = read_records([tmp_path / "a.csv", tmp_path])
+    said = {record.name: [one.message for one in record.notices if one.code == "W490"] for record in records}
+    again = "once more, sample by sample: it counts twice in medians and percentiles"
+    assert said == {
+        "a.csv (1)": [], "a.csv (2)": [f"a.csv (2) is a.csv (1) {again}"],
+        "copy.csv": [f"copy.csv is a.csv (1) {again}"], "other.csv": [],
+    }  # fmt: skip

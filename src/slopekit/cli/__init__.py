@@ -1,10 +1,12 @@
 """The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
 
 import atexit
+import errno
 import gc
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import Annotated, Any, NoReturn, cast
 
@@ -147,7 +149,10 @@ def main() -> None:
     except typer.Abort:
         sys.exit(130)
     except typer.TyperException as error:
-        wrong = DesignError([Fault("E100", _said(error), "", "Try --help for the options.")])
+        if type(error).__name__ == "NoArgsIsHelpError":  # nothing was asked for: the help, as it is
+            typer.echo(_said(error), err=True)
+            sys.exit(2)
+        wrong = DesignError([Fault("E100", _said(error), "", _advice(sys.argv[1:]))])
         print_faults(wrong)
         sys.exit(wrong.exit_code)
     except ModuleNotFoundError as error:
@@ -157,9 +162,34 @@ def main() -> None:
             _say_bug(error)
         typer.echo(said, err=True)
         sys.exit(2)
+    except OSError as error:
+        if error.errno not in _FULL:
+            _say_bug(error)
+        print_faults(DesignError([Fault("E129", f"the output cannot be written: {error.strerror}", "stdout")]), True)
+        _leave_alone(sys.stdout)
+        sys.exit(2)
     except Exception as error:
         _say_bug(error)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+#: A disk or a quota that is full, a device that takes nothing.
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
+
+
+def _leave_alone(stream: Any) -> None:
+    """Let Python not write the rest of what a stream could not take when it ends."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _advice(arguments: Sequence[str]) -> str:
+    """What to type instead: a dash that a text program has put for a hyphen is the likeliest slip."""
+    dashed = next((word for word in arguments if word[:1] in "–—−‐‑" and len(word) > 1), "")
+    if dashed:
+        meant = "--" + dashed.lstrip("–—−‐‑-")
+        return f"{dashed} begins with a dash that is no hyphen: type {meant}"
+    return "Try --help for the options."
 
 
 def _say_bug(error: Exception) -> NoReturn:

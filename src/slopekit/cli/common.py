@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -43,6 +44,8 @@ def folder_of(folder: Path) -> Path:
     """Make a folder to write to, before any work is done."""
     import tempfile
 
+    if str(folder) == "." and "" in sys.argv:  # -o "$DIR" of a variable that is not set
+        raise DesignError([Fault("E129", "the folder to write to has an empty name", "-o", "Write -o . for this one.")])
     with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -105,7 +108,7 @@ def json_text(document: Any) -> str:
 
 def print_faults(error: SlopekitError, plainly: bool = False) -> None:
     """Faults on stderr, and as JSON on stdout where that was asked for."""
-    with aside():
+    with aside(), suppress(OSError):  # of a stderr that takes nothing: the exit code says it
         _print_faults(error, plainly)
 
 
@@ -114,7 +117,7 @@ def _print_faults(error: SlopekitError, plainly: bool) -> None:
         typer.echo(json_text({"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}))
     for fault in error.faults:
         # where it stands, the second part, is the user's own line; the first is whole for scripts, which look for it
-        first = folded(f"{fault.code} {fault.message}", _HANG, sys.stderr) if sys.stderr.isatty() else ""
+        first = folded(f"{fault.code} {fault.message}", _HANG, sys.stderr) if sys.stderr and sys.stderr.isatty() else ""
         typer.echo(first or f"{fault.code} {fault.message}", err=True)
         if fault.where:
             typer.echo(_HANG + fault.where, err=True)
@@ -128,6 +131,6 @@ def folded(text: str, hang: str = "", to: TextIO | None = None) -> str:
 
     try:
         width = min(max(os.get_terminal_size((to or sys.stdout).fileno()).columns, 40), WIDTH)
-    except (OSError, ValueError):  # no terminal, or no file at all
+    except (AttributeError, OSError, ValueError):  # no terminal, or no file at all
         width = WIDTH
     return textwrap.fill(text, width, subsequent_indent=hang, break_long_words=False, break_on_hyphens=False)

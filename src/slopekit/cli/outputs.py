@@ -201,7 +201,7 @@ def report(
         typer.echo(json_text(told))
     elif not quiet:
         typer.echo(f"wrote {target} ({size / 1e3:.0f} kB)")
-        for one in made.missing:
+        for one in dict.fromkeys(made.missing):
             typer.echo(f"     not drawn: {one}")
         for notice in made.notices:
             typer.echo(f"     {notice}")

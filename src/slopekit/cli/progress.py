@@ -96,7 +96,7 @@ def aside() -> Iterator[None]:
 
 
 def _shown() -> bool:
-    return sys.stderr.isatty() and not any(word in sys.argv[1:] for word in _SILENT)
+    return sys.stderr is not None and sys.stderr.isatty() and not any(word in sys.argv[1:] for word in _SILENT)
 
 
 class _Line:

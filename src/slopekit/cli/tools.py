@@ -1,6 +1,7 @@
 """Commands beside analyses: the app, templates, doctor, explain."""
 
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -73,7 +74,7 @@ def new_template(
     except OSError as error:
         reason = error.strerror or str(error)
         raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
-    typer.echo(f"wrote {path}; try: slopekit run {path}")
+    typer.echo(f"wrote {path}; try: slopekit run {quote(str(path))}")
 
 
 def _is_there(name: str) -> bool:

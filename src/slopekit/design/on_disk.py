@@ -24,6 +24,9 @@ def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
         with open(path, "rb") as file:
             content = file.read(most + 1)
     except (FileNotFoundError, NotADirectoryError, ValueError):  # ValueError: a NUL or a surrogate in the name
+        with suppress(OSError, ValueError):
+            if Path(path).is_symlink():
+                fail("E147", f"{name} leads to {os.readlink(path)}, which does not exist", shown)
         raise DesignError([Fault("E147", f"{name} does not exist", shown, _nearest_file(Path(path)))]) from None
     except IsADirectoryError:
         inside = sorted(name for name in _names_in(Path(path)) if name.endswith((".yaml", ".yml", ".csv")))[:5]

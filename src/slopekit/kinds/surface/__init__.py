@@ -200,8 +200,19 @@ def _cut(design: SurfaceDesign) -> _Mass:
         mass = cut_mass(ground, body)
         pairs = facet_pairs(mass, body, slip.normals)
     _refuse_walls(mass, slip_mesh is not None)
+    if design.profile_m is not None:
+        _refuse_elsewhere(mass.vertices[:, 0] + origin[0], [x for x, _ in design.profile_m])
     grain = max(_grain(mesh[0]) for mesh in (ground_mesh, slip_mesh) if mesh) if ground_mesh or slip_mesh else 0.0
     return _Mass(mass, pairs, origin, grain, tuple(turned))
+
+
+def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
+    """A mass that lies wholly where the profile says nothing is no slope: a centre in other coordinates, as a rule."""
+    low, high, first, last = float(across.min()), float(across.max()), min(profile), max(profile)
+    if low >= last or high <= first:
+        message = f"the mass lies at x {low:.6g} to {high:.6g} m, the profile goes from {first:.6g} to {last:.6g} m"
+        advice = "Are slip and profile in the same coordinates? Beyond its ends the ground is taken as level."
+        raise GeometryError([Fault("E551", message, "", advice)])
 
 
 def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:

@@ -204,16 +204,26 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
         faults[_MOST_FAULTS:] = [Fault("E510", f"... and {len(faults) - _MOST_FAULTS} more faults in the records")]
     faults.refuse()
     names = [record.name for record in found]
-    return tuple(
+    called = [
         record
         if names.count(record.name) == 1
         else _called(record, f"{record.name} ({names[: k + 1].count(record.name)})")
         for k, record in enumerate(found)
-    )
+    ]
+    first: dict[bytes, str] = {}
+    for k, record in enumerate(called):
+        content = record.times_s.tobytes() + record.accelerations.tobytes()
+        if (before := first.setdefault(content, record.name)) != record.name:
+            said = f"{record.name} is {before} once more, sample by sample: it counts twice in medians and percentiles"
+            called[k] = _called(record, record.name, (*record.notices, Notice("W490", said)))
+    return tuple(called)
 
 
-def _called(record: Record, name: str) -> Record:
-    return Record(name, record.times_s, record.accelerations, record.unit, record.is_pulse, record.notices)
+def _called(record: Record, name: str, notices: tuple[Notice, ...] | None = None) -> Record:
+    return Record(
+        name, record.times_s, record.accelerations, record.unit, record.is_pulse,
+        record.notices if notices is None else notices,
+    )  # fmt: skip
 
 
 def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record:
