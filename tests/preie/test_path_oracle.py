@@ -11,6 +11,7 @@ from benchmarks.blocks import judged, report
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import limit_of_blocks
 from tests.preie.block_scenes import boxes_in_space
+from tests.preie.load_oracle import comes_on, tips_whatever_the_strength
 from tests.preie.path_oracle import certified_range, history, model_of, static_bound, with_bonds
 from tests.properties import changes
 from tests.properties import test_not_unique as known
@@ -146,6 +147,22 @@ def test_a_history_in_space_of_a_block_in_torsion() -> None:
     assert history(twisted.model(35.0), 1.0).factor == pytest.approx(math.sqrt(2.0), rel=1e-4)  # five pairs
 
 
+@pytest.mark.parametrize(("width", "strength", "tips"), [(1.0, 1.0, True), (1.0, 9.0, True), (4.0, 1.0, False)])
+def test_what_comes_on_of_a_push_on_a_block_on_level_ground(width, strength, tips) -> None:
+    """2 m high, φ = 40°, pushed by 0.9 of its weight: it tips at b / h, or slides at tan 40°.
+
+    Tipping about its toe is a limit state whatever the strength; sliding is none.
+    """
+    design = populations.turned_section([[(0.0, 0.0), (width, 0.0), (width, 2.0), (0.0, 2.0)]], 0.0, 40.0)
+    model = model_of(design | {"loads": {"seismic": {"k": 0.9, "toward": 270.0}}})
+    exact = (width / 2.0 if tips else tangent(40.0)) / 0.9
+    assert comes_on(model, strength) == pytest.approx(exact - 1e-3, abs=1e-3)
+    motions = [np.array([[-1.0, width / 2.0, turn]]) for turn in (1.0, 0.0, -1.0)]  # of its middle, about its toe
+    holds = [tips_whatever_the_strength(model, motion, exact, strength) for motion in motions]
+    assert sum(holds) == tips
+    assert not any(tips_whatever_the_strength(model, motion, 0.99 * exact, strength) for motion in motions)
+
+
 def test_what_no_friction_holds_has_no_history() -> None:
     found = history(model_of(populations.turned_section([[(0, 0), (1, 0), (1, 3), (0, 3)]], 30.0, 35.0)), 1.0)
     assert (found.factor, found.end) == (None, "no rest at the start")
@@ -229,3 +246,7 @@ def test_designs_are_the_same_every_time_and_can_be_judged() -> None:
     assert one.program == pytest.approx(one.first.bound, rel=1e-5)
     assert one.other == pytest.approx(dict.fromkeys(one.other, one.first.factor), rel=1e-5)
     assert "a number: 1 of 1" in report([one])
+    tips = judged(("walls", 37, True))
+    assert (tips.first.factor, tips.rests) == (None, None)
+    assert tips.tips == pytest.approx(0.8640, abs=1e-4)
+    assert "proved by a motion without slip: 1\n" in report([one, tips])

@@ -145,26 +145,27 @@ def test_limit_range_and_bound_are_those_of_the_method(design, _, published) -> 
     ],
     ids=["as it is", "twice the strength", "half the strength", "small", "in the mirror", "on the map", "reordered"],
 )
-def test_a_block_that_leans_out_of_the_row_is_one_number_in_seven_writings(change, times) -> None:
+def test_a_block_that_leans_out_of_the_row_topples_in_seven_writings(change, times) -> None:
     """The centroid of B1, where its weight and its force act, lies downhill of its toe, and B2 can only push it.
 
-    With its bonds gone it rests on elastic joints only where they are almost three times as strong (W317, W361). It
-    once was 0.047, 0.045 or 0.0073, by the size and place of the same blocks.
+    The cohesion beside it holds it where the joints are almost three times as strong; the motion that ends there opens
+    that joint, and without its cohesion nothing holds B1. A history (`tests.preie.path_oracle.with_bonds`) moves at
+    0.352018808, then comes to no rest. It once was 0.35198, 0.047, 0.045 or 0.0073, by the steps, size and place.
     """
     toe, *others = LEANING_ROW["blocks"]["B1"]["polygon"]
     assert sum(x for x, _ in others) / 4.0 < toe[0] == 0.0
     assert LEANING_ROW["loads"]["forces"][0]["force"][0] < 0.0
-    one, found = changes.run(LEANING_ROW), changes.run(change(LEANING_ROW))
-    assert found.status == "topples"
-    assert found.fos.limit == pytest.approx(times * one.fos.limit, rel=1e-6)
-    assert found.fos.limit < 0.5 * found.fos.static_bound
-    assert {"W317", "W361"} <= {notice.code for notice in found.warnings}
+    found = changes.run(change(LEANING_ROW))
+    said = {notice.code: notice.message for notice in found.warnings}
+    assert (found.status, found.fos.limit) == ("topples", None)
+    assert said["W307"].endswith(f"with all of it the first motion begins at {0.352018808 * times:.4f}")
+    assert said["W363"].startswith("without the cohesion that is lost")
 
 
 @pytest.mark.parametrize(("design", "low", "high"), [
-    (populations.section(15), 0.42997, 0.4518),  # 0.4300 to 0.4518 in ten scales of its strength
+    (populations.section(389), 0.63830, 0.63840),  # one step of the path, and its bracket
     (populations.section(235), 0.24290, 0.24291),  # 0.24289 in other steps than those of the path, 0.24291 in them
-], ids=["row", "sides"])  # fmt: skip
+], ids=["columns", "sides"])  # fmt: skip
 def test_a_peak_has_the_lowest_factor_of_the_ways_to_it_and_the_range_has_the_others(design, low, high) -> None:
     one, other = changes.run(design), changes.run(changes.reduced(design, 0.37))
     assert "W317" in {notice.code for notice in one.warnings}
