@@ -9,9 +9,9 @@ from slopekit.preie import rests, undilated
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive, NewtonStep
 from slopekit.preie.bounds import static_bound
-from slopekit.preie.flow import Flow
+from slopekit.preie.flow import Flow, relaxed
 from slopekit.preie.rests import JUST, rests_before
-from slopekit.preie.undilated import rest_without_dilation
+from slopekit.preie.undilated import rest_from, rest_without_dilation
 from tests.preie.block_scenes import random_bench
 from tests.preie.test_flow import model_of_bench
 
@@ -112,6 +112,35 @@ def test_smaller_steps_where_larger_ones_lose_their_way(monkeypatch) -> None:
     admissible(model, 0.63, forces.normal, forces.friction, forces.strength)
 
 
+@pytest.mark.parametrize("spacing", [1.6, 1.2])
+def test_from_one_rest_straight_to_another(monkeypatch, spacing) -> None:
+    """A hair before the limit by steps from a tenth before it: forces that balance each block, all joints admissible.
+
+    The limit is that of the block on the plane at 45 degrees. Beyond it there is no rest to come to.
+    """
+    model = model_of_bench(monkeypatch, spacing)
+    bed = bed_of(model)
+    first = relaxed(bed, bed.elastic_displacement, 1.0 / (0.9 * LIMIT), 1.0)
+    factor = (1.0 - JUST) * LIMIT
+    rest = rest_from(bed, first.at, 1.0 / factor)
+    assert first.ended == "rest"
+    assert rest is not None
+    forces = bed.forces(rest.at, 1.0 / factor)
+    admissible(model, factor, forces.normal, forces.friction, forces.strength)
+    assert rest_from(bed, first.at, 1.0 / (1.01 * LIMIT)) is None
+
+
+def test_where_no_leap_lands_the_way_is_shorter_steps(monkeypatch) -> None:
+    """Newton's method and viscous flow come as near, if in more steps."""
+    model = model_of_bench(monkeypatch, 1.6)
+    leapt, work = rests_before(bed_of(model), LIMIT), []
+    monkeypatch.setattr(rests, "rest_from", lambda *args: work.append(1))
+    stepwise = rests_before(bed_of(model), LIMIT)
+    assert [way[0].ended for way in (leapt, stepwise)] == ["rest", "rest"]
+    assert max(leapt[1], stepwise[1]) <= JUST
+    assert len(work) == 2
+
+
 def test_a_rest_of_its_own_near_a_limit_where_no_way_leads_there(monkeypatch) -> None:
     """Blocks in thousands that do not come from a tenth before a limit to nearer than a twentieth."""
     model = model_of_bench(monkeypatch, 1.6)
@@ -119,6 +148,7 @@ def test_a_rest_of_its_own_near_a_limit_where_no_way_leads_there(monkeypatch) ->
     monkeypatch.setattr(rests, "_THOUSANDS", 0)
     nowhere = Flow(bed.elastic_displacement, bed.forces(bed.elastic_displacement, 1.0), "slow", np.zeros(bed.size), 1.0)
     monkeypatch.setattr(rests, "relaxed", lambda *args, **kwargs: nowhere)
+    monkeypatch.setattr(rests, "rest_from", lambda *args: None)
     monkeypatch.setattr(rests, "stepped", lambda bed, at, *rest: NewtonStep(at, 1.0, nowhere.forces, False, 0))
     flow, gap = rests_before(bed, LIMIT, 0.05)
     assert flow.ended == "rest"

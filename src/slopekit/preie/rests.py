@@ -13,11 +13,13 @@ from slopekit.preie.effort import EffortSpentError, part
 from slopekit.preie.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import PathLimit
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
-from slopekit.preie.undilated import rest_without_dilation
+from slopekit.preie.undilated import rest_from, rest_without_dilation
 
-_FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
+_FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
+_LEAP, _CLOSER = 0.1, 0.5  # from one to the next in parts of it, and where they come to rest at none so near
 _THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
 _OF_NEAR = 0.8  # of how near a rest has to be to be an answer, where one of its own is looked for
+_FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _OF_LEFT = 0.7  # of the work that is left
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
@@ -60,16 +62,25 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
+    leap = _LEAP
+    while flow.ended == "rest" and gap > JUST and leap < _CLOSER:
+        trial = max(leap * gap, JUST)
+        ahead_of_it = rest_from(bed, flow.at, 1.0 / (factor * (1.0 - trial)))
+        if ahead_of_it is None or not _near(bed, flow, ahead_of_it):
+            leap = math.sqrt(leap)
+            continue
+        moved, width = ahead_of_it.at - flow.at, gap - trial
+        flow, gap = ahead_of_it, trial
+        yield flow, gap
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
         parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
         step = stepped(bed, ahead, ahead, parameter, 0.0)
-        if step.settled and abs(float(bed.working @ step.at)) < 5.0 * abs(float(bed.working @ flow.at)):
-            ahead_of_it = Flow(step.at, step.forces, "rest", flow.at, 0.0)
-        elif stride < _CLOSE_BY:
-            stride = math.sqrt(stride)
-            continue
-        else:
+        ahead_of_it = Flow(step.at, step.forces, "rest", flow.at, 0.0)
+        if not (step.settled and _near(bed, flow, ahead_of_it)):
+            if stride < _CLOSE_BY:
+                stride = math.sqrt(stride)
+                continue
             ahead_of_it = relaxed(bed, flow.at, parameter, THICK, runs_at=RUNS, patience=_TO_REST)
         if ahead_of_it.ended in ("slow", "lost"):
             if gap < near:
@@ -82,6 +93,11 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
         yield flow, gap
+
+
+def _near(bed: Bed, flow: Flow, other: Flow) -> bool:
+    """Whether another rest is none far away, where Newton's method has jumped to."""
+    return abs(float(bed.working @ other.at)) < _FAR * abs(float(bed.working @ flow.at))
 
 
 def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:

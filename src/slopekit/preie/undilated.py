@@ -1,4 +1,4 @@
-"""Many blocks in space brought to rest at one strength: joints that dilate first, then less and less.
+"""Many blocks in space brought to rest at one strength: from a rest at another, or by way of joints that dilate.
 
 Joints that dilate by all of their reduced friction angle have an energy, and it is convex: Newton's method with a line
 search along its slope finds their rest wherever there is one. From there the dilation is taken away, by a tenth a step,
@@ -24,6 +24,7 @@ _LESS, _NONE = 0.9, 2e-3  # dilation from step to step, and what is taken away b
 _WAITS = 3  # steps after which dilation goes on falling in any case
 #: Mean unbalance up to which it falls at once; steps in all, and after it has gone.
 _CALMER = ((0.2, 150, 60), (0.1, 400, 150), (0.05, 600, 200))
+_FROM_REST, _SLOWLY = 80, 0.75  # steps from a rest to another, and what viscosity falls by on the way
 _LOST = 0.2  # part of the blocks out of balance: more are not settled by themselves
 _FEW = 0.05  # part of the blocks out of balance from which on they are settled by themselves
 _VISCOUS, _THINNEST, _THICKEST = 0.03, 1e-7, 0.3  # viscosity by what is out of balance, its least, its most
@@ -55,6 +56,21 @@ def rest_without_dilation(bed: Bed, parameter: float, calmly: bool = False) -> F
             if rest is not None:
                 return rest
     return None
+
+
+def rest_from(bed: Bed, at: Floats, parameter: float) -> Flow | None:
+    """All blocks at rest at one strength, from their displacement (N,) at rest at another; None where they are not."""
+    control, out = _ViscosityControl(bed, _SLOWLY), 0
+    for _ in range(_FROM_REST):
+        there = bed.forces(at, parameter)
+        out = int((_out(bed, there) > 1.0).sum())
+        if out == 0 or (out <= _FEW * len(bed.model.load) and control.steady):
+            break
+        trial = control.step(bed, at, there, parameter)
+        if trial is None:
+            return None
+        at = trial
+    return _settled(bed, at, parameter) if out <= _FEW * len(bed.model.load) else None
 
 
 def _out(bed: Bed, there: BedForces) -> Floats:
@@ -121,8 +137,8 @@ def _eased(bed: Bed, at: Floats, parameter: float, calm: float, most: int, most_
 class _ViscosityControl:
     """Newton steps with a viscosity (n,) of each block in the stiffness, which goes with what is out of balance."""
 
-    def __init__(self, bed: Bed) -> None:
-        model = bed.model
+    def __init__(self, bed: Bed, down: float = _DOWN) -> None:
+        model, self.down = bed.model, down
         self.plus, self.minus = model.plus, np.where(model.minus < 0, model.plus, model.minus)
         self.viscosity: Floats | None = None
         self.before, self.count, self.least = np.zeros(0), np.inf, 0
@@ -148,7 +164,7 @@ class _ViscosityControl:
             self.viscosity = wanted
         else:
             more = np.maximum(np.minimum(_UP * self.viscosity, _THICKEST), 0.3 * wanted)
-            self.viscosity = np.where(share > _GREW * self.before, more, _DOWN * self.viscosity)
+            self.viscosity = np.where(share > _GREW * self.before, more, self.down * self.viscosity)
             self.viscosity = np.clip(self.viscosity, _THINNEST, 3.0 * wanted)
         self.before = share
         around = self.viscosity.copy()
