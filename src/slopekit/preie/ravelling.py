@@ -214,13 +214,13 @@ def critical_load(
     scene = _Scene(assembly, replace(loads, live=ramp), strength)
     there = ~assembly.fixed
     lowest: tuple[float, Part, float | None] | None = None
-    with threadpool_limits(1):
+    with threadpool_limits(1), effort.allowed(effort.MOST):
         for blocks in _components(scene, np.flatnonzero(there)):
             model_patch = _model(scene, there, blocks)
             if model_patch is None or not model_patch[0].live.any():
                 continue
             model, patch = model_patch
-            path, limit = load_limit(model, model.live, reduction)
+            model, path, limit = _load_limit(model, reduction)
             if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
                 if lowest is None or path.parameter < lowest[0]:
                     runs = None if path.found or path.peak is None else path.peak[1]
@@ -232,6 +232,15 @@ def critical_load(
     multiplier, part, runs = lowest
     blocks, motion = _moving(part, block_sizes(assembly))
     return CriticalLoad(multiplier, Failure((part,), blocks, motion), runs)
+
+
+def _load_limit(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
+    """The limit in the live load, and the model: where laws are curved with the lines that it settled on."""
+    if model.lines is None:
+        return model, *load_limit(model, model.live, reduction)
+    from slopekit.preie.strength_lines import settled_load  # only curved laws pay for it
+
+    return settled_load(model, reduction)
 
 
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
