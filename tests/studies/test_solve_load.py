@@ -80,6 +80,16 @@ def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, pa
     assert "load last" in str(found)
 
 
+def test_a_jump_beyond_the_end_of_the_other_history_says_both(monkeypatch) -> None:
+    """The column that tips at 1/2, where another history is said to end before: both stand on the sheet."""
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.45, "topples", None))
+    found = sk.solve(sk.load(COLUMN), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(0.5, rel=1e-4)
+    assert found.answer.value <= 0.5
+    assert found.answer.load_last == (0.45, None)
+    assert [notice.code for notice in found.warnings] == ["W476", "W477"]
+
+
 @pytest.mark.parametrize(
     ("part", "runs", "taken"), [(0.8, None, 0.8), (1.3, None, 1.3), (0.8, 0.81, 0.8), (1.3, 1.31, 1.0)]
 )

@@ -281,9 +281,7 @@ class _Groups:
         gone = ~there & ~scene.assembly.fixed
         self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
         self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
-        self.known: dict[
-            bytes, tuple[AssemblyModel, Ints] | None
-        ] = {}  # models of groups
+        self.known: dict[bytes, tuple[AssemblyModel, Ints] | None] = {}  # models of groups
         self.bounds: dict[bytes, StaticBound] = {}
         self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
 

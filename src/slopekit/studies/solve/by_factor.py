@@ -274,12 +274,10 @@ def _of_load(asked: _Asked, whole: bool, load_last: bool) -> tuple[Answers, bool
             last = _path_in_load(asked)
         direct, found = _driven(search, asked, whole, load_last, last)
         spent = effort.is_spent()
-    if direct is not None:
-        return _in_load(asked, direct), spent
-    answers = _answers("pre_ie", asked, search, found)
+    answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct)
     if spent and not answers.roots:
         return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True
-    if answers.roots and last is not None:
+    if answers.roots and last is not None and direct is not last:
         first = replace(answers.roots[0], load_last=(last.multiplier, last.runs))
         answers = replace(answers, roots=(first, *answers.roots[1:]))
     return answers, spent
