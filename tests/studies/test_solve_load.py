@@ -8,6 +8,7 @@ import slopekit as sk
 from benchmarks.blocks import multiplier
 from slopekit.design.files import with_values
 from slopekit.design.templates import path_of
+from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad
 from slopekit.preie import effort
 from slopekit.studies.running import ALONE
@@ -79,6 +80,16 @@ def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, pa
     assert "load last" in str(found)
 
 
+def test_a_jump_beyond_the_end_of_the_other_history_says_both(monkeypatch) -> None:
+    """The column that tips at 1/2, where another history is said to end before: both stand on the sheet."""
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.45, "topples", None))
+    found = sk.solve(sk.load(COLUMN), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(0.5, rel=1e-4)
+    assert found.answer.value <= 0.5
+    assert found.answer.load_last == (0.45, None)
+    assert [notice.code for notice in found.warnings] == ["W476", "W477"]
+
+
 @pytest.mark.parametrize(
     ("part", "runs", "taken"), [(0.8, None, 0.8), (1.3, None, 1.3), (0.8, 0.81, 0.8), (1.3, 1.31, 1.0)]
 )
@@ -122,6 +133,40 @@ def test_a_snap_on_the_way_is_no_limit() -> None:
     assert found.answer.load_last == (found.answer.value, None)
     assert found.answer.value == pytest.approx(0.276668, rel=1e-5)
     assert found.answer.factor == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("target", [1.0, 1.3])
+@pytest.mark.parametrize("law", [{"law": "power", "a": 2.0, "b": 0.8},
+                                 {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 28}])  # fmt: skip
+def test_curved_strength_is_that_of_the_tractions_under_the_load(law, target) -> None:
+    """Two blocks of other heights on a plane: put back, the factor is the target; a power of 1 is a friction angle."""
+    assert _yield_of(law, target) == pytest.approx(target, rel=1e-9)
+
+
+def test_a_power_of_one_is_a_friction_angle() -> None:
+    design = _two({"law": "power", "a": math.tan(PHI), "b": 1.0})
+    at = kind_of(design).at_load(*(with_values(design, {KEY: k}) for k in (0.0, 1.0)), 1.0)
+    assert at.multiplier == pytest.approx(YIELD, rel=1e-9)
+
+
+def _two(law: dict):
+    """Two blocks, 1 m and 3 m high, one behind the other on a plane that dips west by 20°."""
+    along, up = (math.cos(DIP), math.sin(DIP)), (-math.sin(DIP), math.cos(DIP))
+    boxes = [[(a, 0), (b, 0), (b, high), (a, high)] for a, b, high in ((10, 14, 1), (14, 20, 3))]
+    at = [[[t * along[0] + n * up[0], t * along[1] + n * up[1]] for t, n in box] for box in boxes]
+    base = [[0, 0], [40 * along[0], 40 * along[1]], [40 * along[0], -5], [0, -5]]
+    return sk.load({
+        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25},
+        "blocks": {"base": {"polygon": base, "fixed": True}, "B1": {"polygon": at[0]}, "B2": {"polygon": at[1]}},
+        "strength": {"joint": law}, "loads": {"seismic": {"k": 0, "toward": 270}},
+    })  # fmt: skip
+
+
+def _yield_of(law: dict, target: float) -> float:
+    """The factor at the load that the path in it finds."""
+    design = _two(law)
+    at = kind_of(design).at_load(*(with_values(design, {KEY: k}) for k in (0.0, 1.0)), target)
+    return sk.run(with_values(design, {KEY: at.multiplier})).fos.limit
 
 
 def test_the_benchmark_takes_the_way_of_solve() -> None:

@@ -403,14 +403,21 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     )  # fmt: skip
 
 
-def first_limit(model: AssemblyModel, bond: Floats) -> PathLimit | None:
-    """The limit of some blocks with bonds (m,) as they are; None where there is none."""
+def unit_bound(model: AssemblyModel) -> StaticBound:
+    """The static bound in parts of what friction angles and cohesions suggest; it has all bonds."""
+    return static_bound(_in_unit_strength(model)[0])
+
+
+def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound) -> PathLimit | None:
+    """The limit of some blocks with bonds (m,) as they are, and their `unit_bound`; None where there is none.
+
+    A peak is that of one way to it: nobody asks how sure it is.
+    """
     model, unit = _in_unit_strength(model)
-    bound = static_bound(model)
     if bound.lifted:
         return None
     with told_times(unit or 1.0, "divided by"):
-        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL)
+        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, peaks=False)
     return _weaker(path_end, unit or 1.0) if path_end.parameter else None
 
 
@@ -431,12 +438,12 @@ def _times(factor: float | None, by: float) -> float | None:
 
 
 def _on_path(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True
 ) -> tuple[PathLimit, _Loads, int]:
     """The path with some bonds, how the loads beside weight came on, and the work.
 
     The model is in unit strength: the design's is `unit` times that. Where loads that come on last end in no limit
-    state, and tip nothing, they come on at once again, at more strength.
+    state, and tip nothing, they come on at once again, at more strength. With `peaks` other ways to a peak are tried.
     """
     start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
@@ -459,7 +466,7 @@ def _on_path(
         settled = path_end.found or last.outcome is not PathOutcome.BRACKET
         if path_end.parameter is None or path_end.parameter > most or not settled:
             return last, loads, work + bed.factorisations
-        if path_end.outcome is PathOutcome.BRACKET:
+        if peaks and path_end.outcome is PathOutcome.BRACKET:
             path_end = first_peak(bed, path_end)
         begun = 1.0 / path_end.started if path_end.started > start else None
         return path_end, _Loads(begun=begun), work + bed.factorisations
@@ -467,7 +474,7 @@ def _on_path(
     if path_end.outcome is PathOutcome.BRACKET:
         if locked:  # a rest that needs many times the bound
             path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
-        elif path_end.peak is not None:
+        elif peaks and path_end.peak is not None:
             path_end = first_peak(bed, path_end)
     return path_end, _Loads(), bed.factorisations
 

@@ -21,8 +21,9 @@ from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import Basis, BlocksLimit, Span, first_limit, limit_of_blocks, load_limit
+from slopekit.preie.blocks import Basis, BlocksLimit, Span, first_limit, limit_of_blocks, load_limit, unit_bound
 from slopekit.preie.bounds import mechanism_range
+from slopekit.preie.distance import StaticBound
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
@@ -214,13 +215,13 @@ def critical_load(
     scene = _Scene(assembly, replace(loads, live=ramp), strength)
     there = ~assembly.fixed
     lowest: tuple[float, Part, float | None] | None = None
-    with threadpool_limits(1):
+    with threadpool_limits(1), effort.allowed(effort.MOST):
         for blocks in _components(scene, np.flatnonzero(there)):
             model_patch = _model(scene, there, blocks)
             if model_patch is None or not model_patch[0].live.any():
                 continue
             model, patch = model_patch
-            path, limit = load_limit(model, model.live, reduction)
+            model, path, limit = _load_limit(model, reduction)
             if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
                 if lowest is None or path.parameter < lowest[0]:
                     runs = None if path.found or path.peak is None else path.peak[1]
@@ -232,6 +233,15 @@ def critical_load(
     multiplier, part, runs = lowest
     blocks, motion = _moving(part, block_sizes(assembly))
     return CriticalLoad(multiplier, Failure((part,), blocks, motion), runs)
+
+
+def _load_limit(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
+    """The limit in the live load, and the model: where laws are curved with the lines that it settled on."""
+    if model.lines is None:
+        return model, *load_limit(model, model.live, reduction)
+    from slopekit.preie.strength_lines import settled_load  # only curved laws pay for it
+
+    return settled_load(model, reduction)
 
 
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
@@ -271,7 +281,23 @@ class _Groups:
         gone = ~there & ~scene.assembly.fixed
         self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
         self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
+        self.known: dict[bytes, tuple[AssemblyModel, Ints] | None] = {}  # models of groups
+        self.bounds: dict[bytes, StaticBound] = {}
         self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
+
+    def _known(self, group: Ints) -> tuple[AssemblyModel, Ints] | None:
+        """The model of a group."""
+        key = group.tobytes()
+        if key not in self.known:
+            self.known[key] = _model(self.scene, self.there, group)
+        return self.known[key]
+
+    def _bound(self, group: Ints, model: AssemblyModel) -> StaticBound:
+        """The bound of a group, which does not depend on what bonds are left."""
+        key = group.tobytes()
+        if key not in self.bounds:
+            self.bounds[key] = unit_bound(model)
+        return self.bounds[key]
 
     def span(self) -> Span | None:
         """The range of the group's mechanism: what is held beside it can carry any force, so it is none too narrow."""
@@ -295,15 +321,15 @@ class _Groups:
         first = alone[np.argsort(bolted, kind="stable")][:1]
         group, work = self.group if len(self.group) else _with_neighbours(scene.assembly, first, blocks), 0
         for _ in range(_MOST_GROUPS):
-            model_patch = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
-            if model_patch is None:
+            known = self._known(group) if len(group) <= _MOST_GROUP * len(blocks) else None
+            if known is None:
                 return None
-            small, own = model_patch
+            small, own = known
             opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
             own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
             try:
                 with effort.part(_OF_GROUP):
-                    limit = first_limit(small, own_bond)
+                    limit = first_limit(small, own_bond, self._bound(group, small))
             except effort.EffortSpentError:
                 return None
             if limit is None or limit.parameter is None or not limit.found:  # a peak may be a snap of slivers

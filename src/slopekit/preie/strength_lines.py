@@ -18,11 +18,13 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import BlocksLimit
+from slopekit.preie.blocks import BlocksLimit, load_limit
 from slopekit.preie.bounds import static_bound
+from slopekit.preie.effort import EffortSpentError
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.path_limit import PathLimit
 from slopekit.preie.tolerances import LEAST_TRACTION, LINES_STEADY, NO_FRICTION, STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
@@ -273,6 +275,23 @@ def settled_blocks(
     if limit.factor:
         limit = replace(limit, change=max(limit.change, off if off > max(LINES_STEADY, exact) else 0.0), steps=steps)
         if limit.static_bound is not None:
-            bound = static_bound(outer(model)).factor
+            try:
+                bound = static_bound(outer(model)).factor
+            except EffortSpentError:
+                bound = None
             limit = replace(limit, static_bound=None if bound is None else max(bound, limit.factor or 0.0))
     return model, limit
+
+
+def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
+    """The limit in the live load of an assembly, every pair on the line of its own traction there, and the model."""
+
+    def forces(found: tuple[PathLimit, BlocksLimit]) -> tuple[Floats, float, float] | None:
+        path_end, limit = found
+        exact = STEADY if model.unknowns == 6 else 0.0
+        return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
+
+    model, (path_end, limit), _ = _rounds(
+        model, lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
+    )
+    return model, path_end, limit

@@ -42,6 +42,7 @@ _SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
 _LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
 _K, _UNIT_LOAD = "loads.seismic.k", 1.0
 _OF_PATH = 0.5  # of the work that is allowed, for the path in a load
+_PUT_BACK = 0.1 * effort.MOST  # for the factor of a limit state: it vouches for itself
 _ABOVE = 1e-4  # of a value: a factor that falls on this by more than a jump does so at once
 _FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value of the path in a load, where the factor is above the target
 _SECANTS = 10  # from there to the value where it is the target
@@ -273,12 +274,10 @@ def _of_load(asked: _Asked, whole: bool, load_last: bool) -> tuple[Answers, bool
             last = _path_in_load(asked)
         direct, found = _driven(search, asked, whole, load_last, last)
         spent = effort.is_spent()
-    if direct is not None:
-        return _in_load(asked, direct), spent
-    answers = _answers("pre_ie", asked, search, found)
+    answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct)
     if spent and not answers.roots:
         return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True
-    if answers.roots and last is not None:
+    if answers.roots and last is not None and direct is not last:
         first = replace(answers.roots[0], load_last=(last.multiplier, last.runs))
         answers = replace(answers, roots=(first, *answers.roots[1:]))
     return answers, spent
@@ -304,7 +303,8 @@ def _driven(
         return None, [] if falls else _look_roughly(search, asked, whole)
     if load_last and last.runs is None:
         return last, []
-    here = search.at(last.multiplier)
+    with effort.allowed(effort.MOST if last.runs is not None else _PUT_BACK):
+        here = search.at(last.multiplier)
     factor = factor_at(here.found, "pre_ie")
     if here.level is None or factor is None or (load_last and factor >= asked.target - TOLERANCE["pre_ie"]):
         return last, []

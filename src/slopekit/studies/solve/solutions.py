@@ -328,8 +328,8 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
         if runs is not None:
             fail = f"were last at rest at {key.shown(value)} and run at {key.shown(runs)}"
         yield Notice("W477", f"the order of loads counts: as this load comes on last the blocks {fail}; with the "
-                             f"strength divided last their factor is {number(target)} at {key.shown(found.value)}, "
-                             "which is given")  # fmt: skip
+                             f"strength divided last their factor comes to {number(target)} at "
+                             f"{key.shown(found.value)}, which is given")  # fmt: skip
 
 
 def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
