@@ -23,6 +23,7 @@ _AIM = 1e-10  # where Newton's method stops
 _FULL, _DAMPED = 12, 40  # steps of Newton's method
 _LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is looked at, and what it has to be then
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
+_FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
 _DASHPOT = 0.1  # of the normal stiffness
 _NEARLY = 3e-3  # residual at which dashpots at all pairs are no help any more
 _RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
@@ -264,7 +265,8 @@ class Search:
         First at all pairs, fewer as the residual falls, then at those that change between stick, slip and open alone:
         elsewhere the steps are full ones. The dashpots do no work at rest.
         """
-        for _ in range(_ROUNDS):
+        least = math.inf
+        for k in range(_ROUNDS):
             began = best = here
             dashpots, every = np.zeros(len(self.model.area)), _DASHPOT
             for _ in range(_ROUND):
@@ -279,7 +281,8 @@ class Search:
                 every = min(max(every * (ratio if ratio < 1.0 else 4.0), 0.01 * _DASHPOT), 10.0 * _DASHPOT)
                 here = trial
                 best = min(best, here, key=lambda one: one.size)
-            if best.size <= BALANCED or self.spent:
+            least = min(least, best.size)
+            if best.size <= BALANCED or self.spent or (2 * k >= _ROUNDS and least > _FLOWS):
                 break
             here = self._state(self._slipped(here if best is began else best, given), given)
         return best
