@@ -154,25 +154,32 @@ class Search:
     def bracket(self, here: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float, bool]:
         """The last state at rest, a factor not farther on than `within` at which there is none, and if it gave up.
 
-        Where the steps that are allowed do not suffice it gave up: the factor is one that was not decided then.
+        A factor at which there is no rest from far away is tried again from nearer. Where the steps that are allowed do
+        not suffice it gave up: the factor is one that was not decided then.
         """
         low, high = here, math.inf
         self.most = self.steps + int(min(_MOST_OF_BRACKET, _WORK_OF_BRACKET / self.model.rows.shape[0]))
         target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
-        while not math.isfinite(high) or high - low.factor > within * low.factor:
-            found = self.onward(low, target, within / 3.0)
-            if found is None and self.spent:
+        while True:
+            started = low.factor
+            trial = self.settled(low, target)
+            if trial.stands:
+                low = trial
+            elif self.spent:
                 return low, target, True
-            if found is None:
+            elif target <= started * (1.0 + within):
+                return low, target, False
+            else:
                 high = target
-            else:
-                low = found
-            if math.isfinite(high):
-                target = 0.5 * (low.factor + high)
-            else:
+            if low.factor >= high:  # it was tried from too far away
+                high = math.inf
+            if not math.isfinite(high):
                 far = 1e-3 if low.factor < guess * 1.01 else 0.05
                 target = max(guess * (1.0 + 5.0 * within), low.factor * (1.0 + far))
-        return low, high, False
+            elif high > low.factor * (1.0 + within):
+                target = math.sqrt(low.factor * high)
+            else:
+                target = high
 
     # -- one factor ---------------------------------------------------------------------------------------------------
 
