@@ -129,7 +129,7 @@ def test_work_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_bracket_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rest, "_WORK_OF_BRACKET", 1e4)
+    monkeypatch.setattr(rest, "_WORK_OF_BRACKET", 1e3)
     plane = {
         "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
         "joints": {"J1": {"plane": "35/180"}}, "strength": {"joint": {"c": 20, "phi": 30}},

@@ -154,6 +154,9 @@ def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> No
     assert found.elastic.limit == found.fos.limit  # no cohesion to lose
     assert found.elastic.residual < 1e-8
     assert 0.0 < found.elastic.opened_share < 0.5
+    assert found.fos.highest > 1.01 * found.fos.lowest
+    (said,) = [str(notice) for notice in found.warnings if notice.code == "W485"]
+    assert f"{found.fos.lowest:.4f} .. {found.fos.highest:.4f}" in said
     monkeypatch.setattr(elastic, "_MOST_OF_MANY", 50)
     with pytest.raises(DesignError) as caught:
         sk.analyse(design, elastic=True)

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -191,6 +192,23 @@ def test_columns_have_the_factor_of_the_one_that_goes_farthest_by_both_methods()
     assert blocks.agree is None
     assert blocks.shaken[0].larger_m == 0.0  # k_y lies above the peak
     assert blocks.charts == ()
+
+
+def test_what_the_closed_form_says_nothing_of_is_not_compared() -> None:
+    """Goodman and Bray's columns fall out of the slope, φ = 0 on a sphere is shaken along it: no disagreement."""
+    into = sk.quake(sk.load(str(path_of("topple"))), "sine:0.2g,2Hz", toward=90)
+    for found in (into, sk.quake(sk.load(str(path_of("sphere"))), "sine:0.2g,2Hz", toward=180)):
+        ours, closed = found.yields
+        assert ours.coefficient is not None
+        assert closed.coefficient is None
+        assert closed.before > 1.0
+        assert found.agree is None
+        assert found.exit_code == 0
+        assert "it says nothing of shaking that way" in str(found)
+        assert "not compared" in found.line
+    reach = sk.quake(sk.load(PLANE), "sine:0.2g,2Hz")  # both methods speak: a k_y that one lacks is a disagreement
+    one = replace(reach.yields[1], coefficient=None)
+    assert replace(reach, yields=(replace(reach.yields[0], agree=None), one)).agree is False
 
 
 def test_joints_of_several_blocks_that_dilate_have_no_factor() -> None:

@@ -36,20 +36,20 @@ class Condensed:
     """Newton's steps of a model with sparse rows."""
 
     def __init__(self, model: ElasticModel) -> None:
-        self.model = model
+        self.model, self.bodies = model, model.bodies
         size, unknowns = model.rows.shape
         self.unit = 1.0
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
-        if not model.bodies:
+        if not self.bodies:
             self.shapes, self.width = model.rows.tocsr(), unknowns // len(model.seen)
             self.motions = self.loads = sparse.identity(unknowns, format="csr")
             self.first = self.width * np.arange(len(model.seen) + 1)
             self.bent = 0
         else:
             at, motions, rigid, loads = [], [], [], []
-            self.first = np.cumsum([0, *(one.shapes.shape[1] for one, *_ in model.bodies)])
-            back = np.concatenate([own for *_, own in model.bodies])
-            for (one, pairs, own), first in zip(model.bodies, self.first.tolist(), strict=False):
+            self.first = np.cumsum([0, *(one.shapes.shape[1] for one, *_ in self.bodies)])
+            back = np.concatenate([own for *_, own in self.bodies])
+            for (one, pairs, own), first in zip(self.bodies, self.first.tolist(), strict=False):
                 shapes = one.shapes.tocoo()
                 at.append((shapes.data, pairs[shapes.row], shapes.col + first))
                 motions.append(np.linalg.pinv(model.rows[pairs][:, own].toarray()) @ one.shapes)
@@ -63,7 +63,7 @@ class Condensed:
             self.rigid = sparse.block_diag(rigid, format="csc")[:, order].tocsr()
             self.turned_rigid = self.rigid.T.tocsr()
             self.loads = sparse.block_diag(loads, format="csc")[:, order].tocsr()
-            self.width = model.bodies[0][0].where.shape[1]
+            self.width = self.bodies[0][0].where.shape[1]
         self.turned = self.shapes.T.tocsr()
         self.fronts: Fronts | None = None
         self.pattern: tuple[Ints, Ints, Ints] | None = None
@@ -83,7 +83,7 @@ class Condensed:
         return (found,)
 
     def _take_stiffness(self, off: Floats, bent: Floats) -> None:
-        for (one, *_), first, end in zip(self.model.bodies, self.first, self.first[1:], strict=False):
+        for (one, *_), first, end in zip(self.bodies, self.first, self.first[1:], strict=False):
             off[first:end] -= one.stiffness @ bent[first:end]
 
     def size(self, off: tuple[Floats, ...]) -> float:
@@ -124,7 +124,7 @@ class Condensed:
             rows = np.repeat(np.arange(contacts.shape[0]), np.diff(contacts.indptr))
             self.pattern = contacts.indptr, contacts.indices, self._at(fronts, rows, contacts.indices)
         entries[self.pattern[2]] = -contacts.data
-        for (one, *_), at in zip(self.model.bodies, self.own, strict=True):
+        for (one, *_), at in zip(self.bodies, self.own, strict=True):
             entries[at] += one.stiffness.ravel()
         inner = fronts.factored(entries)
 
@@ -146,7 +146,7 @@ class Condensed:
             if not slow:
                 whole = -contacts
                 if self.bent:
-                    whole = whole + sparse.block_diag([one.stiffness for one, *_ in self.model.bodies], format="csr")
+                    whole = whole + sparse.block_diag([one.stiffness for one, *_ in self.bodies], format="csr")
                 try:
                     slow.append(splu(whole[self.back][:, self.back].tocsc(), permc_spec="NATURAL"))
                 except RuntimeError:  # singular
@@ -178,8 +178,8 @@ class Condensed:
         joined = np.concatenate(edges, axis=1)
         joined = joined[:, joined[0] != joined[1]]
         if self.bent:
-            where = np.concatenate([one.where for one, *_ in self.model.bodies])
-            middle = np.repeat([one.where.mean(axis=0) for one, *_ in self.model.bodies], counts, axis=0)
+            where = np.concatenate([one.where for one, *_ in self.bodies])
+            middle = np.repeat([one.where.mean(axis=0) for one, *_ in self.bodies], counts, axis=0)
             where = middle + _NUDGE * (where - middle)
         else:
             where = np.array([one.where.mean(axis=0) for one, *_ in self.model.seen if isinstance(one, Body)])

@@ -23,6 +23,7 @@ _AIM = 1e-10  # where Newton's method stops
 _FULL, _DAMPED = 12, 40  # steps of Newton's method
 _LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is looked at, and what it has to be then
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
+_FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
 _DASHPOT = 0.1  # of the normal stiffness
 _NEARLY = 3e-3  # residual at which dashpots at all pairs are no help any more
 _RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
@@ -153,25 +154,32 @@ class Search:
     def bracket(self, here: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float, bool]:
         """The last state at rest, a factor not farther on than `within` at which there is none, and if it gave up.
 
-        Where the steps that are allowed do not suffice it gave up: the factor is one that was not decided then.
+        A factor at which there is no rest from far away is tried again from nearer. Where the steps that are allowed do
+        not suffice it gave up: the factor is one that was not decided then.
         """
         low, high = here, math.inf
         self.most = self.steps + int(min(_MOST_OF_BRACKET, _WORK_OF_BRACKET / self.model.rows.shape[0]))
         target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
-        while not math.isfinite(high) or high - low.factor > within * low.factor:
-            found = self.onward(low, target, within / 3.0)
-            if found is None and self.spent:
+        while True:
+            started = low.factor
+            trial = self.settled(low, target)
+            if trial.stands:
+                low = trial
+            elif self.spent:
                 return low, target, True
-            if found is None:
+            elif target <= started * (1.0 + within):
+                return low, target, False
+            else:
                 high = target
-            else:
-                low = found
-            if math.isfinite(high):
-                target = 0.5 * (low.factor + high)
-            else:
+            if low.factor >= high:  # it was tried from too far away
+                high = math.inf
+            if not math.isfinite(high):
                 far = 1e-3 if low.factor < guess * 1.01 else 0.05
                 target = max(guess * (1.0 + 5.0 * within), low.factor * (1.0 + far))
-        return low, high, False
+            elif high > low.factor * (1.0 + within):
+                target = math.sqrt(low.factor * high)
+            else:
+                target = high
 
     # -- one factor ---------------------------------------------------------------------------------------------------
 
@@ -264,7 +272,8 @@ class Search:
         First at all pairs, fewer as the residual falls, then at those that change between stick, slip and open alone:
         elsewhere the steps are full ones. The dashpots do no work at rest.
         """
-        for _ in range(_ROUNDS):
+        least = math.inf
+        for k in range(_ROUNDS):
             began = best = here
             dashpots, every = np.zeros(len(self.model.area)), _DASHPOT
             for _ in range(_ROUND):
@@ -279,7 +288,8 @@ class Search:
                 every = min(max(every * (ratio if ratio < 1.0 else 4.0), 0.01 * _DASHPOT), 10.0 * _DASHPOT)
                 here = trial
                 best = min(best, here, key=lambda one: one.size)
-            if best.size <= BALANCED or self.spent:
+            least = min(least, best.size)
+            if best.size <= BALANCED or self.spent or (2 * k >= _ROUNDS and least > _FLOWS):
                 break
             here = self._state(self._slipped(here if best is began else best, given), given)
         return best

@@ -56,6 +56,7 @@ _LINES = 12  # rounds of strength lines that follow the normal forces
 _WORK_OF_LINES = 2.4e7  # steps of Newton's method times rows of the model: four minutes
 _LINES_STEADY = 1e-6
 _SAME = 1e-6
+_LOCKED = 0.01  # width of the range of locked-in forces, in parts, that is worth a word
 
 
 def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
@@ -124,6 +125,11 @@ def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
         elif not low * (1.0 - 1e-3) <= answer.limit_at_bracket <= high * (1.0 + 1e-3):
             said.append(Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
                                f"without what they open is {answer.limit_at_bracket:.4f}: take the lower"))  # fmt: skip
+    low, high = result.fos.lowest or 0.0, result.fos.highest or 0.0
+    if answer.bracket is None and answer.block is not None and high > low * (1.0 + _LOCKED) > 0.0:
+        said.append(Notice("W485", "the limit under ELASTIC is that of the rigid path: forces locked in "
+                           f"between the blocks can make it {low:.4f} .. {high:.4f}; --elastic-bracket finds where the "
+                           "elastic blocks no longer come to rest"))  # fmt: skip
     if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
         shear = _stiffness(result.design, result.findings is not None).tangential
         said.append(Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³"))

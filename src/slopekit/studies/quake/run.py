@@ -29,7 +29,16 @@ from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
 from slopekit.studies.quake.six import InSix, Shaking, SixMotion, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import Slide, slide
-from slopekit.studies.quake.yielding import KEY, Yield, check_stands, other_way, shown_k, static_design, yields_of
+from slopekit.studies.quake.yielding import (
+    KEY,
+    NO_FORM,
+    Yield,
+    check_stands,
+    other_way,
+    shown_k,
+    static_design,
+    yields_of,
+)
 from slopekit.studies.running import checked_crew
 
 _ABOUT = 150  # evaluations: for the bar
@@ -140,8 +149,11 @@ class Quake(Outcome):
 
     @property
     def agree(self) -> bool | None:
-        """Whether the methods agree at PRE-IE's k_y on the same assumptions, or have the same; None: not compared."""
-        if len(self.yields) < 2:
+        """Whether the methods agree at PRE-IE's k_y on the same assumptions, or have the same; None: not compared.
+
+        What the closed form says nothing of, columns shaken into the slope, is not compared.
+        """
+        if len(self.yields) < 2 or self.yields[1].why_not == NO_FORM:
             return None
         if self.yields[0].agree is not None and not self.moments_govern:
             return self.yields[0].agree

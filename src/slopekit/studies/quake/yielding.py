@@ -35,6 +35,7 @@ _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a for
 _LEAST_PUSH = 1e-3
 _CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
 _MOST_STEPS = 25
+NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
 
@@ -129,6 +130,11 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     solution = for_factor(static, KEY, 1.0, None, crew, advance, load_last=True)
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
     found = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
+    if len(found) > 1 and found[1].coefficient is None and found[0].coefficient is not None:
+        at = point_of(static, {KEY: found[0].coefficient})
+        advance(1)
+        if not at.has_closed_form:
+            found[1] = replace(found[1], why_not=NO_FORM)
     return tuple(found)
 
 
