@@ -544,8 +544,8 @@ def _without_rest(limit: BlocksLimit) -> Notice:
         if limit.tips is not None:
             part, factor = limit.tips
             tips = (
-                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of them in a motion that slips "
-                "nowhere: they tip, and no friction or cohesion hinders it"
+                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of them in a motion that "
+                "slips nowhere: they tip, and no friction or cohesion hinders it"
             )
         return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight "
                       f"and water, and {tried} they did not carry all of them: no factor of safety is given"
