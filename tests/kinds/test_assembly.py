@@ -304,7 +304,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "up to 10 times the strength of the static bound they did not carry all of them" in lost["W362"]
     assert lost["W362"].endswith("no factor of safety is given")
     tips = said(loads_last=True, carried=0.4, tips=(0.45, 0.8), factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)
-    assert "with it divided by 0.8 or less they go at 0.45 of them in a motion that slips nowhere" in tips["W362"]
+    assert "strength divided by 0.8 or less they go at 0.45 of them in a motion that slips nowhere" in tips["W362"]
     begun = said(begun=part.limit.factor / 4.0, static_bound=part.limit.factor)
     assert "come to rest at 4 times the strength of the static bound" in begun["W482"]
     assert "W361" not in lost

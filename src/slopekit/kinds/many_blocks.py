@@ -474,8 +474,8 @@ def _notices(
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
     if limit.begun and first.fos and first.static_bound:
         yield Notice("W482", "with all loads on at once the blocks come to rest at "
-                     f"{first.static_bound / limit.begun:.3g} times the strength of the static bound, at twice that "
-                     "bound's they do not, and those that came on after the weight led to no limit state")  # fmt: skip
+                     f"{first.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
+                     "twice; those that came on after the weight led to no limit state")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit)
     if limit.spent:
@@ -535,8 +535,8 @@ def _without_rest(limit: BlocksLimit) -> Notice:
         if limit.tips is not None:
             part, factor = limit.tips
             tips = (
-                f"; with it divided by {factor:.4g} or less they go at {part:.4g} of them in a motion that slips "
-                "nowhere: they tip, and no friction or cohesion hinders it"
+                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of them in a motion that "
+                "slips nowhere: they tip, and no friction or cohesion hinders it"
             )
         return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight "
                       f"and water, and {tried} they did not carry all of them: no factor of safety is given"
