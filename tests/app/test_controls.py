@@ -166,3 +166,20 @@ def test_a_word_that_does_not_count_says_what_does(water):
         None,
         "pressures" if isinstance(water, dict) and "pressures" in water else "fill",
     )
+
+
+def test_the_numbers_of_a_design_are_found_once(monkeypatch) -> None:
+    """What is set asks for them three times; another design has its own."""
+    from slopekit.app import controls
+
+    asked = []
+    found = controls.keys_of
+    monkeypatch.setattr(controls, "keys_of", lambda design: asked.append(design) or found(design))
+    session = Session.of_template("wedge")
+    for height in (30.0, 31.0):
+        asked.clear()
+        session.set({"slope.height": height}, final=True)
+        answers.answer_of(session.now, with_scene=False)
+        assert "slope.height" in session.changed
+        assert session.values_at(["slope.height"])["slope.height"]["value"] == height
+        assert len(asked) == 1

@@ -52,6 +52,10 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
 _NAMES_STRENGTH = ("strength", "base", "sides")
 
 
+#: The numbers of the last designs, which never change; put in place at once, whichever thread asks.
+_LAST: list[tuple[tuple[Design, Mapping[str, Key]], ...]] = [()]
+
+
 def controls_of(design: Design, opened: Design) -> dict[str, Control]:
     """Every control by its path.
 
@@ -75,13 +79,21 @@ def groups_of(design: Design, opened: Design) -> list[dict[str, Any]]:
     ]
 
 
-def values_of(design: Design) -> dict[str, Key]:
-    """The numbers of a design by path: a distribution that has a mean stands by that."""
+def values_of(design: Design) -> Mapping[str, Key]:
+    """The numbers of a design by path: a distribution that has a mean stands by that.
+
+    Those of the last designs are kept: what is set asks three times, and hundreds of bolts have thousands of numbers.
+    """
+    for one, found in _LAST[0]:
+        if one is design:
+            return found
     known = {key.path: key for key in keys_of(design)}
-    return {
+    found = {
         path: key for path, key in known.items()
         if f"{path}.mean" not in known and not path.startswith("correlation.")
     }  # fmt: skip
+    _LAST[0] = ((design, found), *_LAST[0][:2])
+    return found
 
 
 def text_at(document: Document, path: str) -> str | None:

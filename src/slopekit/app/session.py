@@ -169,7 +169,9 @@ class Session:
 
     def _look(self) -> None:
         if self._of is not self.now.document:
-            self._of, self._shown = self.now.document, replace(self.design, source=self.now.document)
+            self._of, self._shown = self.now.document, self.design
+            if self.design.source is not self.now.document:
+                self._shown = replace(self.design, source=self.now.document)
             try:
                 self._numbers = controls.values_of(self._shown)
             except DesignError:  # a distribution that is none
