@@ -17,11 +17,11 @@ from slopekit.kinds import cut
 from slopekit.kinds.elastic import _many_blocks
 
 
-def wall(cohesion: float = 0.0) -> dict:
-    """Running bond on a base that falls at 20 degrees, four courses of 2 m x 1 m: corners to all digits."""
+def wall(cohesion: float = 0.0, high: int = 4) -> dict:
+    """Running bond on a base that falls at 20 degrees, courses of 2 m x 1 m: corners to all digits."""
     turn = np.array([[np.cos(0.35), np.sin(0.35)], [-np.sin(0.35), np.cos(0.35)]])
     courses = {"A": (0, 2, 4, 6), "B": (0, 1, 3, 5, 6), "C": (0, 2, 4, 6), "D": (0, 1, 3, 5, 6)}
-    ends = {f"{name}{k}": (*pair, z, z + 1) for z, (name, at) in enumerate(courses.items())
+    ends = {f"{name}{k}": (*pair, z, z + 1) for z, (name, at) in enumerate(list(courses.items())[:high])
             for k, pair in enumerate(pairwise(at), 1)} | {"base": (-1, 7, -2, 0)}  # fmt: skip
     blocks = {
         name: {"polygon": (np.array([[x, z], [x1, z], [x1, z1], [x, z1]]) @ turn).tolist()}
@@ -138,3 +138,13 @@ def test_a_bracket_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> Non
     plane.pop("contact")
     found = sk.run(plane, elastic_bracket=True)
     assert "W456" in [one.code for one in found.warnings]
+
+
+def test_the_bracket_of_a_wall_encloses_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It slides on its base at tan φ / tan 0.35, rigid or elastic: no cohesion to lose, no forces locked in."""
+    monkeypatch.setattr("slopekit.elastic.model._DENSE", 0)
+    exact = np.tan(np.radians(35.0)) / np.tan(0.35)
+    low, high = (found := sk.run(wall(high=2), elastic_bracket=True).elastic).bracket
+    assert not found.gave_up
+    assert exact * (1.0 - 2e-4) < low < exact * (1.0 + 1e-6)
+    assert exact * (1.0 - 1e-4) < high < exact * (1.0 + 3e-4)

@@ -157,7 +157,12 @@ def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> No
     assert found.fos.highest > 1.01 * found.fos.lowest
     (said,) = [str(notice) for notice in found.warnings if notice.code == "W485"]
     assert f"{found.fos.lowest:.4f} .. {found.fos.highest:.4f}" in said
+    scene = _many_blocks(design, cut(design), found)
+    monkeypatch.setattr("slopekit.elastic.condensed._MOST_BYTES", 1e3)
+    with pytest.raises(DesignError) as caught:
+        Search(scene.model, scene.stiffness)
+    assert [fault.code for fault in caught.value.faults] == ["E290"]
     monkeypatch.setattr(elastic, "_MOST_OF_MANY", 50)
     with pytest.raises(DesignError) as caught:
-        sk.analyse(design, elastic=True)
+        _many_blocks(design, cut(design), found)
     assert [fault.code for fault in caught.value.faults] == ["E290"]

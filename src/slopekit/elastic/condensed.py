@@ -21,6 +21,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import DesignError, Fault
 from slopekit.elastic.flexibility import Body
 from slopekit.elastic.model import ElasticModel
 from slopekit.elastic.whole import Place
@@ -29,6 +30,7 @@ from slopekit.preie.fronts import Fronts
 _EXACT = 1e-6  # what is left of a step's right side, in parts of it
 _ALIKE = 0.9  # cosine between normals of one joint set
 _NUDGE = 1e-3  # of a node within its block, so that cuts fall between blocks
+_MOST_BYTES = 2e9
 _CHUNK = 1_000_000  # entries placed at a time
 
 
@@ -190,6 +192,10 @@ class Condensed:
             normals = normals[~alike]
         signs = np.stack(np.meshgrid(*[[0.0, 1.0, -1.0]] * len(axes), indexing="ij"), axis=-1).reshape(-1, len(axes))
         fronts = Fronts.of_graph(joined, signs[1:] @ np.array(axes) @ where.T, max(int(counts.max()), 2), width)
+        if fronts.bytes > _MOST_BYTES:
+            message = f"the matrix of {len(self.bodies)} elastic blocks needs {fronts.bytes * 1e-9:.1f} GB"
+            advice = "Give a longer edge, or fewer blocks."
+            raise DesignError([Fault("E290", message, "analysis.elastic.edge", advice)])
         self.order = (width * fronts.place[:, None] + np.arange(width)).ravel()  # where each unknown goes
         self.back = np.argsort(self.order)
         self.own = list[Ints]()
