@@ -80,6 +80,17 @@ def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, pa
     assert "load last" in str(found)
 
 
+@pytest.mark.parametrize("part", [0.8, 1.3])
+def test_a_force_is_looked_for_from_none_upwards(monkeypatch, part) -> None:
+    """W (sin β + k cos β) with k W the force, which could also be negative and a million times as large."""
+    pushed = with_values(_slab(), {"loads.forces": [{"force": "10 kN", "block": "B1", "toward": "270/0"}]})
+    weight = 20.0 * 25.0
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(part * YIELD * weight, "slides", None))
+    found = sk.solve(pushed, "loads.forces.0.force", fos=1.0)
+    assert found.answer.value == pytest.approx(YIELD * weight, rel=2e-6)
+    assert found.pre_ie.evaluations <= 9
+
+
 def test_a_jump_beyond_the_end_of_the_other_history_says_both(monkeypatch) -> None:
     """The column that tips at 1/2, where another history is said to end before: both stand on the sheet."""
     monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.45, "topples", None))

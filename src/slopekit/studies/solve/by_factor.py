@@ -318,7 +318,9 @@ def _driven(
         if other is here:
             return last, []
     else:
-        other = search.at(asked.low)
+        other = search.at(max(asked.low, 0.0))  # where the path in the load begins
+        if _level(other) < 0.0 and asked.low < 0.0:
+            return None, _look_roughly(search, asked, whole)
     if _level(other) * here.level < 0.0:
         _close_in(search, other, here)
     found = _crossings(search)
