@@ -163,7 +163,7 @@ def test_a_motion_that_does_not_settle_has_the_factor_of_one_block_and_says_so()
 
 def test_a_bracket_in_the_load_is_an_answer_of_an_earthquake() -> None:
     """No second search by the strength: its factor at the value is said, and is none below the target."""
-    found = for_factor(sk.load(_bench(face="75/180")), KEY, 1.0, None, ALONE, lambda _: None, load_last=True)
+    found = for_factor(sk.load(_bench(face="75/180")), KEY, 1.0, None, ALONE, lambda _: None, lower=True)
     answer = found.answer
     assert 0.0 < answer.runs - answer.value < 1e-3 * answer.value
     assert answer.strength_last > 1.0

@@ -127,7 +127,7 @@ def check_stands(static: Design) -> None:
 
 def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:
     """The yield coefficient by PRE-IE, and by the closed form where there is one, of a slope that stands."""
-    solution = for_factor(static, KEY, 1.0, None, crew, advance, load_last=True)
+    solution = for_factor(static, KEY, 1.0, None, crew, advance, lower=True)
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
     found = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
     if len(found) > 1 and found[1].coefficient is None and found[0].coefficient is not None:

@@ -53,7 +53,7 @@ _Samples: TypeAlias = list[Sample[Point]]
 
 def for_factor(
     design: Design, key: str, fos: float | None, within: Within | None, crew: Crew, advance: Advance,
-    load_last: bool = False,
+    lower: bool = False,
 ) -> Solution:  # fmt: skip
     """The value of one number of a design at which its factor of safety is a target.
 
@@ -62,8 +62,8 @@ def for_factor(
     fos : the target; None takes that of the design's acceptance rule
     within : between which values to look (numbers, or texts with units); None: what such a number can be
     crew : who evaluates the grid; advance : told of every evaluation
-    load_last : of a load on many blocks, that at which they fail as it comes on last, at the strength divided by the
-        target: what an earthquake does; else that at which their factor is the target, their strength divided last
+    lower : of a load on many blocks, what is lower: where they fail as it comes on last, at the strength divided by the
+        target, or where their factor is the target, their strength divided last; else the latter
 
     The factor is looked at on a grid that is fine near the present value; every place where it passes the target is
     narrowed down, edges of validity and changes of status are looked at from both sides. Where nothing drives the
@@ -98,7 +98,7 @@ def for_factor(
     else:
         search, whole = asked.search("pre_ie", slow=True), bool(equals) or within is not None
         if kind_of(design).at_load is not None and _LOAD.fullmatch(one.path):
-            pre_ie, spent = _of_load(replace(asked, crew=ALONE), whole, load_last)
+            pre_ie, spent = _of_load(replace(asked, crew=ALONE), whole, lower)
         else:
             pre_ie = _answers("pre_ie", asked, search, _look_roughly(search, asked, whole))
     if closed is not None:
@@ -265,14 +265,14 @@ def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Cro
 # -- a load on many blocks: the path in it says where to look, and is the other end of what histories give -------------
 
 
-def _of_load(asked: _Asked, whole: bool, load_last: bool) -> tuple[Answers, bool]:
+def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool]:
     """What there is of a load on many blocks within the work of one answer, and whether that was all done."""
     search = Search(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
                     near=_LOAD_NEAR, same=_SAME, jump=_LOAD_JUMP)  # fmt: skip
     with effort.allowed(effort.MOST):
         with effort.part(_OF_PATH):
             last = _path_in_load(asked)
-        direct, found = _driven(search, asked, whole, load_last, last)
+        direct, found = _driven(search, asked, whole, lower, last)
         spent = effort.is_spent()
     answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct)
     if spent and not answers.roots:
@@ -295,18 +295,16 @@ def _path_in_load(asked: _Asked) -> AtLoad | None:
 
 
 def _driven(
-    search: Search[Point], asked: _Asked, whole: bool, load_last: bool, last: AtLoad | None
+    search: Search[Point], asked: _Asked, whole: bool, lower: bool, last: AtLoad | None
 ) -> tuple[AtLoad | None, list[Crossing[Point]]]:
     """The value of the path in the load where that is the answer, else where the factor passes the target."""
     if last is None:
         falls = asked.key.path == _K and not whole and _falls_from_below(search, asked)
         return None, [] if falls else _look_roughly(search, asked, whole)
-    if load_last and last.runs is None:
-        return last, []
     with effort.allowed(effort.MOST if last.runs is not None else _PUT_BACK):
         here = search.at(last.multiplier)
     factor = factor_at(here.found, "pre_ie")
-    if here.level is None or factor is None or (load_last and factor >= asked.target - TOLERANCE["pre_ie"]):
+    if here.level is None or factor is None or (lower and factor >= asked.target - TOLERANCE["pre_ie"]):
         return last, []
     if abs(factor - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
         return last, []
