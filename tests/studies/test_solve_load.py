@@ -105,7 +105,7 @@ def test_a_jump_beyond_the_end_of_the_other_history_says_both(monkeypatch) -> No
     ("part", "runs", "taken"), [(0.8, None, 0.8), (1.3, None, 1.0), (0.8, 0.81, 0.8), (1.3, 1.31, 1.0)]
 )
 def test_an_earthquake_takes_the_lower_of_two_histories(monkeypatch, part, runs, taken) -> None:
-    """Where the load comes on last, or where the factor is 1 with the strength divided last, be it a limit or a rest."""
+    """Where the load comes on last, or where the factor is 1 with the strength divided last, limit or rest."""
     other = AtLoad(part * YIELD, "slides", None if runs is None else runs * YIELD)
     monkeypatch.setattr(by_factor, "_path_in_load", lambda _: other)
     found = by_factor.for_factor(_slab(), KEY, 1.0, None, ALONE, lambda _: None, lower=True)
