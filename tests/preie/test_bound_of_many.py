@@ -93,3 +93,8 @@ def test_without_an_end_others_say_why() -> None:
     lifted = replace(BOXES, forces=-0.5 * BOXES.forces).model(35.0)
     assert bound_in_one_run(lifted) is None
     assert static_bound(lifted).lifted
+
+
+def test_without_any_strength_there_is_no_bound_to_run_to() -> None:
+    """Nothing falls as λ grows: it divided by that."""
+    assert bound_in_one_run(BENCH.model(0.0)) is None

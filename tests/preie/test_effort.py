@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import slopekit as sk
@@ -99,3 +100,11 @@ def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
     assert "divided by" not in said["W360"]
     assert result.fos.static_bound == pytest.approx(1.24858, rel=1e-4)
     assert "beyond 1.249, the static bound" in said["W360"]
+
+
+def test_without_work_for_one_factorisation_nothing_is_said_of_blocks_without_strength() -> None:
+    """Their joints were factorised before anyone looked at what is left of the work."""
+    model = model_of(populations.goodman_bray(16))
+    with allowed(1.0):
+        found = limit_of_blocks(replace(model, tan_friction=np.zeros_like(model.tan_friction)))
+    assert (found.outcome, found.spent) == (Outcome.NOT_CONVERGED, True)

@@ -6,11 +6,13 @@ import pytest
 
 import slopekit as sk
 from benchmarks.blocks import multiplier
+from slopekit.core.errors import DesignError
 from slopekit.design.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad
 from slopekit.preie import effort
+from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_factor
 
@@ -135,6 +137,37 @@ def test_work_of_one_answer_ends(monkeypatch) -> None:
     assert found.reason.code == "E319"
     assert "before a factor of 1 was found" in found.reason.message
     assert "W478" in [notice.code for notice in found.warnings]
+    assert found.exit_code == 4
+
+
+@pytest.mark.parametrize("work", [1e5, 1e6])
+def test_an_earthquake_that_was_not_looked_at_to_the_end_has_no_yield(monkeypatch, work) -> None:
+    """It said that no k up to 2 moves the blocks, and 0 cm in every record, or ended in an IndexError."""
+    monkeypatch.setattr(effort, "MOST", work)
+    monkeypatch.setattr(yielding, "check_stands", lambda _: None)
+    with pytest.raises(DesignError) as refused:
+        yielding.yields_of(with_values(sk.load(path_of("blocks")), {KEY: 0.0, "loads.seismic.toward": 90.0}), ALONE,
+                           lambda _: None)  # fmt: skip
+    assert [fault.code for fault in refused.value.faults] == ["E319"]
+
+
+def test_a_yield_of_another_history_has_no_factor_of_the_motion(monkeypatch) -> None:
+    """The path in the load is said to end beyond the k at which the factor is 1: its motion is none of that k."""
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(1.3 * YIELD, "slides", None))
+    (ours,) = yielding.yields_of(_slab(), ALONE, lambda _: None)
+    assert ours.coefficient == pytest.approx(YIELD, rel=2e-6)
+    assert ours.factor is None
+    assert ours.why_not == "k_y is of another history than the motion as the shaking comes on last"
+
+
+def test_no_jump_is_claimed_where_none_was_seen(monkeypatch) -> None:
+    """A path in the load that ends where the factor, put back, stays above the target: the other history, W477."""
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.2, "slides", None))
+    found = sk.solve(with_values(_slab(), {"strength.joint.phi": 80.0, "loads.seismic.toward": 90.0}), KEY, fos=1.0)
+    (said,) = found.warnings
+    assert said.code == "W477"
+    assert "which is given; with the strength divided last their factor there is" in said.message
+    assert "none below 1 was seen" in said.message
 
 
 def test_a_snap_on_the_way_is_no_limit() -> None:

@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -44,7 +45,7 @@ def folder_of(folder: Path) -> Path:
     """Make a folder to write to, before any work is done."""
     import tempfile
 
-    if str(folder) == "." and "" in sys.argv:  # -o "$DIR" of a variable that is not set
+    if str(folder) == "." and ("-o", "") in pairwise(sys.argv):  # -o "$DIR" of a variable that is not set
         raise DesignError([Fault("E129", "the folder to write to has an empty name", "-o", "Write -o . for this one.")])
     with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)

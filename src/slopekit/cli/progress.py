@@ -125,9 +125,9 @@ class _Line:
             return
         while True:
             with self.lock:
-                if _BARS:
+                if bars := _BARS[-1:]:
                     self.written = 0  # the bar has the line
-                    _BARS[-1].tell(self.text().strip(), self._columns())
+                    bars[0].tell(self.text().strip(), self._columns())
                 else:
                     text = self.text()[: self._columns() - 1]
                     self._write("\r" + text.ljust(self.written))

@@ -173,7 +173,7 @@ class SlopeDesign(Design):
             yield Notice("W441", "with the crack here nothing holds the block, by the closed form: worse than any "
                          "factor of safety")  # fmt: skip
         elif self.crack_searched == "end":
-            said = "at an end of the range of the crack: a crack there is at the crest itself, or none at all"
+            said = "at an end of the range of the crack: a crack there is at the crest itself"
             if (behind := _behind_crest(self)) > _AT_CREST_M:
                 said = f"where the range of the crack begins, {behind:.2f} m behind the crest: nearer to it none forms"
             yield Notice("W421", f"the factor is lowest {said}")

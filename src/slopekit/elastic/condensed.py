@@ -112,7 +112,8 @@ class Condensed:
             pulled = self.model.bolt_rows[active] @ self.motions
             ways = np.array([solve(way) for way in (self.loads @ self.model.bolt_rows[active].T).T])
             small = np.diag(1.0 / springs[active]) + pulled @ ways.T
-            found = found - np.linalg.lstsq(small, pulled @ found, rcond=None)[0] @ ways
+            if np.isfinite(small).all() and np.isfinite(found).all():
+                found = found - np.linalg.lstsq(small, pulled @ found, rcond=None)[0] @ ways
         motion = self.motions @ found
         return self.shapes @ found, motion, found - self.rigid @ motion if self.bent else np.zeros(0)
 

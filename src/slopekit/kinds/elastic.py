@@ -125,10 +125,12 @@ def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
         elif not low * (1.0 - 1e-3) <= answer.limit_at_bracket <= high * (1.0 + 1e-3):
             said.append(Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
                                f"without what they open is {answer.limit_at_bracket:.4f}: take the lower"))  # fmt: skip
-    low, high = result.fos.lowest or 0.0, result.fos.highest or 0.0
-    if answer.bracket is None and answer.block is not None and high > low * (1.0 + _LOCKED) > 0.0:
+    lowest, highest = result.fos.lowest, result.fos.highest
+    wide = lowest is not None and (highest is None or highest > lowest * (1.0 + _LOCKED))
+    if answer.bracket is None and answer.block is not None and wide:
+        far = "far above it" if highest is None else f"{highest:.4f}"
         said.append(Notice("W485", "the limit under ELASTIC is that of the rigid path: forces locked in "
-                           f"between the blocks can make it {low:.4f} .. {high:.4f}; --elastic-bracket finds where the "
+                           f"between the blocks can make it {lowest:.4f} .. {far}; --elastic-bracket finds where the "
                            "elastic blocks no longer come to rest"))  # fmt: skip
     if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
         shear = _stiffness(result.design, result.findings is not None).tangential

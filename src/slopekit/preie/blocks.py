@@ -326,11 +326,10 @@ def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: Static
 
 def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     """No strength at all: the blocks rest on frictionless joints, or there is no factor."""
-    bed = Bed(model, Drive(model.load.ravel()))
     try:
-        found = follow(bed, 1.0)
+        found = follow(Bed(model, Drive(model.load.ravel())), 1.0)
     except EffortSpentError:
-        return replace(_ended(model, Outcome.NOT_CONVERGED, np.zeros(bed.size), bound), spent=True)
+        return replace(_ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound), spent=True)
     outcome = Outcome.NO_DRIVING_FORCE if found.outcome is PathOutcome.STANDS else Outcome.NO_STRENGTH
     return replace(_ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal))
 

@@ -91,6 +91,8 @@ def _run(program: _Shortfall) -> StaticBound | None:
         if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < 1.0 / LEAST_REDUCTION:
             return None
         short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
+        if falls == 0.0:  # no strength at all
+            return None
         balanced, most_off = off.unbalanced < FEASIBLE, -NEAR * reduction * falls
         if balanced and worth < 0.2 * _KNOWN * most_off and abs(short) < most_off and off.gap < most_off:
             bound = reduction - short / falls

@@ -99,9 +99,10 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
                 near = next(nearest, 0.0)
                 if near:
                     continue
-                flow = relaxed(bed, at, bad, THICK, runs_at=_FARTHER, patience=_SLOWLY) if snaps else flow
-                if flow.ended != "rest":
+                slow = relaxed(bed, at, bad, THICK, runs_at=_FARTHER, patience=_SLOWLY) if snaps else flow
+                if slow.ended != "rest":
                     break
+                flow = slow
                 snaps, nearest, ratio = snaps - 1, iter(brackets), _STRIDE  # they only snapped, to another rest
                 near = next(nearest)
                 runs.clear()

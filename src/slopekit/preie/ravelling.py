@@ -221,7 +221,10 @@ def critical_load(
             if model_patch is None or not model_patch[0].live.any():
                 continue
             model, patch = model_patch
-            model, path, limit = _load_limit(model, reduction)
+            try:
+                model, path, limit = _load_limit(model, reduction)
+            except effort.EffortSpentError:  # before the first step of a path
+                return None
             if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
                 if lowest is None or path.parameter < lowest[0]:
                     runs = None if path.found or path.peak is None else path.peak[1]

@@ -37,6 +37,7 @@ _CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones
 _MOST_STEPS = 25
 NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
+_OTHER_HISTORY = "k_y is of another history than the motion as the shaking comes on last"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
 
 
@@ -128,12 +129,15 @@ def check_stands(static: Design) -> None:
 def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:
     """The yield coefficient by PRE-IE, and by the closed form where there is one, of a slope that stands."""
     solution = for_factor(static, KEY, 1.0, None, crew, advance, lower=True)
+    reason = solution.pre_ie.reason
+    if reason is not None and (solution.spent or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
+        raise DesignError([reason])
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
     found = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
     if len(found) > 1 and found[1].coefficient is None and found[0].coefficient is not None:
         at = point_of(static, {KEY: found[0].coefficient})
         advance(1)
-        if not at.has_closed_form:
+        if at.factors is not None and not at.has_closed_form and found[1].before > 1.0:
             found[1] = replace(found[1], why_not=NO_FORM)
     return tuple(found)
 
@@ -167,6 +171,8 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         return Yield(method, k, status, factor, why, before, agree, runs=runs)
     if any(strength.dilation_deg for strength in kind.strengths(static)):
         return Yield(method, k, status, None, _DILATES, before, agree, runs=runs)
+    if solution.by_other_history:
+        return Yield(method, k, status, None, _OTHER_HISTORY, before, agree, runs=runs)
     gain = kind.seismic_gain(static, with_values(static, {KEY: 1.0}), k, method == "closed_form")
     advance(1)
     if gain is None:

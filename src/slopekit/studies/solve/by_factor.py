@@ -161,8 +161,9 @@ class _Asked:
 
     def before(self) -> Point:
         """The design as it is."""
-        if self.key.value in self.points:
-            return self.points[self.key.value]
+        known = None if self.key.value is None else self.points.get(self.key.value)
+        if known is not None and factor_at(known, "pre_ie") is not None:
+            return known  # else what was left of the work may have been too little
         return Point.from_record(Evaluation(self.design)({}))
 
     def grid(self, even: int, close: int, each_decade: float) -> list[float]:
@@ -272,9 +273,9 @@ def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool]:
     with effort.allowed(effort.MOST):
         with effort.part(_OF_PATH):
             last = _path_in_load(asked)
-        direct, found = _driven(search, asked, whole, lower, last)
+        direct, jumps, found = _driven(search, asked, whole, lower, last)
         spent = effort.is_spent()
-    answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct)
+    answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct, jumps)
     if spent and not answers.roots:
         return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True
     if answers.roots and last is not None and direct is not last:
@@ -296,36 +297,39 @@ def _path_in_load(asked: _Asked) -> AtLoad | None:
 
 def _driven(
     search: Search[Point], asked: _Asked, whole: bool, lower: bool, last: AtLoad | None
-) -> tuple[AtLoad | None, list[Crossing[Point]]]:
-    """The value of the path in the load where that is the answer, else where the factor passes the target."""
+) -> tuple[AtLoad | None, bool, list[Crossing[Point]]]:
+    """The value of the path in the load, or of a jump, where that is the answer; else where the target is passed.
+
+    Between them whether the factor was seen to jump past the target there.
+    """
     if last is None:
         falls = asked.key.path == _K and not whole and _falls_from_below(search, asked)
-        return None, [] if falls else _look_roughly(search, asked, whole)
-    with effort.allowed(effort.MOST if last.runs is not None else _PUT_BACK):
+        return None, False, [] if falls else _look_roughly(search, asked, whole)
+    with effort.allowed(effort.MOST if lower or last.runs is not None else _PUT_BACK):
         here = search.at(last.multiplier)
     factor = factor_at(here.found, "pre_ie")
     if here.level is None or factor is None or (lower and factor >= asked.target - TOLERANCE["pre_ie"]):
-        return last, []
+        return last, False, []
     if abs(factor - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
-        return last, []
+        return last, False, []
     other = here
     if here.level > 0.0:
         if here.at > 0.0 and _jumps_down(here, search.at(min(here.at * (1.0 + _ABOVE), asked.high))):
-            return last, []  # they tip there, whatever their strength
+            return last, True, []  # they tip there, whatever their strength
         other = next((beyond for beyond in _further(search, asked, here.at) if _level(beyond) < 0.0), here)
         if other is here:
-            return last, []
+            return last, False, []
     else:
         other = search.at(max(asked.low, 0.0))  # where the path in the load begins
         if _level(other) < 0.0 and asked.low < 0.0:
-            return None, _look_roughly(search, asked, whole)
+            return None, False, _look_roughly(search, asked, whole)
     if _level(other) * here.level < 0.0:
         _close_in(search, other, here)
     found = _crossings(search)
     if found and found[0].how == "jump" and not found[0].rises:
         before = found[0].before
-        return AtLoad(before.at, found[0].after.label, None), []
-    return None, found
+        return AtLoad(before.at, found[0].after.label, None), True, []
+    return None, False, found
 
 
 def _falls_from_below(search: Search[Point], asked: _Asked) -> bool:
@@ -364,7 +368,7 @@ def _close_in(search: Search[Point], one: Sample[Point], other: Sample[Point]) -
         other, at_other = new, new.level
 
 
-def _in_load(asked: _Asked, at: AtLoad) -> Answers:
+def _in_load(asked: _Asked, at: AtLoad, jumps: bool) -> Answers:
     """The answer of the path in the load: at this value its limit state has the target for its factor, exactly.
 
     Where the motion did not settle the value is that of the last state at rest; the bracket ends where they run.
@@ -382,7 +386,9 @@ def _in_load(asked: _Asked, at: AtLoad) -> Answers:
         point = Point(Factors(at.status, asked.target, None, None, None, None, False, True))
         here = (at.multiplier, asked.target)
         beyond = here if at.runs is None else (at.runs, math.nan)
-        found = Found("root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last)
+        found = Found(
+            "root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last, jumps=jumps
+        )
     return Answers("pre_ie", (found,), (), None, None, (), (0.0, found.runs or at.multiplier), evaluations, None)
 
 

@@ -185,7 +185,8 @@ def _put_back(solution: Solution) -> list[str]:
                 shown = f"{_name(answers)} {solution.key.shown(root.value)}"
                 what = "limit state" if root.runs is None else "last state at rest"
                 said = "not put back; " if root.strength_last is None else ""
-                entries.append(f"{shown}: {said}the {what} of the path in this load, {root.status}")
+                said += f"the {what} of the path in this load" if root.load_last is None else "the factor jumps there"
+                entries.append(f"{shown}: {said}, {root.status}")
                 if root.runs is not None:
                     entries.append(f"the blocks run at {solution.key.shown(root.runs)}")
                 if root.strength_last is not None:

@@ -43,6 +43,7 @@ class Found:
     strength_last : of what is not put back, the factor as the strength is divided last; None where there is none
     load_last : of a load on many blocks, the value at which they fail as it comes on last, and, where it is that of the
         last state at rest, the first at which they run
+    jumps : whether the factor, put back, was seen to fall past the target at once there
     """
 
     how: Literal["root", "jump", "gap"]
@@ -55,10 +56,11 @@ class Found:
     put_back: bool = True
     strength_last: float | None = None
     load_last: tuple[float, float | None] | None = None
+    jumps: bool = False
 
     @property
     def from_path(self) -> bool:
-        """Whether the value is that of the path in a load: nothing was searched."""
+        """Whether the value is that of the path in a load, or of a jump: the target is not that of a value put back."""
         return not self.put_back or self.load_last == (self.value, None)
 
     @property
@@ -132,6 +134,12 @@ class Solution(Outcome):
         return self.pre_ie.reason
 
     @property
+    def by_other_history(self) -> bool:
+        """Whether the answer is not where many blocks fail as the load comes on last."""
+        found = self.answer
+        return found is not None and found.load_last is not None and found.load_last[0] != found.value
+
+    @property
     def agree(self) -> bool | None:
         """Whether the methods agree at the answer; None where they are not compared."""
         found = self.answer
@@ -148,7 +156,7 @@ class Solution(Outcome):
         """0 found, 1 there is no such value, 4 the methods disagree there, or no convergence."""
         found = self.answer
         if found is None:
-            return 1
+            return 4 if self.spent else 1
         return 4 if self.agree is False or found.status == "not_converged" else 0
 
     def to_dict(self) -> dict[str, Any]:
@@ -319,7 +327,7 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
         yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(found.value)} and "
                              f"run at {key.shown(found.runs)} as this load comes on last; with the strength divided "
                              f"last their factor there is {last}")  # fmt: skip
-    elif not found.put_back and found.strength_last is not None:
+    elif found.jumps:
         yield Notice("W476", f"the factor jumps at {key.shown(found.value)}: put back it is {last}, and just above it "
                              f"is below {number(target)}, or there is none")  # fmt: skip
     if found.load_last is not None and found.load_last[0] != found.value:
@@ -327,9 +335,14 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
         fail = f"are at their limit at {key.shown(value)}"
         if runs is not None:
             fail = f"were last at rest at {key.shown(value)} and run at {key.shown(runs)}"
+        comes = "falls past" if found.jumps else "comes to"
         yield Notice("W477", f"the order of loads counts: as this load comes on last the blocks {fail}; with the "
-                             f"strength divided last their factor comes to {number(target)} at "
+                             f"strength divided last their factor {comes} {number(target)} at "
                              f"{key.shown(found.value)}, which is given")  # fmt: skip
+    elif found.strength_last is not None and found.runs is None and not found.jumps:
+        yield Notice("W477", "the order of loads counts: as this load comes on last the blocks are at their limit at "
+                             f"{key.shown(found.value)}, which is given; with the strength divided last their factor "
+                             f"there is {last}, and none below {number(target)} was seen")  # fmt: skip
 
 
 def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
