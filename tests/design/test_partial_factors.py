@@ -168,6 +168,26 @@ def test_uplift_of_a_footing_is_water(fill) -> None:
     assert "unit weight of water, and its pressures" in said
 
 
+@pytest.mark.parametrize(("depth", "on_weight"), [("full", 1.0), ("3 m", 1.35)])
+def test_water_in_the_crack_alone_stands_in_the_table(depth, on_weight) -> None:
+    """The table had no row for it. Loads all in parts of the 1.35 on water, and c too, give the same factor.
+
+    Weight takes 1.35 or 1, whichever is worse: before a full crack it holds.
+    """
+    design = {
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+        "joints": {"J1": {"plane": "45/105", "strength": "a"}, "J2": {"plane": "70/235", "strength": "a"}},
+        "crack": {"plane": "80/185", "distance": "5 m", "water": depth},
+        "strength": {"a": {"c": 24, "phi": 25}}, "rock": {"unit_weight": 25},
+    }  # fmt: skip
+    found = sk.run(design | {"analysis": {"partial_factors": "DA1-C1"}})
+    strength, rock = {"a": {"c": 24 / 1.35, "phi": 25}}, {"unit_weight": 25 * on_weight / 1.35}
+    weaker = sk.run(design | {"strength": strength, "rock": rock})
+    assert found.fos.limit == pytest.approx(weaker.fos.limit, rel=1e-9)
+    said = [row["what"] for row in found.to_dict()["partial_factors"]["table"]]
+    assert "unit weight of water, and its pressures" in said
+
+
 def test_studies_see_the_design_values() -> None:
     design = sk.load(asked("DA1-C2"))
     assert with_values(design, {"strength.bedding.c": 40}).strength.cohesion_kpa == pytest.approx(32.0)

@@ -229,7 +229,7 @@ class Design:
     @property
     def is_wet(self) -> bool:
         """Whether there is water."""
-        return self.water.mode != "dry"
+        return self.water.mode != "dry" or bool(self.water.crack_fill)
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

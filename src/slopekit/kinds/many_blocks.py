@@ -48,8 +48,9 @@ from slopekit.loads import AssemblyLoads
 from slopekit.notices import SQUARE, common_notices
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
-from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit
+from slopekit.preie.blocks import Basis, BlocksLimit
 from slopekit.preie.contact import SHEAR_TO_NORMAL
+from slopekit.preie.loads_last import STRONGER
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import (
     CriticalLoad,

@@ -29,17 +29,14 @@ from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
-from slopekit.preie.flow import relaxed
+from slopekit.preie.loads_last import FIRST_LOAD, LoadsOn, loads_last
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import first_peak, follow
-from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
-    ADMISSIBLE,
     BOUND_ACCURACY,
     LIMIT_BALANCED,
-    LOADS_BRACKET,
-    LOADS_FIT,
     NO_MOTION,
     OPENS_ROUGHLY,
     TINY,
@@ -49,10 +46,6 @@ _START = 2.0  # the path starts at this times the strength of the static bound
 _STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
-_FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
-STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
-_SCANNED = 16  # strengths up to the last, at which they have to fit on too, or may
-_COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
 _BITS = 40  # of a strength in parts of the largest: 12 digits
@@ -118,16 +111,6 @@ class BlocksLimit:
     spent: bool = False
     rested: float | None = None
     by_turns: tuple[float, float] | None = None
-    tips: tuple[float, float] | None = None
-    begun: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class _Loads:
-    """How the loads beside weight and water came on: `loads_last`, `carried`, `tips` and `begun` of a limit."""
-
-    last: bool = False
-    carried: float | None = None
     tips: tuple[float, float] | None = None
     begun: float | None = None
 
@@ -213,11 +196,11 @@ def _limit_of(
     model: AssemblyModel, unit: float, bound: StaticBound, ranged: bool, ratio: float, proposal: Proposal | None
 ) -> BlocksLimit:
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
-    steps, loads = 0, _Loads()
+    steps, loads = 0, LoadsOn()
 
     def once(bond: Floats) -> PathLimit:
         nonlocal steps, loads
-        loads = _Loads()
+        loads = LoadsOn()
         settled = None
         try:
             if proposal is not None:
@@ -270,7 +253,7 @@ def _span(
 
 
 def _limit(
-    model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads: _Loads
+    model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads: LoadsOn
 ) -> BlocksLimit:
     """What the path says, once every block has vouched for it; of a peak the range has what other ways to it give."""
     factor = 1.0 / path_end.parameter if path_end.parameter else None
@@ -381,7 +364,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ.
     """
     own, grows = model.load.ravel(), ramp.ravel()
-    first = _FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
+    first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
 
     def once(bond: Floats) -> PathLimit:
         bed = Bed(model, Drive(own, grows, reduction), bond)
@@ -438,7 +421,7 @@ def _times(factor: float | None, by: float) -> float | None:
 
 def _on_path(
     model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True
-) -> tuple[PathLimit, _Loads, int]:
+) -> tuple[PathLimit, LoadsOn, int]:
     """The path with some bonds, how the loads beside weight came on, and the work.
 
     The model is in unit strength: the design's is `unit` times that. Where loads that come on last end in no limit
@@ -453,10 +436,10 @@ def _on_path(
     if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
         path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
     if path_end.found or path_end.outcome is PathOutcome.STANDS:
-        return path_end, _Loads(), bed.factorisations
+        return path_end, LoadsOn(), bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
     if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
-        last, loads, work = _loads_last(model, unit, bond, bound, ratio)
+        last, loads, work = loads_last(model, unit, bond, bound, ratio)
         tipped = math.inf if loads.tips is None else 1.0 / loads.tips[1]  # and with all greater strengths
         most = min(_LOCKED * start / _START, tipped)
         if last.found or bed.tangents > 1 or bed.size > _PROPOSED or most < start:
@@ -468,14 +451,14 @@ def _on_path(
         if peaks and path_end.outcome is PathOutcome.BRACKET:
             path_end = first_peak(bed, path_end)
         begun = 1.0 / path_end.started if path_end.started > start else None
-        return path_end, _Loads(begun=begun), work + bed.factorisations
+        return path_end, LoadsOn(begun=begun), work + bed.factorisations
     locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
     if path_end.outcome is PathOutcome.BRACKET:
         if locked:  # a rest that needs many times the bound
             path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
         elif peaks and path_end.peak is not None:
             path_end = first_peak(bed, path_end)
-    return path_end, _Loads(), bed.factorisations
+    return path_end, LoadsOn(), bed.factorisations
 
 
 def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimit | None:
@@ -484,123 +467,3 @@ def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimi
     if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > LIMIT_BALANCED:
         return None
     return limit
-
-
-def _loads_last(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float
-) -> tuple[PathLimit, _Loads, int]:
-    """F where the loads beside weight and water, coming on last, all fit on; no rest where they do at no strength.
-
-    A motion at a part of them that slips nowhere is a limit state at any greater strength: there they may fit on, or
-    not, as it comes, and where the search does not end in a limit they do not.
-
-    Returns
-    -------
-    limit (its parameter is λ), with what full strength carries and what tips where they fit on at none; factorisations
-    """
-    whole, live = model.load.ravel(), model.live.ravel()
-    work, tip = 0, None
-
-    def loaded(reduction: float) -> PathLimit:
-        nonlocal work
-        bed = Bed(model, Drive(whole - live, live, reduction), bond, ratio)
-        overloaded = follow(bed, _FIRST_LOAD)
-        work += bed.factorisations
-        return overloaded
-
-    def carried(reduction: float) -> PathLimit:
-        nonlocal tip
-        overloaded = loaded(reduction)
-        if _tips(model, overloaded) and (tip is None or reduction < tip.reduction):
-            tip = overloaded
-        return overloaded
-
-    def without_rest(overloaded: PathLimit, full: PathLimit) -> tuple[PathLimit, _Loads, int]:
-        """No rest, what full strength carries, and the motion that tips the blocks where there is one."""
-        at = None if tip is None else (float(tip.parameter or 0.0), 1.0 / tip.reduction)
-        none = replace(tip or overloaded, outcome=PathOutcome.NO_REST, parameter=None)
-        return none, _Loads(True, full.parameter, at), work
-
-    def exact(path_end: PathLimit, reduction: float) -> PathLimit | None:
-        """The limit state in λ, at the whole load, of the modes of one in the load."""
-        if not path_end.found or abs((path_end.parameter or 0.0) - 1.0) > LOADS_FIT:
-            return None
-        bed = Bed(model, Drive(whole), bond, ratio)
-        return limit_state(bed, path_end.displacement, path_end.motion, reduction)
-
-    def fits_on(path_end: PathLimit) -> bool:
-        return path_end.outcome is PathOutcome.STANDS or (path_end.parameter or 0.0) >= 1.0
-
-    def come_on(path_end: PathLimit) -> bool:
-        return fits_on(path_end) or (path_end.peak is not None and path_end.peak[0] >= 1.0)
-
-    def narrowed(holds: float, fails: float, held: Callable[[PathLimit], bool]) -> tuple[float, float]:
-        """Strengths λ at which the loads are held and not, next to each other."""
-        while holds / fails - 1.0 > LOADS_BRACKET:
-            middle = math.sqrt(holds * fails)
-            holds, fails = (middle, fails) if held(carried(middle)) else (holds, middle)
-        return holds, fails
-
-    least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
-    fails, fits = least, None
-    overloaded: PathLimit | None = None
-    for times in STRONGER:
-        last = carried(times * least)
-        if fits_on(last):
-            fits = times * least
-            break
-        fails, overloaded = times * least, last
-    if fits is None:
-        assert overloaded is not None
-        return without_rest(overloaded, loaded(unit))
-    while fits / fails - 1.0 > LOADS_BRACKET:
-        state = None if overloaded is None else exact(overloaded, fails)
-        if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
-            return state, _Loads(True), work
-        middle = math.sqrt(fits * fails)
-        trial = carried(middle)
-        if fits_on(trial):
-            fits, last = middle, trial
-        else:
-            fails, overloaded = middle, trial
-    # where blocks snap from rest to rest the loads may fit on, not fit on at more strength, and fit on again; and they
-    # may all be on, the blocks at rest, where less than all of them makes them run on
-    reached, stride = fits, STRONGER[-1] ** (1.0 / _SCANNED)
-    tried = [(more := least * stride**part, carried(more)) for part in range(1, _SCANNED + 1)]
-    below = [more for more, trial in tried if more < reached and come_on(trial)]
-    above = [one for one in tried[:-1] if one[0] > fits and one[1].parameter is not None and not fits_on(one[1])]
-    less = below[0] / stride if below else fails / stride
-    reached = narrowed(below[0] if below else fails if come_on(carried(fails)) else fits, less, come_on)[0]
-    if above:
-        fails, overloaded = above[-1]
-        fits, fails = narrowed(fails * stride, fails, fits_on)
-    # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
-    bed = Bed(model, Drive(whole), bond, ratio)
-    at = Bed(model, Drive(whole - live, live, fits), bond, ratio)
-    rested = at.elastic_displacement
-    for share in _COMES_ON:
-        flow = relaxed(at, rested, share, 0.0)
-        if flow.ended != "rest":
-            break
-        rested = flow.at
-    forces = bed.forces(rested, fits)
-    settled = forces.residual < LIMIT_BALANCED * bed.load_size
-    if not settled and tip is not None and not fits_on(full := loaded(unit)):
-        return without_rest(overloaded or last, full)
-    outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
-    peak = replace(
-        overloaded or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
-        friction=forces.friction, residual=forces.residual / bed.load_size, reached=reached,
-    )  # fmt: skip
-    return peak, _Loads(True), work
-
-
-def _tips(model: AssemblyModel, overloaded: PathLimit) -> bool:
-    """Whether blocks under a part of the loads move without slip where forces act: no strength hinders that."""
-    if overloaded.outcome is not PathOutcome.LIMIT or not 0.0 < (overloaded.parameter or 0.0) < 1.0:
-        return False
-    opening, slip = model.opening_and_slip(overloaded.motion)
-    size = np.sqrt((slip * slip).sum(axis=1))
-    forces = model.by_group(np.abs(overloaded.normal)) + np.abs(overloaded.friction).sum(axis=1)
-    acts = forces > ADMISSIBLE * float(np.abs(model.load).max())
-    return bool(size[acts].max(initial=0.0) < NO_MOTION * max(float(np.abs(opening).max()), float(size.max())))

@@ -166,6 +166,11 @@ class WedgeDesign(SlopeDesign):
         return self.with_strengths([change(one) for one in self.strengths])
 
     @property
+    def is_wet(self) -> bool:
+        """Whether there is water, if only in the crack."""
+        return super().is_wet or self.is_wet_by_crack
+
+    @property
     def is_wet_by_crack(self) -> bool:
         """Whether the depth of water in the crack says what is on the joints."""
         return bool(self.crack_water_m)
