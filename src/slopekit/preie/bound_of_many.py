@@ -27,7 +27,9 @@ _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
 _MOST = 150  # steps; it takes 30 to 80
 _HARDLY = 1e-6  # of the elastic energy of other programs
-_KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move, and a fifth of it at the end
+_AIM = 0.5  # of what s may still be: no less complementarity than that
+_KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move
+_SURE = 0.2  # of `NEAR`: width of the bracket of λ at the end, 2e-6; s is mostly known ten times better
 _FALLS, _GROWS = 0.7, 2.0  # parts of λ by which it goes down and up at most
 _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: just above that λ blocks jam
 
@@ -94,7 +96,7 @@ def _run(program: _Shortfall) -> StaticBound | None:
         if falls == 0.0:  # no strength at all
             return None
         balanced, most_off = off.unbalanced < FEASIBLE, -NEAR * reduction * falls
-        if balanced and worth < 0.2 * _KNOWN * most_off and abs(short) < most_off and off.gap < most_off:
+        if balanced and abs(short) < most_off and off.gap + worth < _SURE * most_off:
             bound = reduction - short / falls
             return StaticBound(1.0 / bound, False, False, at.velocity, at.normal, steps)
         middle, moves = short - 0.5 * off.gap, 0.0
@@ -112,7 +114,7 @@ def _run(program: _Shortfall) -> StaticBound | None:
             equations = NewtonEquations.at(program, strengths, at, off, program.inertia(off.gap))
         except SolverError:
             return None
-        step = equations.step(towards=abs(middle) if worth < off.gap else 0.0)
+        step = equations.step(towards=_AIM * abs(middle) if worth < off.gap else 0.0)
         length = step.longest(at)
         at, reduction = step.taken(at, length), reduction + length * moves
         stalled = stalled + 1 if length < _CRAWL else 0

@@ -24,7 +24,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.cones import Scaling, determinant, product, quotient, scaling
+from slopekit.preie.cones import Scaling, brought_within, determinant, product, quotient, rows_within, scaling
 from slopekit.preie.iterates import Iterate, IterateStep
 from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.springs import Coupling, Springs
@@ -50,6 +50,9 @@ _SHORT, _RECENTRE = 0.3, 0.7  # after so short a step: this far back to the midd
 _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
 _FRUITLESS = 25  # steps in which the complementarity has not fallen by a fifth
 _RELEASES, _ROUGH = 40, 1e6
+_CORRECTIONS, _LONG = 2, 0.95  # of a step at most, and how long it has to be to need none
+_FARTHER, _WORTH = 0.3, 0.1  # how much farther it is to go, and the part of that for which another correction is worth it
+_LEAST_PRODUCT = 0.1  # of a force and its multiplier there, in parts of the middle; the inverse is the largest
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,7 +320,8 @@ class NewtonEquations:
         Parameters
         ----------
         recentre : back to the middle first; it ran along the boundary
-        towards : of a convex program, no less complementarity than this, and all that is of second order corrected
+        towards : of a convex program, no less complementarity than this, and all that is of second order corrected;
+            products that would go astray on the way are brought back (Gondzio 1996)
         """
         at, cones = self.start, len(self.start.normal) + len(self.start.strength) + 1
         middle = self.scale.times(at.slip)
@@ -333,10 +337,27 @@ class NewtonEquations:
         target = -product(middle, middle)
         target -= trust * product(self.scale.over(ahead.strength), self.scale.times(ahead.slip))
         target[:, 0] += barrier
-        return self.direction(
-            barrier - at.gap * at.normal - trust * ahead.normal * ahead.gap, quotient(middle, target),
-            barrier - at.shed * at.shed_slack - trust * ahead.shed * ahead.shed_slack,
-        )  # fmt: skip
+        of_normal = barrier - at.gap * at.normal - trust * ahead.normal * ahead.gap
+        of_shed = barrier - at.shed * at.shed_slack - trust * ahead.shed * ahead.shed_slack
+        step = self.direction(of_normal, quotient(middle, target), of_shed)
+        if towards is None:
+            return step
+        length, low, high = step.longest(at), _LEAST_PRODUCT * barrier, barrier / _LEAST_PRODUCT
+        for _ in range(_CORRECTIONS):
+            if length > _LONG:
+                break
+            farther = step.taken(at, min(1.0, length + _FARTHER))
+            of_normal = of_normal + brought_within(farther.normal * farther.gap, low, high)
+            products = product(self.scale.over(farther.strength), self.scale.times(farther.slip))
+            target = target + rows_within(products, low, high)
+            of_shed += float(brought_within(np.array(farther.shed * farther.shed_slack), low, high))
+            corrected = self.direction(of_normal, quotient(middle, target), of_shed)
+            before, now = length, corrected.longest(at)
+            if now > before:
+                step, length = corrected, now
+            if now < before + _WORTH * _FARTHER:
+                break
+        return step
 
     def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> IterateStep:
         """The step towards given products of the normal forces (m,), the cones (g, 1 + t) and the shed load."""
