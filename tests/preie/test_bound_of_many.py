@@ -8,6 +8,7 @@ import pytest
 
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
+from slopekit.preie import bound_of_many
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bound_of_many import bound_in_one_run
 from slopekit.preie.bounds import static_bound
@@ -98,3 +99,28 @@ def test_without_an_end_others_say_why() -> None:
 def test_without_any_strength_there_is_no_bound_to_run_to() -> None:
     """Nothing falls as λ grows: it divided by that."""
     assert bound_in_one_run(BENCH.model(0.0)) is None
+
+
+def test_of_many_a_part_says_where_to_begin(monkeypatch) -> None:
+    """Blocks that might slide out, and those about them, with all others held: no lower bound, and so a λ below."""
+    model = MODELS["bench with cohesion"]()
+    whole = bound_in_one_run(model)
+    monkeypatch.setattr(bound_of_many, "_MANY", 1)
+    monkeypatch.setattr(bound_of_many, "_LAYERS", 0)
+    runs, starts = bound_of_many._run, []
+
+    def watched(program: bound_of_many._Shortfall, start: float):
+        starts.append((len(program.model.load), start))
+        return runs(program, start)
+
+    monkeypatch.setattr(bound_of_many, "_run", watched)
+    found = bound_in_one_run(model)
+    assert found is not None
+    assert whole is not None
+    assert found.factor == pytest.approx(whole.factor, rel=4e-6)
+    (part, _), (blocks, start) = starts
+    assert part < blocks == len(model.load)
+    assert 0.5 < start * (whole.factor or 0.0) < 1.0 + 4e-6
+    bound = bound_by_programs(model.among(bound_of_many._near_those_that_slide(model))[0])
+    assert bound is not None
+    assert 1.0 / start == pytest.approx(bound.factor, rel=4e-6)

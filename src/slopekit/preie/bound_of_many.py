@@ -15,14 +15,16 @@ program, a score for each program that `preie.distance` would solve; where there
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.iterates import Iterate
+from slopekit.preie.key_blocks import sliding_factors
 from slopekit.preie.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
 from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD
 
+_MANY, _LAYERS, _PART = 150, 3, 0.7  # blocks of which a part comes first; contacts about what may slide; its size
 _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
 _MOST = 150  # steps; it takes 30 to 80
@@ -82,11 +84,32 @@ class _Shortfall(BlockProgram):
 def bound_in_one_run(model: AssemblyModel) -> StaticBound | None:
     """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _run(_Shortfall(model))
+        start = _START
+        if len(model.load) > _MANY:
+            near = _near_those_that_slide(model)
+            if len(near) < _PART * len(model.load):
+                first = _run(_Shortfall(model.among(near)[0]), start)
+                start = start if first is None or first.factor is None else 1.0 / first.factor
+        return _run(_Shortfall(model), start)
 
 
-def _run(program: _Shortfall) -> StaticBound | None:
-    at, reduction, low, high, stalled = program.begun(), _START, 0.0, np.inf, 0
+def _near_those_that_slide(model: AssemblyModel) -> Ints:
+    """Blocks that might slide out by themselves, and those a few contacts from them."""
+    joints = len(model.plus) - len(model.bolts)
+    plus, minus = model.plus[:joints], model.minus[:joints]
+    both = minus >= 0
+    owner = np.concatenate([plus, minus[both]])
+    order = np.argsort(owner, kind="stable")
+    normals = np.concatenate([model.plus_motion[:joints, 0, :3], model.minus_motion[:joints, 0, :3][both]])[order]
+    none = np.zeros(len(order))
+    near = np.isfinite(sliding_factors(owner[order], normals, model.load[:, :3], none, none + 1.0))
+    for _ in range(_LAYERS):
+        near = model.touching(near)
+    return np.flatnonzero(near)
+
+
+def _run(program: _Shortfall, start: float) -> StaticBound | None:
+    at, reduction, low, high, stalled = program.begun(), start, 0.0, np.inf, 0
     for steps in range(_MOST):
         strengths = program.at(reduction)
         off = Residuals.of(program, strengths, at)

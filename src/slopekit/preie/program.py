@@ -51,7 +51,10 @@ _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds
 _FRUITLESS = 25  # steps in which the complementarity has not fallen by a fifth
 _RELEASES, _ROUGH = 40, 1e6
 _CORRECTIONS, _LONG = 2, 0.95  # of a step at most, and how long it has to be to need none
-_FARTHER, _WORTH = 0.3, 0.1  # how much farther it is to go, and the part of that for which another correction is worth it
+_FARTHER, _WORTH = (
+    0.3,
+    0.1,
+)  # how much farther it is to go, and the part of that for which another correction is worth it
 _LEAST_PRODUCT = 0.1  # of a force and its multiplier there, in parts of the middle; the inverse is the largest
 
 
