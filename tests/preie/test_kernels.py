@@ -17,15 +17,19 @@ from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels as module
 from slopekit.preie.bed import Bed, BedForces, Drive
 from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.bound_of_many import _Shortfall, bound_in_one_run
+from slopekit.preie.cone_steps import ConeEquations, residuals
 from slopekit.preie.cones import longest_step
 from slopekit.preie.cracked import cracked_limit
 from slopekit.preie.fronts import Fronts
+from slopekit.preie.iterates import IterateStep
 from slopekit.preie.patterns import ContactPattern, compiled_contacts
 from slopekit.preie.polygon_bed import BedSprings, PolygonBed
-from slopekit.preie.program import BlockProgram
+from slopekit.preie.program import BlockProgram, NewtonEquations, Residuals
 from slopekit.preie.stiffness import SparseStiffness
 from tests.preie.block_scenes import bench, boxes_in_space, columns, random_bench, stack, wall
 from tests.preie.path_oracle import model_of
+from tests.preie.test_bound_of_many import MODELS, bolted
 from tests.preie.test_cracked import dam
 from tests.preie.test_path import BEDS
 from tests.preie.test_stiffness import stiffness_of
@@ -263,3 +267,39 @@ def test_kernels_of_another_source_are_not_used(monkeypatch) -> None:
     assert "another" in missing
     monkeypatch.setattr(module, "_alone", module._alone.__wrapped__)
     assert module._loaded.__wrapped__() == (None, missing)
+
+
+@compiled_only
+@pytest.mark.parametrize("make", [MODELS["bench with cohesion"], MODELS["slivers"], bolted], ids=str)
+def test_steps_to_the_static_bound(make) -> None:
+    """What is off, and steps with their corrections, along a run; factors of the stiffness are the same in both."""
+    program = _Shortfall(make())
+    strengths, at = program.at(0.5), program.begun()
+    for towards in (0.0, 0.3, 0.0, 0.1, 0.0):
+        exact, off = Residuals.of(program, strengths, at), residuals(program, strengths, at)
+        for field in ("normal", "strength", "factor", "balance", "gap", "unbalanced"):
+            assert close(getattr(off, field), getattr(exact, field), 1e-9), field
+        assert float(np.abs(off.slip - exact.slip).max()) < 1e-13 * float(np.abs(at.slip).max())
+        inertia = program.inertia(off.gap)
+        one = NewtonEquations.at(program, strengths, at, exact, inertia).step(towards=towards)
+        other = ConeEquations.at(program, strengths, at, off, inertia).step(towards)
+        for field in dataclasses.fields(IterateStep):
+            assert close(getattr(other, field.name), getattr(one, field.name), 1e-8), field.name
+        at = one.taken(at, one.longest(at))
+
+
+@compiled_only
+def test_the_static_bound_by_kernels() -> None:
+    """As many steps and the same bound, to 1e-8: a run that takes another way ends 1e-6 off."""
+    one, other = both_ways(lambda: bound_in_one_run(MODELS["bench with cohesion"]()))
+    assert other.factor == pytest.approx(one.factor, rel=1e-8)
+    assert other.steps == one.steps
+    assert close(other.velocity, one.velocity, 1e-3)
+
+
+@compiled_only
+def test_steps_in_a_section_are_not_those_of_the_kernels() -> None:
+    """There node pairs share their friction."""
+    model, kernels = stack(3).model(30.0), module.compiled()
+    with pytest.raises(ValueError, match="not blocks in space"):
+        kernels.cone_springs(compiled_contacts(model), *[np.zeros(1)] * 11)

@@ -1034,12 +1034,350 @@ static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
     return failed ? NULL : Py_NewRef(Py_None);
 }
 
+/* -- steps to the static bound of blocks in space (program.py, springs.py, cones.py): a cone for each node pair --------- */
+
+/* What one pair needs within a step: its state, Nesterov & Todd's scaling, and the springs. */
+typedef struct {
+    double normal, gap, give, soft, mu, weight;
+    double w0, w1[2], size;
+    double p, over, kappa0, tilt[2], inverse[3], bare, bare_tilt[2];
+    double of_normal, of_friction[2];
+} Pair;
+#define PAIR (whole)(sizeof(Pair) / sizeof(double))
+
+INLINE double above(double value) { return value > 1e-300 ? value : 1e-300; }
+
+INLINE double det3(const double *x) { return above(x[0] * x[0] - x[1] * x[1] - x[2] * x[2]); }
+
+/* W x (sign 1) or W^-1 x (sign -1). */
+INLINE void scaled(const Pair *c, const double *x, double sign, double *out)
+{
+    double along = c->w1[0] * x[1] + c->w1[1] * x[2], by = sign > 0.0 ? c->size : 1.0 / c->size;
+    double rest = sign * x[0] + along / (1.0 + c->w0);
+    out[0] = by * (c->w0 * x[0] + sign * along);
+    out[1] = by * (x[1] + c->w1[0] * rest), out[2] = by * (x[2] + c->w1[1] * rest);
+}
+
+INLINE void times3(const double *a, const double *b, double *out)
+{
+    out[0] = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    out[1] = b[0] * a[1] + a[0] * b[1], out[2] = b[0] * a[2] + a[0] * b[2];
+}
+
+INLINE void over3(const double *a, const double *b, double *out)
+{
+    out[0] = (a[0] * b[0] - a[1] * b[1] - a[2] * b[2]) / det3(a);
+    out[1] = (b[1] - out[0] * a[1]) / a[0], out[2] = (b[2] - out[0] * a[2]) / a[0];
+}
+
+INLINE double brought(double x, double low, double high)
+{
+    double change = (x < low ? low : x > high ? high : x) - x;
+    return change < -high ? -high : change;
+}
+
+/* The largest step from a cone's point, at most `most`. */
+INLINE double within3(const double *p, const double *s, double most)
+{
+    double a = s[0] * s[0] - (s[1] * s[1] + s[2] * s[2]), b = p[0] * s[0] - (p[1] * s[1] + p[2] * s[2]), c = det3(p);
+    if (b * b >= a * c) {
+        double root = sqrt(b * b - a * c), half = -(b + (b >= 0.0 ? root : -root));
+        double ends[2] = {half / a, c / half};
+        for (int i = 0; i < 2; i++)
+            if (ends[i] > 0.0 && ends[i] < most) most = ends[i];
+    }
+    return s[0] < 0.0 && -p[0] / s[0] < most ? -p[0] / s[0] : most;
+}
+
+/* Opening and slips of a pair by the motion of its contact, and back: a force on the contact. */
+INLINE void moved_by(const Contacts *c, whole m, const double *r, double *opening, double *slip)
+{
+    const double *row = c->rows + 3 * m, *tangents = c->slips + 6 * m;
+    *opening = row[0] * r[0] + row[1] * r[4] + row[2] * r[5];
+    for (int i = 0; i < 2; i++) slip[i] = dot(tangents + 3 * i, r + 1, 3);
+}
+
+INLINE void onto(const Contacts *c, whole m, double normal, const double *friction, double *f)
+{
+    const double *row = c->rows + 3 * m, *tangents = c->slips + 6 * m;
+    f[0] += row[0] * normal, f[4] += row[1] * normal, f[5] += row[2] * normal;
+    for (int j = 0; j < 3; j++) f[1 + j] += tangents[j] * friction[0] + tangents[3 + j] * friction[1];
+}
+
+static const Contacts *of_cones(PyObject *from)
+{
+    const Contacts *c = PyCapsule_GetPointer(from, CONTACTS);
+    if (!c || (c->u == 6 && c->pairs == c->groups)) return c;
+    PyErr_SetString(PyExc_ValueError, "not blocks in space");
+    return NULL;
+}
+
+/* cone_residuals(contacts, give, soft, mu, weight, apart, normal, friction, gap, strength, slip, velocity, load factor,
+                  off_normal, off_slip, off_strength, balance) -> (weight . slip, complementarity, worth);
+   the forces are added to `balance` */
+static PyObject *cone_residuals(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 17)) return NULL;
+    const Contacts *c = of_cones(a[0]);
+    if (!c) return NULL;
+    const whole m = c->pairs;
+    Kept here = {0}, *kept = &here;
+    double factor = PyFloat_AsDouble(a[12]), work = 0.0, gaps = 0.0, worth = 0.0;
+    int failed = PyErr_Occurred() != NULL;
+    const double *give = FLOATS(a[1], m), *soft = FLOATS(a[2], m), *mu = FLOATS(a[3], m), *weight = FLOATS(a[4], m);
+    const double *apart = FLOATS(a[5], m), *normal = FLOATS(a[6], m), *friction = FLOATS(a[7], 2 * m);
+    const double *gap = FLOATS(a[8], m), *q = FLOATS(a[9], 3 * m), *z = FLOATS(a[10], 3 * m);
+    const double *x = FLOATS(a[11], 6 * c->blocks);
+    double *of_normal = OUT(a[13], m), *of_slip = OUT(a[14], 2 * m), *of_strength = OUT(a[15], 3 * m);
+    double *balance = OUT(a[16], 6 * c->blocks);
+    for (whole k = 0; !failed && k < c->contacts; k++) {
+        double r[6], f[6] = {0.0}, opening, slip[2];
+        motion_of(c, k, x, r, 6);
+        for (whole i = c->first_group[k]; i < c->first_group[k + 1]; i++) {
+            const double *t = friction + 2 * i, *qi = q + 3 * i, *zi = z + 3 * i;
+            moved_by(c, i, r, &opening, slip);
+            of_normal[i] = give[i] * normal[i] + opening - gap[i] - mu[i] * zi[0];
+            worth += fabs(of_normal[i] * normal[i]);
+            of_strength[3 * i] = qi[0] - (factor * weight[i] + mu[i] * normal[i] + apart[i]);
+            for (int j = 0; j < 2; j++) {
+                of_slip[2 * i + j] = soft[i] * t[j] + slip[j] - zi[1 + j];
+                of_strength[3 * i + 1 + j] = qi[1 + j] - t[j];
+                worth += fabs(of_slip[2 * i + j] * t[j]);
+            }
+            work += weight[i] * zi[0], gaps += normal[i] * gap[i] + dot(qi, zi, 3);
+            onto(c, i, normal[i], t, f);
+        }
+        push(c, k, f, balance, 6);
+    }
+    released(kept);
+    return failed ? NULL : Py_BuildValue("ddd", work, gaps, worth);
+}
+
+/* cone_springs(contacts, give, soft, mu, weight, normal, gap, strength, slip, pairs, stiffness, border) -> corner */
+static PyObject *cone_springs(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 12)) return NULL;
+    const Contacts *c = of_cones(a[0]);
+    if (!c) return NULL;
+    const whole m = c->pairs;
+    Kept here = {0}, *kept = &here;
+    double corner = 0.0;
+    int failed = 0;
+    const double *give = FLOATS(a[1], m), *soft = FLOATS(a[2], m), *mu = FLOATS(a[3], m), *weight = FLOATS(a[4], m);
+    const double *normal = FLOATS(a[5], m), *gap = FLOATS(a[6], m), *q = FLOATS(a[7], 3 * m), *z = FLOATS(a[8], 3 * m);
+    Pair *pairs = (Pair *)OUT(a[9], PAIR * m);
+    double *out = OUT(a[10], 36 * c->contacts), *border = OUT(a[11], 6 * c->blocks);
+    for (whole k = 0; !failed && k < c->contacts; k++) {
+        double *s = out + 36 * k, f[6] = {0.0};
+        for (int i = 0; i < 36; i++) s[i] = 0.0;
+        for (whole i = c->first_group[k]; i < c->first_group[k + 1]; i++) {
+            Pair *at = pairs + i;
+            const double *qi = q + 3 * i, *zi = z + 3 * i;
+            at->normal = normal[i], at->gap = gap[i], at->give = give[i], at->soft = soft[i];
+            at->mu = mu[i], at->weight = weight[i];
+            double of_q = det3(qi), of_z = det3(zi), rq = 1.0 / sqrt(of_q), rz = 1.0 / sqrt(of_z), u[3], v[3];
+            for (int j = 0; j < 3; j++) u[j] = rq * qi[j], v[j] = rz * zi[j];
+            double half = (1.0 + dot(u, v, 3)) / 2.0, gamma = sqrt(half > 1e-30 ? half : 1e-30);
+            at->w0 = (u[0] + v[0]) / (2.0 * gamma);
+            for (int j = 0; j < 2; j++) at->w1[j] = (u[1 + j] - v[1 + j]) / (2.0 * gamma);
+            double eta2 = sqrt(of_q / of_z), bent = 2.0 * at->w0 * at->w0 - 1.0, give2 = soft[i] * eta2;
+            at->size = sqrt(eta2);
+            at->p = 1.0 / (give[i] + gap[i] / normal[i]);
+            at->kappa0 = (1.0 + give2 * bent) / (eta2 * (bent + give2));
+            at->bare = 1.0 / (eta2 * bent);
+            double long1 = sqrt(at->w1[0] * at->w1[0] + at->w1[1] * at->w1[1]);
+            double across = eta2 / (1.0 + give2), along = eta2 / (bent + give2), unit[2];
+            for (int j = 0; j < 2; j++) {
+                at->tilt[j] = -2.0 * at->w0 / (bent + give2) * at->w1[j];
+                at->bare_tilt[j] = -2.0 * at->w0 / bent * at->w1[j];
+                unit[j] = at->w1[j] / above(long1);
+            }
+            at->inverse[0] = (along - across) * unit[0] * unit[0] + across;
+            at->inverse[1] = (along - across) * unit[0] * unit[1];
+            at->inverse[2] = (along - across) * unit[1] * unit[1] + across;
+            at->over = 1.0 / (1.0 + mu[i] * mu[i] * at->kappa0 * at->p);
+            double pull = mu[i] * at->kappa0 * weight[i] * at->over;
+            at->of_normal = at->p * pull;
+            for (int j = 0; j < 2; j++) at->of_friction[j] = at->tilt[j] * (weight[i] - mu[i] * at->p * pull);
+            corner += weight[i] * at->kappa0 * weight[i] * at->over;
+            onto(c, i, at->of_normal, at->of_friction, f);
+            /* the pair's stiffness (3, 3), then that of the contact */
+            double nn = at->p * at->over, less = mu[i] * nn, D[3][3] = {{nn}}, by[3][6] = {{0.0}};
+            D[1][1] = at->inverse[0], D[1][2] = D[2][1] = at->inverse[1], D[2][2] = at->inverse[2];
+            for (int j = 0; j < 2; j++) {
+                D[0][1 + j] = D[1 + j][0] = -less * at->tilt[j];
+                for (int l = 0; l < 2; l++) D[1 + j][1 + l] += mu[i] * less * at->tilt[j] * at->tilt[l];
+            }
+            const double *row = c->rows + 3 * i, *tangents = c->slips + 6 * i;
+            by[0][0] = row[0], by[0][4] = row[1], by[0][5] = row[2];
+            for (int j = 0; j < 2; j++)
+                for (int l = 0; l < 3; l++) by[1 + j][1 + l] = tangents[3 * j + l];
+            for (int h = 0; h < 3; h++) {
+                double of[6] = {0.0};
+                for (int j = 0; j < 3; j++)
+                    for (int l = 0; l < 6; l++) of[l] += D[h][j] * by[j][l];
+                for (int j = 0; j < 6; j++)
+                    for (int l = 0; l < 6; l++) s[6 * j + l] += by[h][j] * of[l];
+            }
+        }
+        push(c, k, f, border, 6);
+    }
+    released(kept);
+    return failed ? NULL : PyFloat_FromDouble(corner);
+}
+
+/* cone_sources(contacts, pairs, to_normal, to_strength, off_normal, off_slip, off_strength, normal, friction, forces)
+   -> what is earned; the forces on blocks are added */
+static PyObject *cone_sources(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 10)) return NULL;
+    const Contacts *c = of_cones(a[0]);
+    if (!c) return NULL;
+    const whole m = c->pairs;
+    Kept here = {0}, *kept = &here;
+    double earned = 0.0;
+    int failed = 0;
+    const Pair *pairs = (const Pair *)FLOATS(a[1], PAIR * m);
+    const double *to_normal = FLOATS(a[2], m), *to_strength = FLOATS(a[3], 3 * m), *off_normal = FLOATS(a[4], m);
+    const double *off_slip = FLOATS(a[5], 2 * m), *off_strength = FLOATS(a[6], 3 * m);
+    double *normal = OUT(a[7], m), *friction = OUT(a[8], 2 * m), *out = OUT(a[9], 6 * c->blocks);
+    for (whole k = 0; !failed && k < c->contacts; k++) {
+        double f[6] = {0.0};
+        for (whole i = c->first_group[k]; i < c->first_group[k + 1]; i++) {
+            const Pair *at = pairs + i;
+            double x[3], weak[2], *t = friction + 2 * i;
+            scaled(at, to_strength + 3 * i, 1.0, x);
+            for (int j = 0; j < 3; j++) x[j] += off_strength[3 * i + j];
+            for (int j = 0; j < 2; j++) weak[j] = at->soft * x[1 + j] + off_slip[2 * i + j];
+            double of_cone = at->kappa0 * x[0] + at->tilt[0] * weak[0] + at->tilt[1] * weak[1];
+            double source = to_normal[i] / at->normal - off_normal[i] + at->mu * of_cone;
+            double total = at->p * source * at->over, rest = x[0] - at->mu * total;
+            normal[i] = total;
+            t[0] = at->tilt[0] * rest + x[1] - at->inverse[0] * weak[0] - at->inverse[1] * weak[1];
+            t[1] = at->tilt[1] * rest + x[2] - at->inverse[1] * weak[0] - at->inverse[2] * weak[1];
+            earned += at->weight * of_cone - at->mu * at->kappa0 * at->weight * total;
+            onto(c, i, normal[i], t, f);
+        }
+        push(c, k, f, out, 6);
+    }
+    released(kept);
+    return failed ? NULL : PyFloat_FromDouble(earned);
+}
+
+/* cone_step(contacts, pairs, velocity, load factor, mean normal / mean gap, to_normal, to_strength, off_normal, off_slip,
+             off_strength, strength, slip, normal, friction, d_strength, d_gap, d_slip) -> the longest step; `normal` and
+   `friction` hold the sources, and then their steps */
+static PyObject *cone_step(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 17)) return NULL;
+    const Contacts *c = of_cones(a[0]);
+    if (!c) return NULL;
+    const whole m = c->pairs;
+    Kept here = {0}, *kept = &here;
+    double factor = PyFloat_AsDouble(a[3]), opens = PyFloat_AsDouble(a[4]), most = INFINITY;
+    int failed = PyErr_Occurred() != NULL;
+    const Pair *pairs = (const Pair *)FLOATS(a[1], PAIR * m);
+    const double *velocity = FLOATS(a[2], 6 * c->blocks), *to_normal = FLOATS(a[5], m);
+    const double *to_strength = FLOATS(a[6], 3 * m), *off_normal = FLOATS(a[7], m), *off_slip = FLOATS(a[8], 2 * m);
+    const double *off_strength = FLOATS(a[9], 3 * m), *q = FLOATS(a[10], 3 * m), *z = FLOATS(a[11], 3 * m);
+    double *normal = OUT(a[12], m), *friction = OUT(a[13], 2 * m), *dq = OUT(a[14], 3 * m), *gap = OUT(a[15], m);
+    double *dz = OUT(a[16], 3 * m);
+    for (whole k = 0; !failed && k < c->contacts; k++) {
+        double r[6], opening, slip[2];
+        motion_of(c, k, velocity, r, 6);
+        for (whole i = c->first_group[k]; i < c->first_group[k + 1]; i++) {
+            const Pair *at = pairs + i;
+            double x[3], *t = friction + 2 * i, *qi = dq + 3 * i, *zi = dz + 3 * i;
+            moved_by(c, i, r, &opening, slip);
+            scaled(at, to_strength + 3 * i, 1.0, x);
+            double total = at->p * at->over * (opening - at->mu * (at->tilt[0] * slip[0] + at->tilt[1] * slip[1]));
+            double less = at->mu * total;
+            normal[i] -= total + factor * at->of_normal;
+            t[0] -= at->inverse[0] * slip[0] + at->inverse[1] * slip[1] - at->tilt[0] * less + factor * at->of_friction[0];
+            t[1] -= at->inverse[1] * slip[0] + at->inverse[2] * slip[1] - at->tilt[1] * less + factor * at->of_friction[1];
+            qi[0] = at->weight * factor + at->mu * normal[i] - off_strength[3 * i];
+            for (int j = 0; j < 2; j++) {
+                qi[1 + j] = t[j] - off_strength[3 * i + 1 + j];
+                zi[1 + j] = off_slip[2 * i + j] + slip[j] + at->soft * t[j];
+            }
+            zi[0] = at->bare * (x[0] - qi[0]) + at->bare_tilt[0] * zi[1] + at->bare_tilt[1] * zi[2];
+            gap[i] = at->gap * opens > at->normal
+                         ? off_normal[i] + opening + at->give * normal[i] - at->mu * zi[0]
+                         : (to_normal[i] - at->gap * normal[i]) / at->normal;
+            if (normal[i] < 0.0 && -at->normal / normal[i] < most) most = -at->normal / normal[i];
+            if (gap[i] < 0.0 && -at->gap / gap[i] < most) most = -at->gap / gap[i];
+            most = within3(z + 3 * i, zi, within3(q + 3 * i, qi, most));
+        }
+    }
+    released(kept);
+    return failed ? NULL : PyFloat_FromDouble(most);
+}
+
+/* cone_targets(pairs, strength, slip, d_normal, d_gap, d_strength, d_slip, middle, barrier, length, low, high, of_normal,
+                target, to_strength): length < 0: those of Mehrotra's step; else what a step so long still lacks is added */
+static PyObject *cone_targets(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 15)) return NULL;
+    Kept here = {0}, *kept = &here;
+    double barrier = PyFloat_AsDouble(a[8]), length = PyFloat_AsDouble(a[9]);
+    double low = PyFloat_AsDouble(a[10]), high = PyFloat_AsDouble(a[11]);
+    int failed = PyErr_Occurred() != NULL;
+    const Pair *pairs = (const Pair *)FLOATS(a[0], -1);
+    const whole m = failed ? 0 : kept->views[0].len / (whole)sizeof(Pair);
+    const double *q = FLOATS(a[1], 3 * m), *z = FLOATS(a[2], 3 * m), *normal = FLOATS(a[3], m), *gap = FLOATS(a[4], m);
+    const double *dq = FLOATS(a[5], 3 * m), *dz = FLOATS(a[6], 3 * m), *middle = FLOATS(a[7], 3 * m);
+    double *of_normal = OUT(a[12], m), *target = OUT(a[13], 3 * m), *to_strength = OUT(a[14], 3 * m);
+    for (whole i = 0; !failed && i < m; i++) {
+        const Pair *at = pairs + i;
+        double u[3], v[3], both[3], own[3], *to = target + 3 * i;
+        if (length < 0.0) {
+            of_normal[i] = barrier - at->gap * at->normal - normal[i] * gap[i];
+            scaled(at, dq + 3 * i, -1.0, u), scaled(at, dz + 3 * i, 1.0, v);
+            times3(u, v, both), times3(middle + 3 * i, middle + 3 * i, own);
+            for (int j = 0; j < 3; j++) to[j] = -own[j] - both[j];
+            to[0] += barrier;
+        } else {
+            double there = (at->normal + length * normal[i]) * (at->gap + length * gap[i]);
+            of_normal[i] += brought(there, low, high);
+            for (int j = 0; j < 3; j++) {
+                u[j] = q[3 * i + j] + length * dq[3 * i + j];
+                v[j] = z[3 * i + j] + length * dz[3 * i + j];
+            }
+            scaled(at, u, -1.0, both), scaled(at, v, 1.0, own);
+            times3(both, own, u);
+            double size = sqrt(u[1] * u[1] + u[2] * u[2]);
+            double less = brought(u[0] - size, low, high), more = brought(u[0] + size, low, high);
+            double turned = 0.5 * (more - less) / above(size);
+            to[0] += 0.5 * (less + more), to[1] += turned * u[1], to[2] += turned * u[2];
+        }
+        over3(middle + 3 * i, to, to_strength + 3 * i);
+    }
+    released(kept);
+    return failed ? NULL : Py_NewRef(Py_None);
+}
+
+/* cone_middle(pairs, slip, middle): W z */
+static PyObject *cone_middle(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 3)) return NULL;
+    Kept here = {0}, *kept = &here;
+    int failed = 0;
+    const Pair *pairs = (const Pair *)FLOATS(a[0], -1);
+    const whole m = failed ? 0 : kept->views[0].len / (whole)sizeof(Pair);
+    const double *z = FLOATS(a[1], 3 * m);
+    double *middle = OUT(a[2], 3 * m);
+    for (whole i = 0; !failed && i < m; i++) scaled(pairs + i, z + 3 * i, 1.0, middle + 3 * i);
+    released(kept);
+    return failed ? NULL : Py_NewRef(Py_None);
+}
+
 /* -- the module ------------------------------------------------------------------------------------------------------ */
 
 #define FAST(name) {#name, (PyCFunction)(void (*)(void))name, METH_FASTCALL, NULL}
 static PyMethodDef METHODS[] = {
     FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(couple), FAST(tangent), FAST(plan),
     FAST(longest_step), FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), FAST(polygons), FAST(pressed),
+    FAST(cone_residuals), FAST(cone_springs), FAST(cone_sources), FAST(cone_step), FAST(cone_targets), FAST(cone_middle),
     {"bind", bind, METH_O, NULL}, {NULL},
 };
 

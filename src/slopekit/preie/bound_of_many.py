@@ -18,8 +18,11 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.cone_steps import ConeEquations
+from slopekit.preie.cone_steps import residuals as cone_residuals
 from slopekit.preie.distance import StaticBound
-from slopekit.preie.iterates import Iterate
+from slopekit.preie.iterates import Iterate, IterateStep
+from slopekit.preie.kernels import compiled
 from slopekit.preie.key_blocks import sliding_factors
 from slopekit.preie.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
 from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD
@@ -110,9 +113,10 @@ def _near_those_that_slide(model: AssemblyModel) -> Ints:
 
 def _run(program: _Shortfall, start: float) -> StaticBound | None:
     at, reduction, low, high, stalled = program.begun(), start, 0.0, np.inf, 0
+    residuals = Residuals.of if compiled() is None else cone_residuals
     for steps in range(_MOST):
         strengths = program.at(reduction)
-        off = Residuals.of(program, strengths, at)
+        off = residuals(program, strengths, at)
         if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < 1.0 / LEAST_REDUCTION:
             return None
         short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
@@ -132,12 +136,11 @@ def _run(program: _Shortfall, start: float) -> StaticBound | None:
             moves = min(max(moves, -_FALLS * reduction), _GROWS * reduction)
             moves = min(max(moves, 0.5 * (low - reduction)), 0.5 * (high - reduction))
             strengths = program.at(reduction + moves)
-            off = Residuals.of(program, strengths, at)
+            off = residuals(program, strengths, at)
         try:
-            equations = NewtonEquations.at(program, strengths, at, off, program.inertia(off.gap))
+            step = _step(program, strengths, at, off, _AIM * abs(middle) if worth < off.gap else 0.0)
         except SolverError:
             return None
-        step = equations.step(towards=_AIM * abs(middle) if worth < off.gap else 0.0)
         length = step.longest(at)
         at, reduction = step.taken(at, length), reduction + length * moves
         stalled = stalled + 1 if length < _CRAWL else 0
@@ -146,3 +149,10 @@ def _run(program: _Shortfall, start: float) -> StaticBound | None:
         if stalled > _STALLED:
             at, reduction, high, stalled = program.begun(), _LOWER * reduction, np.inf, 0
     return None
+
+
+def _step(program: _Shortfall, strengths: Strengths, at: Iterate, off: Residuals, towards: float) -> IterateStep:
+    inertia = program.inertia(off.gap)
+    if compiled() is None:
+        return NewtonEquations.at(program, strengths, at, off, inertia).step(towards=towards)
+    return ConeEquations.at(program, strengths, at, off, inertia).step(towards)

@@ -40,9 +40,9 @@ class Iterate:
 class IterateStep(Iterate):
     """A change of every part of an iterate."""
 
-    def longest(self, at: Iterate) -> float:
-        """How far the step may go, at most 1."""
-        ends = [
+    def longest(self, at: Iterate, most: float | None = None) -> float:
+        """How far the step may go, at most 1; `most` where it is known what its pairs and cones allow."""
+        ends = [most] if most is not None else [
             longest_step_to_zero(at.normal, self.normal), longest_step_to_zero(at.gap, self.gap),
             longest_step(at.strength, self.strength), longest_step(at.slip, self.slip),
         ]  # fmt: skip

@@ -55,7 +55,7 @@ _FARTHER, _WORTH = (
     0.3,
     0.1,
 )  # how much farther it is to go, and the part of that for which another correction is worth it
-_LEAST_PRODUCT = 0.1  # of a force and its multiplier there, in parts of the middle; the inverse is the largest
+LEAST_PRODUCT = 0.1  # of a force and its multiplier there, in parts of the middle; the inverse is the largest
 
 
 @dataclass(frozen=True, slots=True)
@@ -324,7 +324,7 @@ class NewtonEquations:
         ----------
         recentre : back to the middle first; it ran along the boundary
         towards : of a convex program, no less complementarity than this, and all that is of second order corrected;
-            products that would go astray on the way are brought back (Gondzio 1996)
+            products that would go astray are brought back (`with_corrections`)
         """
         at, cones = self.start, len(self.start.normal) + len(self.start.strength) + 1
         middle = self.scale.times(at.slip)
@@ -345,22 +345,19 @@ class NewtonEquations:
         step = self.direction(of_normal, quotient(middle, target), of_shed)
         if towards is None:
             return step
-        length, low, high = step.longest(at), _LEAST_PRODUCT * barrier, barrier / _LEAST_PRODUCT
-        for _ in range(_CORRECTIONS):
-            if length > _LONG:
-                break
-            farther = step.taken(at, min(1.0, length + _FARTHER))
-            of_normal = of_normal + brought_within(farther.normal * farther.gap, low, high)
-            products = product(self.scale.over(farther.strength), self.scale.times(farther.slip))
+        low, high = LEAST_PRODUCT * barrier, barrier / LEAST_PRODUCT
+
+        def again(step: IterateStep, length: float) -> tuple[IterateStep, float]:
+            nonlocal of_normal, target, of_shed
+            there = step.taken(at, length)
+            of_normal = of_normal + brought_within(there.normal * there.gap, low, high)
+            products = product(self.scale.over(there.strength), self.scale.times(there.slip))
             target = target + rows_within(products, low, high)
-            of_shed += float(brought_within(np.array(farther.shed * farther.shed_slack), low, high))
+            of_shed += float(brought_within(np.array(there.shed * there.shed_slack), low, high))
             corrected = self.direction(of_normal, quotient(middle, target), of_shed)
-            before, now = length, corrected.longest(at)
-            if now > before:
-                step, length = corrected, now
-            if now < before + _WORTH * _FARTHER:
-                break
-        return step
+            return corrected, corrected.longest(at)
+
+        return with_corrections(step, step.longest(at), again)
 
     def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> IterateStep:
         """The step towards given products of the normal forces (m,), the cones (g, 1 + t) and the shed load."""
@@ -392,3 +389,23 @@ class NewtonEquations:
         return IterateStep(
             normal, friction, factor, shed, strength, velocity, gap, slip, (to_shed - at.shed_slack * shed) / at.shed
         )
+
+
+def with_corrections(
+    step: IterateStep, length: float, again: Callable[[IterateStep, float], tuple[IterateStep, float]]
+) -> IterateStep:
+    """Gondzio's corrections (1996) of a step that may go so far, as long as they make it longer.
+
+    Parameters
+    ----------
+    again : the step, and its length, that also brings back which products go astray on one so far as that
+    """
+    for _ in range(_CORRECTIONS):
+        if length > _LONG:
+            break
+        before, (corrected, now) = length, again(step, min(1.0, length + _FARTHER))
+        if now > before:
+            step, length = corrected, now
+        if now < before + _WORTH * _FARTHER:
+            break
+    return step
