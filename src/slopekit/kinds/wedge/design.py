@@ -121,6 +121,7 @@ class WedgeDesign(SlopeDesign):
     FILLS: ClassVar[bool] = True
     INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
+    CRACK_FROM: ClassVar[str] = "behind the crest along J1's trace"
     UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits", "crack_water_m", "laws", "made_of", "residuals")
 
     joints: tuple[Plane, Plane]
