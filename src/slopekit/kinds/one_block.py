@@ -134,6 +134,14 @@ class Cut:
         return tuple(interface.key for interface in self.interfaces)
 
 
+def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[Strength]) -> list[str]:
+    """What the model of a block in a slope leaves out: what all do, `own` of its kind, and what its joints have."""
+    crack = ["contact across the tension crack"] if has_crack else []
+    tensile = ["tensile strength at the limit (it is lost where a joint opens)"]
+    tension = tensile if any(one.tension_kpa for one in strengths) else []
+    return ["bedrock (no unknowns)", "face and upper slope (free)", *own, *crack, *tension]
+
+
 def kind_of_one_block(
     name: str, record: type[D], read: Callable[[Reader], D], words: Words,
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,

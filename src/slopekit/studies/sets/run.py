@@ -141,11 +141,6 @@ class JointSets(Outcome):
         return ("stereonet",)
 
     @property
-    def exit_code(self) -> int:
-        """0, whatever was found."""
-        return 0
-
-    @property
     def are_given(self) -> bool:
         """Whether the list names the sets."""
         return not self.tried
