@@ -23,8 +23,6 @@ _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
-#: Passive bolts that no block pulls at.
-UNDRAWN = Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +89,11 @@ def headless_notices(design: Design) -> Iterator[Notice]:
     """Bolts whose moments nobody knows."""
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+
+
+def undrawn_notice() -> Notice:
+    """Passive bolts that no block pulls at."""
+    return Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
 
 
 def mesh_notices(change: float) -> Iterator[Notice]:
@@ -193,7 +196,7 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -model.bolt_rows @ limit.velocity_of(model)
         if not (drawn > SQUARE).any():
-            yield UNDRAWN
+            yield undrawn_notice()
     yield from _intact_notices(strengths)
     if not len(model.bolt_capacity) and not any(
         strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths

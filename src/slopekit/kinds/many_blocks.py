@@ -45,7 +45,7 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
-from slopekit.notices import SQUARE, UNDRAWN, common_notices, headless_notices, mesh_notices
+from slopekit.notices import SQUARE, common_notices, headless_notices, mesh_notices, undrawn_notice
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.blocks import Basis, BlocksLimit
@@ -455,7 +455,7 @@ def _notices(
     limit = replace(limit, bond=limit.bond[ravelling.failures[0].parts[0].model.joint_pairs])
     yield from headless_notices(design)
     if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
-        yield UNDRAWN
+        yield undrawn_notice()
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
     yield from mesh_notices(max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0))
