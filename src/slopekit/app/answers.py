@@ -288,17 +288,3 @@ def _friction(design: Design) -> float | None:
     angles = [getattr(one, "friction_angle_deg", None) for one in kind_of(design).strengths(design)]
     known = [float(angle) for angle in angles if isinstance(angle, int | float)]
     return min(known) if known and len(known) == len(angles) else None
-
-
-__all__ = [
-    "Answer",
-    "analysed",
-    "answer_of",
-    "fault_of",
-    "faulty",
-    "net_of",
-    "notice_of",
-    "scene_of",
-    "told",
-    "waiting",
-]
