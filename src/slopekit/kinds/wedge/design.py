@@ -342,8 +342,6 @@ def _depth_of_water(reader: Reader, crack: Node) -> float | None:
 
 
 def crack_of_words(value: object, where: str) -> Crack:
-    if isinstance(value, Crack):
-        return value
     if isinstance(value, str) and "@" in value:
         plane, _, distance = value.partition("@")
         given: dict[str, object] = {"plane": plane, "distance": distance}
