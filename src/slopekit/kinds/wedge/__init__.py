@@ -93,8 +93,7 @@ def _height(design: WedgeDesign) -> float:
         return design.height_m
     from slopekit.kinds.wedge import limits
 
-    height: float = limits.fitted_height(design)
-    return height
+    return limits.fitted_height(design)
 
 
 def _scaled(design: WedgeDesign) -> Scaled | None:
