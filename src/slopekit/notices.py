@@ -66,13 +66,40 @@ class Facts:
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
     """What a reader must know of the inputs, whatever the kind."""
     yield from _read_notices(design)
+    yield from _judged_notices(design, strengths)
+    yield from _intact_notices(strengths)
+
+
+def _judged_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """What a rule may judge and the limit does not count."""
     if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
         yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
     if any(strength.tension_kpa for strength in strengths):
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
+
+
+def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """Cohesion that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > 5000.0:
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+
+
+def headless_notices(design: Design) -> Iterator[Notice]:
+    """Bolts whose moments nobody knows."""
+    if any(bolt.head_m is None for bolt in design.bolts):
+        yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+
+
+def undrawn_notice() -> Notice:
+    """Passive bolts that no block pulls at."""
+    return Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
+
+
+def mesh_notices(change: float) -> Iterator[Notice]:
+    """A limit that the last refinement of its node pairs still moved, by that part of it."""
+    if change > MESH_CHANGE:
+        yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {change * 100:.1f} %")
 
 
 def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
@@ -162,38 +189,29 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         elif along < _ACROSS * size:
             off = math.degrees(math.acos(along / size))
             yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")
-    if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
-        yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
-    if any(interface.strength.tension_kpa for interface in interfaces):
-        yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
+    strengths = [interface.strength for interface in interfaces]
+    yield from _judged_notices(design, strengths)
     if facts.status == "slides_up":
         yield Notice("W318", f"the loads drive the {block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -model.bolt_rows @ limit.velocity_of(model)
         if not (drawn > SQUARE).any():
-            yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
-    strengths = [interface.strength for interface in interfaces]
-    strongest = max(strength.cohesion_kpa for strength in strengths)
-    if strongest > 5000.0:
-        yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+            yield undrawn_notice()
+    yield from _intact_notices(strengths)
     if not len(model.bolt_capacity) and not any(
         strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
     ):
         yield Notice("W308", f"the joints have no strength: nothing holds the {block}, there is no factor of safety")
     if facts.why_not and any(strength.dilation_deg for strength in strengths):
         yield Notice("W310", facts.why_not)
-    if any(bolt.head_m is None for bolt in design.bolts):
-        yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+    yield from headless_notices(design)
     if not facts.bound_is_proved:
         yield Notice("W309", "the static bound was not found")
     if analysis.moments_govern and limit.factor and facts.mesh_change is None:
         yield Notice(
             "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
         )
-    if facts.mesh_change is not None and facts.mesh_change > MESH_CHANGE:
-        yield Notice(
-            "W312", f"the last refinement of the node pairs still moved the limit by {facts.mesh_change * 100:.1f} %"
-        )
+    yield from mesh_notices(facts.mesh_change or 0.0)
     if facts.unsettled:
         yield Notice(
             "W313",

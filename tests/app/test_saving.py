@@ -301,3 +301,18 @@ def test_the_state_folder_goes_by_the_rule_of_the_system(monkeypatch, tmp_path):
                          ("darwin", ("Library", "Application Support", "slopekit", "unsaved"))):  # fmt: skip
         monkeypatch.setattr(saving.sys, "platform", system)
         assert saving.state_folder() == tmp_path.joinpath(*part)
+
+
+def test_keys_that_are_taken_away_take_their_lines_along() -> None:
+    """In a block the whole line, in braces the key with its comma, from the front and behind; of nothing left {}."""
+    text = (
+        "slopekit: 1\nkind: wedge\njoints: {J1: {plane: 45/115}, J2: {plane: 45/245}}\nstrength:\n  weak:\n"
+        "    c: 50 kPa   # tested\n    tension: 5 kPa   # a guess\n    phi: 20\nrock: {density: 2600 kg/m3}\n"
+        "slope: {face: 60/180, upper: 10/180, height: 60}\nwater: {fill: 50 %}\n"
+    )
+    session = Session(opened_text(text, "my.yaml"))
+    for path in ("strength.weak.tension", "rock.density", "slope.face", "slope.height"):
+        session.set({path: None}, final=True)
+    wanted = text.replace("    tension: 5 kPa   # a guess\n", "").replace("density: 2600 kg/m3", "")
+    wanted = wanted.replace("face: 60/180, upper: 10/180, height: 60", "upper: 10/180")
+    assert edited(session.opened, session.now.document) == wanted

@@ -9,7 +9,7 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, Plane
-from slopekit.design.document import load_document
+from slopekit.design.document import load_document, read_document
 from slopekit.design.nodes import Node, document_from
 from slopekit.design.overrides import ALTERNATIVES, parse_override, with_overrides
 
@@ -163,8 +163,9 @@ def test_broken_files(code, content, says, line, tmp_path) -> None:
 
 def test_faults_that_leave_the_file_readable_come_at_once(tmp_path) -> None:
     content = "a: 1\na: 2\nb: !x 3\n<<: {}\n? [c]\n: 1\n"
-    error = caught(lambda: load_document(written(tmp_path, content), [("a.b", "1")]))
-    assert error.codes == ("E151", "E153", "E152", "E158", "E161")
+    _, faults = read_document(written(tmp_path, content), [("a.b", "1")])
+    assert [fault.code for fault in faults] == ["E151", "E153", "E152", "E158", "E161"]
+    assert caught(lambda: load_document(written(tmp_path, content))).codes == ("E151", "E153", "E152", "E158")
 
 
 def test_missing_files_and_folders(tmp_path) -> None:
@@ -221,7 +222,7 @@ def test_overrides_replace_create_and_remove(tmp_path) -> None:
         ("correlation.J1.phi/J2.phi", "0.5"),
         ("kind", "'null'"),
     ]
-    root = load_document(written(tmp_path, WALL), overrides).root
+    root = with_overrides(load_document(written(tmp_path, WALL)), overrides).root
     assert str(at(root, "strength.weak.phi").place) == "--set strength.weak.phi=25"
     assert at(root, "strength.weak.phi").text == "25"
     assert at(root, "support.bolts").plain() == [

@@ -47,6 +47,12 @@ def written(folder: Path, content: str) -> Path:
     return path
 
 
+def test_quadrants_beside_dip_and_direction_in_one_column(tmp_path) -> None:
+    """Each word by itself: east of north toward the south-east, west of north toward the south-west."""
+    found = read_joints(written(tmp_path, "orientation\nN25E/45SE\n45/115\nN30W/60SW\n"))
+    assert planes(found) == [Plane(45.0, 115.0), Plane(45.0, 115.0), Plane(60.0, 240.0)]
+
+
 # -- Dips -------------------------------------------------------------------------------------------------------------
 
 

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 import slopekit as sk
 from slopekit.block_scene import BlockScene
+from slopekit.exchange import dxf
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import volume_of
 from slopekit.geometry.meshes import outward, read_mesh
@@ -303,3 +304,26 @@ def test_bolts_where_asked_for(tmp_path, result) -> None:
         with pytest.raises(sk.DesignError) as caught:
             sk.export(document, tmp_path / file, what="bolts")
         assert caught.value.codes == (code,)
+
+
+def test_interfaces_in_stl(result, tmp_path) -> None:
+    """Each joint's triangles: their areas, by trimesh, are those of the cut."""
+    sk.export(result("map"), tmp_path / "x.stl", what="interfaces")
+    bodies = [text.splitlines() for text in (tmp_path / "x.stl").read_text().split("endsolid") if "vertex" in text]
+    found = {}
+    for lines in bodies:
+        name = next(line for line in lines if line.startswith("solid")).split()[1]
+        corners = np.array([line.split()[1:] for line in lines if "vertex" in line], dtype=float)
+        found[name] = trimesh.triangles.area(corners.reshape(-1, 3, 3) - corners[0]).sum()
+    areas = result("map")["geometry"]["areas_m2"]
+    assert [found["J1"], found["J2"]] == pytest.approx([areas["J1"], areas["J2"]], rel=1e-9)
+
+
+def test_dxf_by_single_faces(result, tmp_path, monkeypatch) -> None:
+    """Where a block has more corners than a polyface mesh can count: 3DFACEs, read as one body a layer."""
+    monkeypatch.setattr(dxf, "_MOST_INDEX", 3)
+    sk.export(result("map"), tmp_path / "x.dxf")
+    assert not ezdxf.readfile(tmp_path / "x.dxf").query("POLYLINE")
+    vertices, triangles, closed = read_mesh(tmp_path / "x.dxf", "x")
+    assert closed
+    assert volume_of(vertices, triangles) == pytest.approx(209461.4964585, rel=1e-9)

@@ -287,6 +287,19 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     assert f"without_basal {whole.fos.closed_form:.4f}" in found.line or found.fos.limit < whole.fos.closed_form
 
 
+def test_a_crack_may_be_fuller_than_the_joints() -> None:
+    """Half the pressure of full water on the joints, all of it in the crack: by both methods as given in kPa."""
+    crack = {"plane": "90/180", "distance": "6 m"}
+    full = sk.run(put(SOCKET, crack=crack, water="full"))
+    kpa = full.forces.water["J1"] / full.geometry.areas_m2["J1"]
+    found = sk.run(put(SOCKET, crack=crack | {"water": "full"}, water="50 %"))
+    given = sk.run(put(SOCKET, crack=crack, water__pressures=[kpa / 2, kpa / 2, kpa / 2, kpa]))
+    assert found.agree is True
+    assert found.fos.closed_form == pytest.approx(given.fos.closed_form, rel=1e-9)
+    assert found.forces.water == pytest.approx(given.forces.water, rel=1e-9)
+    assert found.fos.limit > 1.1 * full.fos.limit
+
+
 def test_what_the_whole_wedge_keeps_is_met() -> None:
     """A rule below its factor; a wedge that does not daylight adds none."""
     met = sk.run(put(CUT_OFF, acceptance__rules=["fos >= 1.1"]))

@@ -208,18 +208,18 @@ ENDS = {
         **_SHAKEN, "slope": {"face": "56/180", "upper": "8/180", "height": "20 m"},
         "joints": {"J1": {"plane": "46/145"}, "J2": {"plane": "74/267"}}, "strength": {"s": {"c": 10, "phi": 27}},
         "basal": {"plane": "9/180", "height": "3 m"}, "crack": {"plane": "83/169", "distance": "worst"},
-    }, "back", "W421 the factor is lowest where the range of the crack ends, 25.23 m behind the crest"),
+    }, "back", "ends, 25.23 m behind the crest along J1's trace:"),
     "bolted": ({
         **_SHAKEN, "slope": {"face": "68/180", "upper": "25/200", "height": "20 m"},
         "joints": {"J1": {"plane": "39/139"}, "J2": {"plane": "79/215"}}, "strength": {"s": {"c": 0, "phi": 31}},
         "support": {"bolts": [{"force": "20 MN", "toward": "000/10"}]},
         "crack": {"plane": "81/164", "distance": "worst"},
-    }, "back", "W421 the factor is lowest where the range of the crack ends, 17.67 m behind the crest"),
+    }, "back", "ends, 17.67 m behind the crest along J1's trace:"),
     "begins": ({
         **_SHAKEN, "slope": {"face": "86/180", "upper": "19/180", "height": "20 m"}, "water": "30 %",
         "joints": {"J1": {"plane": "62/098"}, "J2": {"plane": "74/214"}}, "strength": {"s": {"c": 50, "phi": 42}},
         "crack": {"plane": "68/204", "distance": "worst"},
-    }, "end", "W421 the factor is lowest where the range of the crack begins, 15.52 m behind"),
+    }, "end", "begins, 15.52 m behind the crest along J1's trace:"),
 }  # fmt: skip
 
 
@@ -243,6 +243,7 @@ def test_the_range_of_the_worst_crack_is_said_to_end(name) -> None:
     assert inside[-2] == pytest.approx(inside[-1], rel=0.03)
     assert factor_at(1.0 - toward * 1e-3) is None
     assert found.crack_searched == where
+    says = f"W421 the factor is lowest where the range of the crack {says}"
     assert [str(one).startswith(says) for one in found.ground_notices(0.0, 20.0)] == [True]
 
 

@@ -177,6 +177,24 @@ def test_solve_gives_the_value_for_all() -> None:
     assert "at most" in wet.line
 
 
+def test_cases_that_no_value_satisfies_are_named() -> None:
+    """Heavier rock breaks the bond of dry rock and presses wet joints together: one case sets a most, one a least."""
+    cases = {
+        "bonded": {"set": {"strength.bedding.c": 30, "water.fill": 0}, "accept": "fos >= 2"},
+        "wet": {"set": {"strength.bedding.c": 0, "water.fill": 1}, "accept": "fos >= 0.8"},
+    }
+    found = sk.solve(sk.load({**DESIGN, "cases": cases}), "rock.unit_weight")
+    bonded, wet = (one.answer for one in found.cases.values())
+    assert (bonded.rises, wet.rises, bonded.value < wet.value) == (False, True, True)
+    assert (found.for_all.value, found.exit_code) == (None, 1)
+    key = found.cases["wet"].key
+    reason = f"wet needs at least {key.shown(wet.value)}, bonded at most {key.shown(bonded.value)}"
+    assert found.for_all.reason == reason
+    assert found.for_all.line == f"rock.unit_weight: no value for all 2 cases: {reason}"
+    assert found.to_dict()["for_all"]["reason"] == reason
+    assert reason in " ".join(str(found).split())
+
+
 def test_prob_answers_case_by_case() -> None:
     scatter = {**DESIGN, "strength": {"bedding": {"c": 20, "phi": {"dist": "normal", "mean": 37, "sd": 4}}}}
     cases = {"dry": {"set": {"water.fill": 0}}, "fixed": {"set": {"strength.bedding.phi": 30, "strength.bedding.c": 1}}}

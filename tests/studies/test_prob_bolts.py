@@ -11,8 +11,9 @@ from slopekit.design.files import load, with_values
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.held_bolts import held
 from slopekit.studies.prob import prob
-from slopekit.studies.prob.bolts import as_laid_out, standing
+from slopekit.studies.prob.bolts import as_laid_out, holding, standing
 from slopekit.studies.prob.sampling import samples
+from slopekit.studies.prob.vectorised import vectorised
 
 
 def scatter(mean: float, sd: float) -> dict:
@@ -131,6 +132,16 @@ def test_where_no_plane_scatters_heads_stay_and_all_bolts_hold() -> None:
     assert "all hold the block of every sample" in str(study)
     assert study.to_dict()["leading"] == {"probability": study.all_samples.share, "low": study.all_samples.low,
                                           "high": study.all_samples.high, "by": "closed form"}  # fmt: skip
+
+
+@pytest.mark.parametrize("given", [WEDGE, PLANE], ids=["wedge", "plane"])
+def test_samples_one_by_one_are_held_as_all_at_once(given) -> None:
+    design = load(given)
+    drawn = samples(design.variables, design.correlation, 40, 1)
+    fast = vectorised(design, drawn.values, drawn.settings)
+    found = holding(design, [drawn.settings(row) for row in range(40)])
+    assert (found == fast.holds(drawn.values)).all()
+    assert 0 < found.sum() < found.size
 
 
 def test_a_bolt_that_holds_no_sample_counts_in_neither_method() -> None:

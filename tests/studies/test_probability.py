@@ -224,6 +224,12 @@ def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
     assert every.all_samples.share > study.all_samples.share + 0.2
     assert study.confirmation.probability == pytest.approx(every.all_samples.share, abs=0.4)  # from 15 samples
     assert "W353" in {notice.code for notice in every.warnings}
+    lead, checked = study.leading, study.confirmation
+    assert (lead.by, lead.probability) == ("PRE-IE's judgement", checked.probability)
+    assert lead.low - study.all_samples.low == pytest.approx(checked.change_low)
+    assert max(lead.low, study.all_samples.share) <= every.all_samples.share <= lead.high
+    assert study.margin == 1.0 - checked.probability
+    assert "by PRE-IE's judgement" in study.line
 
 
 def test_the_same_numbers_whoever_works() -> None:

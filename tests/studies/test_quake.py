@@ -469,6 +469,18 @@ def test_six_degrees_of_freedom(tmp_path) -> None:
     assert f"{100.0 * alone.six[0].slid_m:.4g}" in str(alone)
 
 
+def test_six_degrees_of_freedom_fall_to_the_residual_strength() -> None:
+    """It begins as on the peak strength and goes on as on the residual one: near what that gives from the beginning."""
+
+    def slid(**strength) -> float:
+        design = sk.load(PLANE | {"strength": {"bedding": strength}})
+        return sk.quake(design, "sine:0.4g,2Hz", six=True).six[0].slid_m
+
+    peak, left = {"c": 20, "phi": 30}, {"c": 12, "phi": 30}
+    assert slid(**peak, residual=peak) == pytest.approx(slid(**peak), rel=1e-9)
+    assert 1.1 * slid(**peak) < slid(**peak, residual=left) <= slid(**left) < 1.2 * slid(**peak, residual=left)
+
+
 def test_a_step_that_is_refused_is_said(monkeypatch) -> None:
     from slopekit.preie import shaking
 

@@ -228,25 +228,25 @@ def net_of(moment: Moment, result: Result | None) -> dict[str, Any]:
     """The planes of a design for the stereonet, each with the path that its angles are set by."""
     design, root = moment.design, moment.document.root
     inputs = design.inputs()
-    planes: list[tuple[str, Any, tuple[str, ...]]] = []
+    planes: list[tuple[str, Any, str]] = []
     joints, sets, basal = inputs.get("joints"), inputs.get("sets"), inputs.get("basal")
     if joints is None and inputs.get("joint") is not None:
         joints = {inputs.get("joint_name", "J1"): inputs["joint"]}
     if isinstance(joints, Mapping):
         own = [(design.in_own_names(name), text) for name, text in joints.items()]
-        planes += [(name, text, (f"joints.{name}.plane",)) for name, text in own]
+        planes += [(name, text, f"joints.{name}.plane") for name, text in own]
     if isinstance(sets, list):
-        planes += [(one["name"], one["plane"], (f"sets.{one['name']}.plane",)) for one in sets]
+        planes += [(one["name"], one["plane"], f"sets.{one['name']}.plane") for one in sets]
     if isinstance(basal, Mapping):
-        planes.append(("basal", basal.get("plane"), ("basal.plane",)))
+        planes.append(("basal", basal.get("plane"), "basal.plane"))
     crack = inputs.get("crack")
     if isinstance(crack, Mapping) and crack.get("plane"):
-        planes.append(("crack", crack["plane"], ("crack.plane",)))
+        planes.append(("crack", crack["plane"], "crack.plane"))
     return {
         "face": _plane(inputs.get("face")), "upper": _plane(inputs.get("upper")),
         "planes": [
-            {"name": name, **found, "path": _prefix(root, paths)}
-            for name, text, paths in planes if (found := _plane(text)) is not None
+            {"name": name, **found, "path": _prefix(root, path)}
+            for name, text, path in planes if (found := _plane(text)) is not None
         ],
         "line": _line(result), "friction": _friction(design),
     }  # fmt: skip
@@ -255,26 +255,20 @@ def net_of(moment: Moment, result: Result | None) -> dict[str, Any]:
 def _plane(text: object) -> dict[str, float] | None:
     if not isinstance(text, str):
         return None
-    try:
-        plane = parse_plane(text, "plane")
-    except SlopekitError:
-        return None
+    plane = parse_plane(text, "plane")
     return {"dip": plane.dip_deg, "dip_direction": plane.dip_direction_deg}
 
 
-def _prefix(root: Node, paths: tuple[str, ...]) -> str | None:
+def _prefix(root: Node, path: str) -> str | None:
     """The path whose `.dip` and `.dip_direction` can be set: of a distribution that of its mean."""
-    for path in paths:
-        node = at(root, path)
-        if node is None:
-            continue
-        if node.get("dist") is not None:
-            return f"{path}.mean" if node.get("mean") is not None else None
-        angles = [node.get(name) for name in ("dip", "dip_direction")]
-        if any(angle is not None and angle.is_mapping for angle in angles):
-            return None  # each angle scatters for itself
-        return path
-    return None
+    node = at(root, path)
+    if node is None:
+        return None
+    if node.get("dist") is not None:
+        return f"{path}.mean" if node.get("mean") is not None else None
+    angles = [node.get(name) for name in ("dip", "dip_direction")]
+    scatters = any(angle is not None and angle.is_mapping for angle in angles)  # each for itself
+    return None if scatters else path
 
 
 def _line(result: Result | None) -> dict[str, float] | None:
@@ -288,17 +282,3 @@ def _friction(design: Design) -> float | None:
     angles = [getattr(one, "friction_angle_deg", None) for one in kind_of(design).strengths(design)]
     known = [float(angle) for angle in angles if isinstance(angle, int | float)]
     return min(known) if known and len(known) == len(angles) else None
-
-
-__all__ = [
-    "Answer",
-    "analysed",
-    "answer_of",
-    "fault_of",
-    "faulty",
-    "net_of",
-    "notice_of",
-    "scene_of",
-    "told",
-    "waiting",
-]

@@ -14,7 +14,7 @@ from starlette.websockets import WebSocket
 
 from slopekit._version import __version__
 from slopekit.app import answers, controls, handover, jobs, saving, surveys
-from slopekit.app.messages import MOST_VALUES, Message, parsed, written, wrong
+from slopekit.app.messages import MOST_VALUES, Message, bug, parsed, written, wrong
 from slopekit.app.session import Moment, Opened, Session
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.records import dataclass
@@ -234,12 +234,6 @@ def _analysed(moment: Moment, final: bool) -> tuple[answers.Answer, Result | Non
     except Exception as error:  # a bug of ours: it is said on the page, and the next value may do
         fault = bug(error)
         return answers.faulty(moment, (fault,), final), None
-
-
-def bug(error: Exception) -> Fault:
-    """E599 of what nobody foresaw, as the command line says it."""
-    message = f"a bug of ours: {type(error).__name__}: {cut(printable(str(error)))}"
-    return Fault("E599", message, "", "Please send us the design with this text.")
 
 
 def jobs_of(kind: str) -> list[str]:

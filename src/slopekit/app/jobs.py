@@ -17,6 +17,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from slopekit.app import answers
+from slopekit.app.messages import bug, of_numpy
 from slopekit.app.session import Moment
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.onlooker import onlooker
@@ -255,13 +256,8 @@ def _done(what: str, moment: Moment, options: Mapping[str, Any], pipe: Connectio
     except SlopekitError as error:
         found = {"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]}
     except Exception as error:  # a bug of ours: the page says so
-        message = f"a bug of ours: {type(error).__name__}: {error}"
-        found = {"faults": [answers.fault_of(Fault("E599", message))]}
-    return json.dumps({"end": found}, default=_of_numpy, allow_nan=False).encode()
-
-
-def _of_numpy(value: Any) -> Any:
-    return value.tolist() if hasattr(value, "tolist") else str(value)
+        found = {"faults": [answers.fault_of(bug(error))]}
+    return json.dumps({"end": found}, default=of_numpy, allow_nan=False).encode()
 
 
 # -- here -------------------------------------------------------------------------------------------------------------

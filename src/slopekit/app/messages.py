@@ -79,15 +79,22 @@ def values_of(message: Mapping[str, Any]) -> dict[str, Any]:
 
 def written(message: Mapping[str, Any]) -> str:
     """A message as it is sent; lone surrogates, which no socket takes, in their escapes."""
-    text = json.dumps(message, separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=_of_numpy)
+    text = json.dumps(message, separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=of_numpy)
     try:
         text.encode()
     except UnicodeEncodeError:
-        return json.dumps(message, separators=(",", ":"), allow_nan=False, default=_of_numpy)
+        return json.dumps(message, separators=(",", ":"), allow_nan=False, default=of_numpy)
     return text
 
 
-def _of_numpy(value: Any) -> Any:
+def of_numpy(value: Any) -> Any:
+    """What JSON has of a value of NumPy. Raises TypeError for anything else."""
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} is no JSON")
+
+
+def bug(error: Exception) -> Fault:
+    """E599 of what nobody foresaw, as the command line says it."""
+    message = f"a bug of ours: {type(error).__name__}: {cut(printable(str(error)))}"
+    return Fault("E599", message, "", "Please send us the design with this text.")

@@ -412,6 +412,3 @@ def at(root: Node, path: str) -> Node | None:
         else:
             return None
     return node
-
-
-__all__ = ["Moment", "Opened", "Session", "at", "different", "opened_file", "opened_template", "opened_text"]

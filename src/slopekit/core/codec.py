@@ -12,7 +12,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import field, fields, is_dataclass
-from enum import Enum
 from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -32,8 +31,6 @@ def json_of(value: Any) -> Any:
     """
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    if isinstance(value, Enum):
-        return value.value
     if isinstance(value, _PLAIN):
         return value
     if isinstance(value, Mapping):

@@ -7,49 +7,42 @@ from pathlib import Path
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import NO_TEXT, Document, cut, fail
 from slopekit.design.on_disk import read_bytes
-from slopekit.design.overrides import ALTERNATIVES, Exclusive, with_overrides
+from slopekit.design.overrides import with_overrides
 from slopekit.design.yaml import LINE_END, Source, TreeBuilder, composed
 
 
-def load_document(
-    path: str | os.PathLike[str],
-    overrides: Sequence[tuple[str, object]] = (),
-    alternatives: Exclusive = ALTERNATIVES,
-) -> Document:
-    """Read a design file and put the overrides in.
-
-    Parameters
-    ----------
-    path : the file
-    overrides : dotted path and value, as `with_overrides` takes them
-    alternatives : keys that exclude each other, by the path of their mapping
+def load_document(path: str | os.PathLike[str]) -> Document:
+    """Read a design file.
 
     Raises
     ------
     DesignError
-        E147 to E149 and E159 for the file, E150 to E158 for its YAML, E160 to E163 for the overrides: every fault
-        that could be found.
+        E147 to E149 and E159 for the file, E150 to E158 for its YAML: every fault that could be found.
     """
-    document, faults = read_document(path, overrides, alternatives)
+    document, faults = read_document(path)
     if faults:
         raise DesignError(faults)
     return document
 
 
 def read_document(
-    path: str | os.PathLike[str], overrides: Sequence[tuple[str, object]] = (), alternatives: Exclusive = ALTERNATIVES
+    path: str | os.PathLike[str], overrides: Sequence[tuple[str, object]] = ()
 ) -> tuple[Document, list[Fault]]:
     """What `load_document` reads, and the faults that leave a tree to look at: keys twice, overrides that fit nowhere.
+
+    Parameters
+    ----------
+    overrides : dotted path and value, as `with_overrides` takes them
 
     Raises
     ------
     DesignError
-        Where there is no tree.
+        Where there is no tree; E160 to E163 for the overrides.
     """
     file = Path(path)
     document, faults = read_text(decoded(read_bytes(path), file.name), file.name, file)
     try:
-        document = with_overrides(document, overrides, alternatives)
+        document = with_overrides(document, overrides)
     except DesignError as error:
         faults += error.faults
     if faults and not document.root.is_mapping:

@@ -524,9 +524,3 @@ def more_than_nothing(
 ) -> tuple[str, str, str] | None:
     """E116: a size of a block."""
     return None if value > 0.0 else ("E116", f"{name} is {shown(value)}, it must be more than 0", "")
-
-
-__all__ = [
-    "Field", "Role", "count", "every_field", "field_at", "fields_of", "group", "in_degrees", "more_than_nothing",
-    "number", "orientation", "point", "structure_of", "text", "words_of",
-]  # fmt: skip

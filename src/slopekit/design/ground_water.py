@@ -127,6 +127,7 @@ class SlopeDesign(Design):
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
     UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m", "surcharge_kpa")
+    CRACK_FROM: ClassVar[str] = "behind the crest"
 
     table_depth_m: float | None = table_depth()
     table_points_m: tuple[tuple[float, float], ...] | None = table_points("distance from the toe into the slope")
@@ -175,11 +176,11 @@ class SlopeDesign(Design):
         elif self.crack_searched == "end":
             said = "at an end of the range of the crack: a crack there is at the crest itself"
             if (behind := _behind_crest(self)) > _AT_CREST_M:
-                said = f"where the range of the crack begins, {behind:.2f} m behind the crest: nearer to it none forms"
+                said = f"where the range of the crack begins, {behind:.2f} m {self.CRACK_FROM}: nearer to it none forms"
             yield Notice("W421", f"the factor is lowest {said}")
         elif self.crack_searched == "back":
             yield Notice("W421", f"the factor is lowest where the range of the crack ends, {_behind_crest(self):.2f} m "
-                         "behind the crest: farther back none cuts the block")  # fmt: skip
+                         f"{self.CRACK_FROM}: farther back none cuts the block")  # fmt: skip
         elif self.crack_searched == "flat":
             yield Notice("W421", "the place of the crack does not move the factor: none is worse than another")
 

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import (
@@ -23,10 +22,8 @@ from slopekit.design.nodes import (
 from slopekit.design.structure import ANGLES, WRITTEN, OrientationKind, is_distribution, orientation_kind
 from slopekit.design.yaml import NULLS, Source, TreeBuilder, composed
 
-Exclusive: TypeAlias = Mapping[str, Sequence[str]]
-
 #: Keys that exclude each other: a `--set` of one drops the others of the file.
-ALTERNATIVES: Exclusive = {
+ALTERNATIVES: Mapping[str, Sequence[str]] = {
     "water": ("mode", "fill", "pressures"),
     "rock": ("density", "unit_weight"),
     "crack": ("depth", "distance"),
@@ -52,16 +49,13 @@ def parse_override(text: str) -> tuple[str, str]:
     return path.strip(), value.strip()
 
 
-def with_overrides(
-    document: Document, overrides: Sequence[tuple[str, object]], alternatives: Exclusive = ALTERNATIVES
-) -> Document:
-    """A copy of the document with some values replaced.
+def with_overrides(document: Document, overrides: Sequence[tuple[str, object]]) -> Document:
+    """A copy of the document with some values replaced: one of `ALTERNATIVES` drops the others that were not set too.
 
     Parameters
     ----------
     overrides : dotted path (list items by their number from 0) and value: text is read as YAML reads it inside
         brackets, other Python values as `document_from` takes them; null or None removes the key
-    alternatives : keys that exclude each other: setting one drops the others, unless they were set as well
 
     Raises
     ------
@@ -96,7 +90,7 @@ def with_overrides(
             faults += error.faults
             continue
         if new.value is not None:
-            root = _without_alternatives(root, path, alternatives, own)
+            root = _without_alternatives(root, path, own)
     if faults:
         raise DesignError(faults)
     return replace(document, root=root)
@@ -277,9 +271,9 @@ def _replaced_item(node: Node, items: list[Node], parts: list[str], new: Node | 
     return copy
 
 
-def _without_alternatives(root: Node, path: str, alternatives: Exclusive, own: Collection[Place]) -> Node:
+def _without_alternatives(root: Node, path: str, own: Collection[Place]) -> Node:
     """The tree without what excludes `path`, unless that was set in the same call."""
-    for parent, keys in alternatives.items():
+    for parent, keys in ALTERNATIVES.items():
         given = next((key for key in keys if f"{path}.".startswith(f"{parent}.{key}.")), None)
         if given is None:
             continue

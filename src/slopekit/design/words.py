@@ -34,8 +34,6 @@ def point(value: object, name: str, where: str) -> tuple[float, float, float]:
 
 
 def water(value: Any, where: str, has_crack: bool, has_basal: bool = False) -> Water:
-    if isinstance(value, Water):
-        return value
     if isinstance(value, dict):  # as a design file has it
         value = value.get("mode") or value.get("fill") or value.get("pressures")
         value = list(value.values()) if isinstance(value, dict) else value
@@ -83,8 +81,6 @@ def pressures(parts: Sequence[Any], where: str, has_crack: bool, has_basal: bool
 
 
 def seismic(value: object, where: str) -> Seismic:
-    if isinstance(value, Seismic):
-        return value
     text, _, toward = value.partition("@") if isinstance(value, str) else (value, "", "")
     coefficient = quantity(text, "ratio", "seismic coefficient", where)
     if not 0.0 <= coefficient <= 2.0:
@@ -113,8 +109,6 @@ def line_of_words(value: object, name: str, code: str, where: str) -> Line:
 
 
 def force(value: Any, where: str) -> Force:
-    if isinstance(value, Force):
-        return value
     at = None
     if isinstance(value, dict):
         unknown = value.keys() - {"force", "toward", "at"}
@@ -135,8 +129,6 @@ def force(value: Any, where: str) -> Force:
 
 
 def bolt(value: object, where: str) -> Bolt:
-    if isinstance(value, Bolt):
-        return value
     head = length = None
     acts: Any = "active"
     if isinstance(value, str) and "@" in value:
@@ -167,8 +159,6 @@ def bolt(value: object, where: str) -> Bolt:
 
 def rule(value: object, where: str) -> Rule:
     """An acceptance rule: `fos >= 1.5`, or the smallest factor of safety alone."""
-    if isinstance(value, Rule):
-        return value
     if isinstance(value, str) and (match := re.match(_RULE, value)):
         name = match.group(1).lower()
         if name not in RULE_NAMES:

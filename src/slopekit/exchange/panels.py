@@ -26,23 +26,13 @@ class PanelStates:
 
 
 def triangles_of(contacts: Contacts) -> tuple[Ints, Ints]:
-    """Triangles (t, 3), indices into the corners, and the panel (t,) of each; panels may be concave."""
+    """Triangles (t, 3), indices into the corners, and the panel (t,) of each: fans, for every panel is convex."""
     sizes = np.diff(contacts.first)
     fans = np.maximum(sizes - 2, 0)
     panel = np.repeat(np.arange(len(sizes)), fans)
     step = np.arange(len(panel)) - np.repeat(np.cumsum(fans) - fans, fans)
     start = contacts.first[panel]
     triangles = np.stack([start, start + step + 1, start + step + 2], axis=1)
-    a, b, c = (contacts.corners[triangles[:, k]] for k in range(3))
-    twice = np.cross(b - a, c - a)
-    whole = np.stack([np.bincount(panel, twice[:, k], len(sizes)) for k in range(3)], axis=1)
-    turned = (twice * whole[panel]).sum(axis=1) < 0.0
-    if turned.any():
-        concave = np.unique(panel[turned])
-        kept = ~np.isin(panel, concave)
-        ears = [_ears(contacts, k, whole[k]) for k in concave.tolist()]
-        panel = np.concatenate([panel[kept], *(np.full(len(own), k) for k, own in zip(concave, ears, strict=True))])
-        triangles = np.concatenate([triangles[kept], *ears])
     return triangles.astype(np.int64), panel.astype(np.int64)
 
 
@@ -120,17 +110,3 @@ def _distances(triangles: Floats, points: Floats) -> Floats:
     apart = closest_point(triangles.reshape(-1, 3, 3), spread) - spread
     distances: Floats = np.sqrt((apart * apart).sum(axis=1)).reshape(count, near)
     return distances
-
-
-def _ears(contacts: Contacts, panel: int, normal: Floats) -> Ints:
-    """The triangles of one concave panel."""
-    from manifold3d import triangulate
-
-    begin, end = int(contacts.first[panel]), int(contacts.first[panel + 1])
-    points = contacts.corners[begin:end] - contacts.corners[begin]
-    up = normal / np.sqrt(normal @ normal)
-    across = np.cross(up, np.eye(3)[np.abs(up).argmin()])
-    across /= np.sqrt(across @ across)
-    flat = np.stack([points @ across, points @ np.cross(up, across)], axis=1)
-    found: Ints = np.asarray(triangulate([flat]), dtype=np.int64) + begin
-    return found

@@ -12,6 +12,7 @@ from slopekit.geometry.bench import ConvexBody
 from slopekit.geometry.tolerances import SAME_PLANE
 
 #: Planes nearer to each other than this over the whole body, in parts of its size, are one plane.
+_MOST_PLANES = 20_000  # of one set
 _LEAST_GAP = 0.1  # of the spacing
 
 
@@ -57,9 +58,7 @@ class SetPlanes:
         return len(self.offsets)
 
 
-def planes_of_sets(
-    sets: Sequence[JointSet], body: ConvexBody, rng: np.random.Generator, max_planes: int = 20000
-) -> SetPlanes:
+def planes_of_sets(sets: Sequence[JointSet], body: ConvexBody, rng: np.random.Generator) -> SetPlanes:
     """The planes of every set through the whole body, set after set and each from below upward.
 
     The reference plane of a set (at its offset, or the nearest whole number of spacings from it that cuts the body)
@@ -67,14 +66,10 @@ def planes_of_sets(
     spacing. Scattered normals follow the Fisher distribution about the mean, each plane turned about its point
     nearest the middle of the body. Sets without scatter draw no random numbers.
 
-    Parameters
-    ----------
-    max_planes : more planes of one set are refused
-
     Raises
     ------
     GeometryError
-        E220 a set has more planes than that.
+        E220 a set has more than 20,000 planes.
 
     Examples
     --------
@@ -88,7 +83,7 @@ def planes_of_sets(
     corners = body.corners - middle
     normals, offsets = [np.zeros((0, 3))], [np.zeros(0)]
     for index, joint_set in enumerate(sets):
-        normal, offset = _planes(joint_set, middle, corners, rng, max_planes, index)
+        normal, offset = _planes(joint_set, middle, corners, rng, index)
         normals.append(normal)
         offsets.append(offset)
     joint = np.repeat(np.arange(len(sets)), [len(part) for part in offsets[1:]])
@@ -107,7 +102,7 @@ def planes_of_sets(
 
 
 def _planes(
-    joint_set: JointSet, middle: Floats, corners: Floats, rng: np.random.Generator, max_planes: int, index: int
+    joint_set: JointSet, middle: Floats, corners: Floats, rng: np.random.Generator, index: int
 ) -> tuple[Floats, Floats]:
     """Normals and offsets about the middle of the body of every plane of a set that may reach the body."""
     heights = corners @ joint_set.normal
@@ -117,9 +112,10 @@ def _planes(
         radius = math.sqrt(float((corners * corners).sum(axis=1).max())) / max(0.5, math.cos(3.0 * spread))
         low, high = -radius, radius
     spacing = joint_set.spacing
-    if not (high - low) / spacing < max_planes:
-        message = f"joint set {index + 1} has {(high - low) / spacing:.3g} planes in the bench, more than {max_planes}"
-        advice = f"Take a spacing above {(high - low) / max_planes:.3g} m (it is {spacing:.6g} m), or a higher limit."
+    if not (high - low) / spacing < _MOST_PLANES:
+        count = f"{(high - low) / spacing:.3g}"
+        message = f"joint set {index + 1} has {count} planes in the bench, more than {_MOST_PLANES}"
+        advice = f"Take a spacing above {(high - low) / _MOST_PLANES:.3g} m (it is {spacing:.6g} m)."
         raise GeometryError([Fault("E220", message, "", advice)])
     start = joint_set.offset - float(joint_set.normal @ middle)
     if not low <= start <= high:

@@ -16,7 +16,7 @@ from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
-from slopekit.geometry.shapes import END, GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
+from slopekit.geometry.shapes import GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY
 
 Normals = Literal["true", "smoothed", "facet"]
@@ -389,6 +389,3 @@ def _pairs(points: Floats, normals: Floats, areas: Floats) -> NodePairs:
         frozen(points), frozen(normals), frozen(areas), np.full(count, SLIP), np.zeros(count, dtype=np.int64),
         np.full(count, BEDROCK),
     )  # fmt: skip
-
-
-__all__ = ["END", "GROUND", "SLIP", "Normals", "SlidingMass", "analytic_mass", "cut_mass", "facet_pairs", "volume_of"]

@@ -19,7 +19,7 @@ from slopekit.design.parts import Action, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
-from slopekit.kinds.many_blocks_design import MOST_BLOCKS, TableDesign, common, named_pressures, water_by
+from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.sizes import Crest
@@ -81,7 +81,7 @@ class JointSetInput:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BenchDesign(TableDesign):
+class BenchDesign(AssemblyDesign):
     """A bench cut into blocks by joint sets.
 
     The toe runs through the origin along the strike of the face, `length_m` long, half to each side; the rock is
@@ -143,7 +143,7 @@ class BenchDesign(TableDesign):
         depth, load = self.table_depth_m, self.surcharge_kpa
         first = [] if depth is None else [f"water table {as_number(depth)} m below the ground"]
         last = [f"surcharge {as_number(load)} kPa on the plan of the upper slope"] if load else []
-        return [*first, *TableDesign.ground_in_words(self), *last]
+        return [*first, *AssemblyDesign.ground_in_words(self), *last]
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

@@ -45,7 +45,7 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
-from slopekit.notices import SQUARE, common_notices
+from slopekit.notices import SQUARE, common_notices, headless_notices, mesh_notices, undrawn_notice
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.blocks import Basis, BlocksLimit
@@ -61,7 +61,6 @@ from slopekit.preie.ravelling import (
     ravel,
     whole_model,
 )
-from slopekit.preie.tolerances import MESH_CHANGE
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -454,15 +453,12 @@ def _notices(
         return
     first, limit = mechanisms[0], ravelling.failures[0].limit
     limit = replace(limit, bond=limit.bond[ravelling.failures[0].parts[0].model.joint_pairs])
-    if any(bolt.head_m is None for bolt in design.bolts):
-        yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+    yield from headless_notices(design)
     if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
-        yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
+        yield undrawn_notice()
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
-    moved = max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0)
-    if moved > MESH_CHANGE:
-        yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {moved * 100:.1f} %")
+    yield from mesh_notices(max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0))
     if limit.basis is Basis.PEAK and first.fos:
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
                      "rest, the peak of the elastic path, on the way to it that holds least; where limits of random "

@@ -44,14 +44,17 @@ class _Keys:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssemblyDesign(Design):
-    """What designs of many blocks share.
+    """What designs of many blocks share, a water table and a pond that may wet them among it.
 
     Attributes
     ----------
     strengths : by name, in the order of the file
     mechanisms : how many successive mechanisms are wanted: what fails first is taken away, and so on
     seed : of all random numbers
+    table_points_m : places from the toe, or x, and elevations
     """
+
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_points_m", "table_plane", "pond_m")
 
     strengths: tuple[tuple[str, Strength], ...]
     forces: tuple[Force, ...] = forces_without()
@@ -66,25 +69,13 @@ class AssemblyDesign(Design):
         doc="successive mechanisms: what fails first is taken away, and so on",
     )
     seed: int = 0
+    table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
+    table_plane: TablePlane | None = table_plane("the origin")
+    pond_m: float | None = pond()
 
     def strength(self, name: str) -> Strength:
         """A strength by its name."""
         return dict(self.strengths)[name]
-
-    def ground_in_words(self) -> list[str]:
-        """Table and pond as the sheet prints them: none."""
-        return []
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TableDesign(AssemblyDesign):
-    """Many blocks that water table and pond may wet; `table_points_m` are places from the toe, or x, and elevations."""
-
-    UNSAID: ClassVar[tuple[str, ...]] = ("table_points_m", "table_plane", "pond_m")
-
-    table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
-    table_plane: TablePlane | None = table_plane("the origin")
-    pond_m: float | None = pond()
 
     @property
     def has_table(self) -> bool:
@@ -97,7 +88,7 @@ class TableDesign(AssemblyDesign):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NamedDesign(TableDesign):
+class NamedDesign(AssemblyDesign):
     """Blocks with names: a surcharge stands on those that it names."""
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharges_kpa": "surcharge"}
@@ -114,7 +105,7 @@ class NamedDesign(TableDesign):
         listed = [f"{number(value)} kPa on {name}" for name, value in self.surcharges_kpa]
         more = [f"{len(listed) - _MOST_NAMED} more"] if len(listed) > _MOST_NAMED else []
         load = ["surcharge " + ", ".join([*listed[:_MOST_NAMED], *more])] if listed else []
-        return [*TableDesign.ground_in_words(self), *load]
+        return [*AssemblyDesign.ground_in_words(self), *load]
 
 
 def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> tuple[tuple[str, float], ...]:

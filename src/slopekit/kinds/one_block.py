@@ -134,6 +134,14 @@ class Cut:
         return tuple(interface.key for interface in self.interfaces)
 
 
+def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[Strength]) -> list[str]:
+    """What the model of a block in a slope leaves out: what all do, `own` of its kind, and what its joints have."""
+    crack = ["contact across the tension crack"] if has_crack else []
+    tensile = ["tensile strength at the limit (it is lost where a joint opens)"]
+    tension = tensile if any(one.tension_kpa for one in strengths) else []
+    return ["bedrock (no unknowns)", "face and upper slope (free)", *own, *crack, *tension]
+
+
 def kind_of_one_block(
     name: str, record: type[D], read: Callable[[Reader], D], words: Words,
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
@@ -144,6 +152,7 @@ def kind_of_one_block(
     carried: Carried = Carried(),  # noqa: B008  (frozen)
     variants: Mapping[str, Words] = MappingProxyType({}),
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
+    drawn_planes: Callable[[D], tuple[str, str]] | None = None,
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -156,6 +165,7 @@ def kind_of_one_block(
     has_site : support can be looked for, by the block's `face`; crest_point : and by anchors of its crest
     variants : what designs call things that have the input of that name, where it is not as the kind does
     without_basal : a block that the one analysed is part of, and that may fail before it
+    drawn_planes : keys of the two planes that a survey may say in the design's place
     """
 
     def analyse(design: D) -> Result:
@@ -200,7 +210,7 @@ def kind_of_one_block(
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
         lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site, crest_point,
-        paper_keys=paper_keys, carried=carried, answered="drag", variants=variants,
+        paper_keys=paper_keys, carried=carried, drawn_planes=drawn_planes, answered="drag", variants=variants,
     )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from slopekit.geometry.section import CRACK, FACE, J1, UPPER, Section, line_pair
 from slopekit.kinds import ground_water, worst_crack
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
@@ -170,16 +170,11 @@ def cut(design: PlaneDesign) -> Cut:
     acting, name, axes = _loads(design, section), design.joint_name, _axes(design.face)
     bed = section_bedding(section, acting, design.strength)
     is_cracked = section.crack_depth is not None
-    left_out = ["bedrock (no unknowns)", "face and upper slope (free)", "the ends of the slope (per metre)",
-                "deformation of the rock"]  # fmt: skip
-    left_out += ["contact across the tension crack"] if is_cracked else []
-    left_out += (
-        ["tensile strength at the limit (it is lost where a joint opens)"] if design.strength.tension_kpa else []
-    )
+    left_out = ["the ends of the slope (per metre)", "deformation of the rock"]
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
         [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes, _crest_x(design)),
-        left_out,
+        left_out_of_slope(left_out, is_cracked, [design.strength]),
         {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | design.ponded(FACE, UPPER), FACE,
         design.refine, axes=axes,
     )  # fmt: skip

@@ -173,6 +173,7 @@ class Kind(Generic[D]):
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
     paper_keys : how keys begin whose defaults stand for numbers of the slope
     carried : what goes over into a design of kind blocks
+    drawn_planes : keys of the two planes that a survey may say in the design's place; None of other kinds
     falls_west : the slope falls toward -x where nothing of a result says the way
     answered : when a design under work is analysed: while a slider is dragged, when it is let go, at a button
     variants : words of designs that have the input of that name
@@ -198,6 +199,7 @@ class Kind(Generic[D]):
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()
     carried: Carried = Carried()
+    drawn_planes: Callable[[D], tuple[str, str]] | None = None
     falls_west: bool = False
     answered: Literal["drag", "release", "button"] = "release"
     variants: Mapping[str, Words] = field(default_factory=dict)

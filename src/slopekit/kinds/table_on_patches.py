@@ -16,7 +16,7 @@ from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
 from slopekit.geometry.pressure import Height, Pressure
 from slopekit.kinds.ground_water import heights_of, pressure, refuse_above
-from slopekit.kinds.many_blocks_design import NamedDesign, TableDesign
+from slopekit.kinds.many_blocks_design import AssemblyDesign, NamedDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene
 from slopekit.loads import PointForce
 
@@ -42,7 +42,7 @@ class Outside:
 
 
 def with_water(
-    design: TableDesign, scene: AssemblyScene, into: Floats, outside: Outside | None = None
+    design: AssemblyDesign, scene: AssemblyScene, into: Floats, outside: Outside | None = None
 ) -> AssemblyScene:
     """The scene with the water of a table and a pond on its contacts and free faces, where the design has them.
 

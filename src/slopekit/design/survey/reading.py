@@ -112,9 +112,9 @@ def read_joints(
     return _Reader(table, convention, skip_bad, option, sizes).survey()
 
 
-def read_joints_text(name: str, text: str, convention: str | None = None, skip_bad: bool = False) -> Survey:
+def read_joints_text(name: str, text: str, skip_bad: bool = False) -> Survey:
     """Read the text of a joint list as `read_joints` reads a file of that name."""
-    return _Reader(table_of(name, text.encode()), convention, skip_bad, "convention:", False).survey()
+    return _Reader(table_of(name, text.encode()), None, skip_bad, "convention:", False).survey()
 
 
 def read_frame(

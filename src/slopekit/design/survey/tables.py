@@ -121,13 +121,13 @@ def table_of(name: str, content: bytes) -> Table:
     return next((read for mark, read in _KNOWN_BY.items() if content.startswith(mark)), made)(name, content)
 
 
-def frame_table(frame: Any, name: str = "joints") -> Table:
+def frame_table(frame: Any) -> Table:
     """The table of a frame of pandas or polars, or of whatever has `columns` and gives each by its name."""
     names = list(frame.columns)
     columns = [list(frame[column]) for column in names]
     index = getattr(getattr(frame, "index", None), "name", None)
     left_out = () if index is None else (f"index {index}",)
-    return Grid(name, [names, *zip(*columns, strict=True)], 0, left_out)
+    return Grid("joints", [names, *zip(*columns, strict=True)], 0, left_out)
 
 
 def is_frame(source: Any) -> bool:

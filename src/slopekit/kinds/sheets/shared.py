@@ -11,17 +11,12 @@ from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import first_and_last, size_number
-from slopekit.result import JUDGED, STATUSES, Result
+from slopekit.result import JUDGED, METHODS, STATUSES, Result
 
 #: The rules on cohesion where moments open part of a contact.
 RULES = {
     "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
     "forces_alone": "forces only",
-}  # fmt: skip
-#: Closed forms of columns by name.
-METHOD_NAMES = {
-    "fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
-    "all_equilibrium": "all equilibrium",
 }  # fmt: skip
 
 _ROUNDING = 1e-12  # of the greatest of three coordinates: what a balance leaves of 0
@@ -173,7 +168,7 @@ def methods(result: Result) -> list[Entry]:
     if not result.methods:
         return []
     columns: list[Column[tuple[str, float | None]]] = [
-        Column("method", lambda row: METHOD_NAMES[row[0]], "method"),
+        Column("method", lambda row: METHODS[row[0]], "method"),
         Column("factor", itemgetter(1), "factor", show=lambda factor: factor_text(factor).strip()),
     ]
     rows, other = list(result.methods.items()), "other mechanics: not compared"

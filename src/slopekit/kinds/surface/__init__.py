@@ -25,7 +25,7 @@ from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.meshes import outward, read_mesh
 from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
 from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
-from slopekit.kinds.one_block import Cut, Solved, block_status, forces_of, limit_alone, result, solve
+from slopekit.kinds.one_block import DILATES, Cut, Solved, block_status, forces_of, limit_alone, result, solve
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
@@ -332,7 +332,7 @@ def _sideways(design: SurfaceDesign) -> bool:
 
 def _why_not(design: SurfaceDesign) -> str:
     if design.strength.dilation_deg:
-        return "the closed form knows no dilation: it is printed, not compared"
+        return DILATES
     return "the closed form turns on the true surface" if design.slip.normals == "facet" else ""
 
 

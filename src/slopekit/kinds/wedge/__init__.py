@@ -21,7 +21,7 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.secants import changed_laws
@@ -59,7 +59,8 @@ def cut(design: WedgeDesign) -> Cut:
     return Cut(
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
         [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, strengths, strict=True)],
-        lambda: _geometry(design, rock, block), _left_out(design, block),
+        lambda: _geometry(design, rock, block),
+        left_out_of_slope(["deformation of the rock"], CRACK in block.faces, design.strengths),
         {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
         | design.ponded(FACE, UPPER),
         FACE, design.refine, origin=np.array(design.origin_m),
@@ -92,8 +93,7 @@ def _height(design: WedgeDesign) -> float:
         return design.height_m
     from slopekit.kinds.wedge import limits
 
-    height: float = limits.fitted_height(design)
-    return height
+    return limits.fitted_height(design)
 
 
 def _scaled(design: WedgeDesign) -> Scaled | None:
@@ -434,15 +434,6 @@ def _geometry(design: WedgeDesign, rock: RockMass, block: Block) -> WedgeGeometr
     )  # fmt: skip
 
 
-def _left_out(design: WedgeDesign, block: Block) -> tuple[str, ...]:
-    left = ["bedrock (no unknowns)", "face and upper slope (free)", "deformation of the rock"]
-    if CRACK in block.faces:
-        left.append("contact across the tension crack")
-    if any(design.tension_kpa):
-        left.append("tensile strength at the limit (it is lost where a joint opens)")
-    return tuple(left)
-
-
 def _notices(design: WedgeDesign) -> Iterator[Notice]:
     """What a reader must know of the planes and the water of a wedge."""
     cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
@@ -567,4 +558,5 @@ KIND = kind_of_one_block(
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
     variants={"basal": _ON_THREE}, without_basal=_without_basal,
+    drawn_planes=lambda design: (f"joints.{design.joint_names[0]}.plane", f"joints.{design.joint_names[1]}.plane"),
 )  # fmt: skip

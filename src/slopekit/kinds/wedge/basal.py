@@ -31,7 +31,7 @@ from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds.closed_forms import ClosedForms
 from slopekit.kinds.held_bolts import Bounds, upward
-from slopekit.kinds.one_block import Cut
+from slopekit.kinds.one_block import Cut, left_out_of_slope
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
@@ -63,16 +63,11 @@ def cut(design: WedgeDesign) -> Cut:
     polygons = {joint: block.faces[joint] for joint in _IDS}
     strength = joint_strength(design.strengths)
     bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
-    left = ["bedrock (no unknowns)", "face and upper slope (free)", "deformation of the rock"]
-    left.append("the rock below the basal joint (it stays)")
-    if CRACK in block.faces:
-        left.append("contact across the tension crack")
-    if any(design.tension_kpa):
-        left.append("tensile strength at the limit (it is lost where a joint opens)")
+    left = ["deformation of the rock", "the rock below the basal joint (it stays)"]
     return Cut(
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
         [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, design.strengths, strict=True)],
-        lambda: _geometry(design, rock, block), tuple(left),
+        lambda: _geometry(design, rock, block), left_out_of_slope(left, CRACK in block.faces, design.strengths),
         {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
         | design.ponded(FACE, UPPER),
         FACE, design.refine, origin=np.array(design.origin_m),

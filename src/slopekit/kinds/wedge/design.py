@@ -121,6 +121,7 @@ class WedgeDesign(SlopeDesign):
     FILLS: ClassVar[bool] = True
     INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
+    CRACK_FROM: ClassVar[str] = "behind the crest along J1's trace"
     UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits", "crack_water_m", "laws", "made_of", "residuals")
 
     joints: tuple[Plane, Plane]
@@ -341,8 +342,6 @@ def _depth_of_water(reader: Reader, crack: Node) -> float | None:
 
 
 def crack_of_words(value: object, where: str) -> Crack:
-    if isinstance(value, Crack):
-        return value
     if isinstance(value, str) and "@" in value:
         plane, _, distance = value.partition("@")
         given: dict[str, object] = {"plane": plane, "distance": distance}

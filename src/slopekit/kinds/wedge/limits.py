@@ -106,23 +106,18 @@ def fitted(design: Any) -> Fitted:
     return Fitted(sizes, scale, by, why)
 
 
-def fitted_height(design: Any) -> Any:
-    """The height of the wedge itself, a number or (n,): that of the slope where nothing limits it.
+def fitted_height(design: Any) -> float:
+    """The height of one wedge itself, within its limits of size.
 
     Raises
     ------
     GeometryError
-        Of one design: E486 larger than its limits where these filter, E487 smaller than its least volume.
+        E486 larger than its limits where these filter, E487 smaller than its least volume.
     """
-    if design.limits is None:
-        return design.height_m
     found = fitted(design)
-    heights = np.asarray(design.height_m) * found.scale
-    if len(found.why) > 1:
-        return heights
     if found.why[0]:
         raise GeometryError([_fault(design, found)])
-    return float(heights[0])
+    return float(design.height_m * found.scale[0])
 
 
 def without(
@@ -140,18 +135,14 @@ def without(
     return np.where(gone, why + (first - 1), outcome).astype(np.int8), np.where(gone, np.nan, factor)
 
 
-def scaled(design: Any) -> Scaled | None:
-    """What the limits made of one wedge; None where there are none."""
-    if design.limits is None:
-        return None
+def scaled(design: Any) -> Scaled:
+    """What the limits made of one wedge."""
     found = fitted(design)
     return Scaled(float(found.scale[0]), LIMITED_BY[found.by[0]] or None)
 
 
 def in_words(design: Any) -> list[str]:
     """What the limits do to one wedge, for the sheet."""
-    if design.limits is None:
-        return []
     found, listed = fitted(design), limits_in_words(design)
     if not found.by[0]:
         return [f"within its limits of size: {listed}"]

@@ -116,9 +116,9 @@ def _trials(found: BenchDesigns) -> list[str]:
 # -- tables -----------------------------------------------------------------------------------------------------------
 
 
-def _size_columns(width: int = 7) -> list[Column[Any]]:
+def _size_columns() -> list[Column[Any]]:
     return [
-        Column("height", lambda row: row.height_m, "height_m", "m", ".4g", width,
+        Column("height", lambda row: row.height_m, "height_m", "m", ".4g", 7,
                text=lambda row: f"{row.height_m:.4g} m"),
         Column("face", lambda row: row.face_dip_deg, "face_dip_deg", "°", ".4g", 7,
                text=lambda row: f"{row.face_dip_deg:.4g}°"),

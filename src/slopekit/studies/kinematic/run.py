@@ -74,11 +74,6 @@ class Kinematic(Outcome):
         return ("stereonet",)
 
     @property
-    def exit_code(self) -> int:
-        """0, whatever was found."""
-        return 0
-
-    @property
     def counts(self) -> dict[str, int]:
         """How many joints and lines of intersection, by what could happen to them."""
         return self.modes.counts()

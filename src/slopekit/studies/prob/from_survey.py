@@ -18,6 +18,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.distributions import Fisher, Variable
 from slopekit.design.joint_lists import JointList, joint_list
+from slopekit.kinds import kind_of
 from slopekit.studies.prob.estimates import Share, share_of
 from slopekit.studies.prob.judged import Judged
 from slopekit.studies.prob.sampling import Samples
@@ -162,12 +163,12 @@ def surveyed(design: Design, survey: Any, draw: str, method: str, seed: int, opt
         correlation with the orientation of a joint, E433 sets where there are none; those of the list.
     """
     faults = []
-    names = getattr(design, "joint_names", ())
+    drawn = kind_of(design).drawn_planes
     plain = design.source.root.plain() if design.source is not None else None
     given = plain.get("joints") if isinstance(plain, dict) else None
-    if design.kind != "wedge" or not isinstance(given, dict) or "csv" in given:
+    if drawn is None or not isinstance(given, dict) or "csv" in given:
         message = f"a survey gives a wedge its two joints, this is a {design.kind}"
-        message += " whose joints are of a list" if design.kind == "wedge" else ""
+        message += " whose joints are of a list" if drawn is not None else ""
         faults.append(
             Fault("E430", message, option, "Write joints: {J1: {plane: 45/115}, ...}: their planes are drawn.")
         )
@@ -175,7 +176,7 @@ def surveyed(design: Design, survey: Any, draw: str, method: str, seed: int, opt
         faults.append(Fault("E431", f"{draw} is not a way to draw from a survey", "--draw", "Known: joints, sets."))
     if method != "monte-carlo":
         faults.append(Fault("E431", f"joints of a survey are drawn by monte-carlo, not by {method}", "--method"))
-    paths = tuple(f"joints.{name}.plane" for name in names)
+    paths: tuple[str, ...] = () if drawn is None else drawn(design)
     for one, other, _ in design.correlation:
         if _is_of(one, paths) or _is_of(other, paths):
             message = f"{one} and {other} are correlated, the planes come from a survey"

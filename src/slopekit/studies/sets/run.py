@@ -29,7 +29,7 @@ from slopekit.design.words import line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
 from slopekit.studies.protocol import DESK, Desk, Option, Outcome, Seed, documented, number_of, whole_number
-from slopekit.studies.sets.clustering import LEAST_JOINTS, MOST_SETS, Clusters, best, clusters_of, girdle_of
+from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of, girdle_of
 from slopekit.studies.sets.density import CONTOURS, Contours, densest
 from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
 from slopekit.studies.surveys import AJointList, Convention, SkipBad, left_out, survey_head
@@ -139,11 +139,6 @@ class JointSets(Outcome):
     def charts(self) -> tuple[str, ...]:
         """Its stereonet."""
         return ("stereonet",)
-
-    @property
-    def exit_code(self) -> int:
-        """0, whatever was found."""
-        return 0
 
     @property
     def are_given(self) -> bool:
@@ -420,6 +415,3 @@ def is_close(tried: Mapping[int, float], chosen: int) -> list[int]:
 def too_few(found: FoundSet) -> bool:
     """Whether a set has so few joints that its K says little."""
     return len(found.members) < _FEW
-
-
-__all__ = ["LEAST_JOINTS", "FoundSet", "JointSets", "is_close", "sets", "too_few"]

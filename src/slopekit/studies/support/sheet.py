@@ -51,7 +51,7 @@ def _own_bolts(design: Design) -> list[Entry]:
 def line_of(found: Support) -> str:
     """A line for each way the bolts act: reached, force, direction, bolts."""
     if found.stands:
-        return f"reached  nothing needed  {_level(found.pre_ie)}"
+        return f"reached  nothing needed  {level(found.pre_ie)}"
     lines = []
     for case in found.built:
         parts = [case.acts, "reached" if case.reached else "not reached"]
@@ -104,13 +104,14 @@ def _of_both(one: Case | Pressure) -> list[str]:
     return [str(need.notice) for need in (one.closed_form, one.pre_ie) if need and need.notice]
 
 
-def _level(answer: Answer) -> str:
+def level(answer: Answer) -> str:
+    """The factor of an answer."""
     return "no FoS" if answer.factor is None else f"FoS {factor_text(answer.factor)}"
 
 
 def _target(found: Support) -> list[str]:
     bare = found.pre_ie
-    now = f"as it stands {_level(bare)} by PRE-IE, {_level(found.closed_form)} by the closed form"
+    now = f"as it stands {level(bare)} by PRE-IE, {level(found.closed_form)} by the closed form"
     entries = [f"FoS {found.target:g}; {now}: {status_words(found.design, bare.status)}"]
     if bare.moments_govern:
         entries.append("moments govern: the closed form knows none, PRE-IE's numbers are those to use")
@@ -126,8 +127,8 @@ def _case(found: Support, case: Case) -> list[str]:
     if _same(found, case):
         return ["best of all directions: the same"]
     lines = [
-        f"{head} {line_in_words(case.toward)}: {_need(case.closed_form, found.unit, 'closed form')};  "
-        f"{_need(case.pre_ie, found.unit, 'PRE-IE')}"
+        f"{head} {line_in_words(case.toward)}: {needed(case.closed_form, found.unit, 'closed form')};  "
+        f"{needed(case.pre_ie, found.unit, 'PRE-IE')}"
     ]
     lines += _of_both(case)
     best, other = case.optimum, case.pre_ie
@@ -168,7 +169,8 @@ def _same(found: Support, case: Case) -> bool:
     return apart > 1.0 - 1e-9 and case.optimum is not None and case.optimum.is_minimum
 
 
-def _need(need: Need | None, unit: str, name: str) -> str:
+def needed(need: Need | None, unit: str, name: str) -> str:
+    """What a method needs, and the factor with it."""
     if need is None:
         return f"{name} not asked"
     if need.force is None:
@@ -225,7 +227,7 @@ def _pressure(pressure: Pressure, unit: str) -> list[str]:
     need, other = pressure.closed_form, pressure.pre_ie
     lines = [
         f"even on the face, {size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}, square to it "
-        f"({line_in_words(pressure.toward)}): {_need(need, 'kPa', 'closed form')};  {_need(other, 'kPa', 'PRE-IE')}"
+        f"({line_in_words(pressure.toward)}): {needed(need, 'kPa', 'closed form')};  {needed(other, 'kPa', 'PRE-IE')}"
     ]
     lines += _of_both(pressure)
     if pressure.use is not None:
@@ -251,8 +253,8 @@ def _crest(found: Support) -> list[str]:
             lines += [f"{head}: none.  {notice}" for notice in row.notices]
             continue
         lines.append(
-            f"{head} {line_in_words(row.toward)}: {_need(row.closed_form, found.unit, 'closed form')};  "
-            f"{_need(row.pre_ie, found.unit, 'PRE-IE')}"
+            f"{head} {line_in_words(row.toward)}: {needed(row.closed_form, found.unit, 'closed form')};  "
+            f"{needed(row.pre_ie, found.unit, 'PRE-IE')}"
         )
         lines += [str(need.notice) for need in (row.closed_form, row.pre_ie) if need and need.notice]
         if row.which == "best" and row.toward.plunge_deg <= low + 0.05:

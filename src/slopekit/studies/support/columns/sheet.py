@@ -2,11 +2,10 @@
 
 from operator import attrgetter
 
-from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, factor_text
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, Held
-from slopekit.studies.support.records import Need
-from slopekit.studies.support.search import Answer
+from slopekit.studies.support.sheet import level, needed
 from slopekit.studies.words import head, status_words
 
 _WHERE = {
@@ -44,7 +43,7 @@ def sheet_of(found: ColumnSupport) -> Sheet:
 def line_of(found: ColumnSupport) -> str:
     """A line for each way the anchor acts: reached, force, column."""
     if found.stands:
-        return f"reached  nothing needed  {_level(found.pre_ie)}"
+        return f"reached  nothing needed  {level(found.pre_ie)}"
     lines = []
     for acts in found.options.acts:
         best = found.least(acts)
@@ -57,29 +56,16 @@ def line_of(found: ColumnSupport) -> str:
     return "\n".join(lines)
 
 
-def _level(answer: Answer) -> str:
-    return "no FoS" if answer.factor is None else f"FoS {factor_text(answer.factor)}"
-
-
 def _target(found: ColumnSupport) -> list[str]:
-    now = f"as it stands {_level(found.pre_ie)} by PRE-IE"
-    now += "" if found.closed_form is None else f", {_level(found.closed_form)} by Goodman & Bray"
+    now = f"as it stands {level(found.pre_ie)} by PRE-IE"
+    now += "" if found.closed_form is None else f", {level(found.closed_form)} by Goodman & Bray"
     entries = [f"FoS {found.target:g}; {now}: {status_words(found.design, found.pre_ie.status)}"]
     return [*entries, "reached: no more support is needed"] if found.stands else entries
 
 
-def _need(need: Need, name: str, unit: str) -> str:
-    if need.force is None:
-        return f"{name} not reached" + ("" if need.fos is None else f" (at best FoS {factor_text(need.fos)})")
-    fos = "stands" if need.fos is None else f"FoS {factor_text(need.fos)}"
-    if need.force == 0.0:
-        return f"{name} needs none ({fos} as it is)"
-    return f"{name} {size_number(need.force)} {unit} (put back: {fos})"
-
-
 def _held(found: ColumnSupport, one: Held) -> list[str]:
-    said = [] if one.closed_form is None else [_need(one.closed_form, "Goodman & Bray", found.unit)]
-    said.append(_need(one.pre_ie, "PRE-IE", found.unit))
+    said = [] if one.closed_form is None else [needed(one.closed_form, found.unit, "Goodman & Bray")]
+    said.append(needed(one.pre_ie, found.unit, "PRE-IE"))
     x, _, z = one.at
     lines = [
         f"{one.column}, {_WHERE[one.where]}: {';  '.join(said)}",
