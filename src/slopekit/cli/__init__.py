@@ -29,6 +29,8 @@ except ModuleNotFoundError as error:
         raise
     print(said, file=sys.stderr)
     sys.exit(2)
+except KeyboardInterrupt:  # stopped while the libraries load
+    sys.exit(130)
 
 #: The first of the help; the studies follow, and the others.
 _FIRST = ("wedge", "run", "lint")
