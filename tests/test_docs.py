@@ -346,6 +346,14 @@ def test_the_key_tables_are_those_of_the_declared_fields() -> None:
     assert written(page) == page
 
 
+def test_defaults_of_a_kind_are_not_told_of_their_namesakes() -> None:
+    """A wedge takes 50 kPa and 20° for c and φ, and for no partial factor of c nor the φ of Clough & Duncan's law."""
+    page = PAGE.read_text(encoding="utf-8")
+    wedge = page.partition("<!-- keys of wedge -->")[2].partition("<!-- end of keys -->")[0]
+    told = dict(re.findall(r"^\| `([\w.]+\.(?:c|phi))` \|[^|]*\| ([^|]*) \|", wedge, flags=re.MULTILINE))
+    assert told == {"strength.NAME.c": "50", "strength.NAME.phi": "20"}
+
+
 #: Groups of a result whose keys are names of the design, stages or changes.
 _NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "factor_by_block", "checks",
           "inputs", "assumed", "timing_s", "pairs_by_mode", "sheet"}  # fmt: skip
