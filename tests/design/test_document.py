@@ -171,6 +171,10 @@ def test_missing_files_and_folders(tmp_path) -> None:
     written(tmp_path, WALL, "north-wall.yaml")
     missing = caught(lambda: load_document(tmp_path / "nort-wall.yaml"))
     assert str(missing.faults[0]).splitlines()[0] == "E147 nort-wall.yaml does not exist"
+    gone = caught(lambda: load_document(tmp_path / "templates" / "wedge.yaml"))  # as README has it, in another folder
+    assert gone.faults[0].advice.endswith(
+        "templates. wedge is a template: slopekit templates new wedge writes wedge.yaml."
+    )
     assert missing.faults[0].advice.endswith("north-wall.yaml?")
     assert caught(lambda: load_document(tmp_path / "north-wall")).faults[0].advice.endswith("north-wall.yaml?")
     assert "There is no folder" in caught(lambda: load_document(tmp_path / "no" / "x.yaml")).faults[0].advice
