@@ -376,6 +376,24 @@ def test_every_key_of_a_result_stands_on_its_page(template) -> None:
     assert sorted({key for key in _keys_in(document) if not re.search(rf"[`.]{key}`", page)}) == []
 
 
+def test_every_key_of_a_study_stands_on_its_page() -> None:
+    """Keys of the first level of what the goldens hold of every study, in the row of its file or of all studies."""
+    page = (ROOT / "docs/json.md").read_text(encoding="utf-8")
+    studies = page.partition("## Studies")[2]
+    shared = studies.partition("| file |")[0]
+    missing, seen = set(), set()
+    for path in sorted((ROOT / "tests/goldens/studies").glob("*.txt")):
+        for part in re.split(r"^=== ", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
+            file, _, lines = part.partition("\n")
+            keys = set(re.findall(r"^(\w+)(?:\.[^=\n]*)? = ", lines, re.MULTILINE))
+            if file.endswith(".json") and "study" in keys:
+                rows = re.findall(rf"^\| `{file.removeprefix('out/')}`.*$", studies, re.MULTILINE)
+                seen.add(file)
+                missing |= {(file, key) for key in keys if f"`{key}`" not in shared + "".join(rows)}
+    assert len(seen) >= 8
+    assert sorted(missing) == []
+
+
 def test_files_that_add_a_kind_names_exist() -> None:
     text = (ROOT / "docs/add-a-kind.md").read_text(encoding="utf-8")
     named = [name for name in re.findall(r"`([\w/.-]+\.py)`", text) if "KIND" not in name]

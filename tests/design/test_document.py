@@ -181,10 +181,11 @@ def test_missing_files_and_folders(tmp_path) -> None:
     assert caught(lambda: load_document(tmp_path / "north-wall.yaml" / "x")).codes == ("E147",)
     assert caught(lambda: load_document("a\0b")).codes == ("E147",)
     assert caught(lambda: load_document("a\udcffb")).codes == ("E147",)
+    written(tmp_path, WALL, ".hidden.yaml")
     folder = caught(lambda: load_document(tmp_path))
     assert folder.codes == ("E148",)
     assert "is a folder, a file is needed" in folder.faults[0].message
-    assert folder.faults[0].advice == "It holds north-wall.yaml."
+    assert folder.faults[0].advice == "It holds north-wall.yaml."  # no hidden file
     assert caught(lambda: load_document("x" * 5000)).codes == ("E148",)
 
 

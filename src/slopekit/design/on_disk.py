@@ -29,7 +29,9 @@ def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
                 fail("E147", f"{name} leads to {os.readlink(path)}, which does not exist", shown)
         raise DesignError([Fault("E147", f"{name} does not exist", shown, _nearest_file(Path(path)))]) from None
     except IsADirectoryError:
-        inside = sorted(name for name in _names_in(Path(path)) if name.endswith((".yaml", ".yml", ".csv")))[:5]
+        inside = sorted(
+            name for name in _names_in(Path(path)) if name.endswith((".yaml", ".yml", ".csv")) and name[0] != "."
+        )[:5]
         advice = f"It holds {', '.join(inside)}." if inside else ""
         raise DesignError([Fault("E148", f"{name} is a folder, a file is needed", shown, advice)]) from None
     except OSError as error:
