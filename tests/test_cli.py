@@ -292,3 +292,11 @@ def test_a_command_that_is_stopped_while_it_loads_ends_quietly(tmp_path) -> None
         env=os.environ | {"PYTHONPATH": path},
     )  # fmt: skip
     assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")
+
+
+@pytest.mark.parametrize("command", ["explain --all", "wedge --dips 45/115 45/245 --json"])
+def test_a_pipe_that_closes_is_no_criterion(command, tmp_path) -> None:
+    """`slopekit ... | head -1`: 141 as of other programs in a shell, not 1, which says that a criterion is not met."""
+    line = f"{sys.executable} -m slopekit.cli {command} | true; exit ${{PIPESTATUS[0]}}"
+    run = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    assert (run.returncode, run.stderr) == (141, "")
