@@ -7,6 +7,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
+from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
@@ -22,6 +23,7 @@ _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
+_HEIGHTS_M = (0.02, 2500.0)
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
@@ -73,6 +75,15 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > 5000.0:
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+
+
+def size_notices(height_m: float) -> Iterator[Notice]:
+    """W492: the blocks are higher than nearly any rock slope, or lower than a model of one in a laboratory."""
+    if not _HEIGHTS_M[0] <= height_m <= _HEIGHTS_M[1]:
+        shown, what, unit = number(float(f"{height_m:.4g}")), "lower than any slope", "km"
+        if height_m > _HEIGHTS_M[1]:
+            what, unit = "higher than nearly any rock slope", "mm"
+        yield Notice("W492", f"the blocks are {shown} m high, {what}: was a length typed in {unit}?")
 
 
 def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
