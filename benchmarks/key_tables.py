@@ -50,7 +50,8 @@ def _unit(field: Field) -> str:
 def _left_out(field: Field, defaults: Any) -> str:
     if field.left_out:
         return field.left_out
-    value = defaults.get(field.key, field.default) if "." in field.path else field.default
+    of_kind = field.path.count(".") == 1 or field.path in ("strength.*.c", "strength.*.phi")  # else a namesake
+    value = defaults.get(field.key, field.default) if of_kind else field.default
     if field.is_required or (field.may_lack and value is None):
         return "required"
     if value in (None, "", ()) or field.of is not None:

@@ -281,3 +281,22 @@ def test_a_link_that_leads_nowhere_is_said_to(tmp_path) -> None:
 def test_a_name_with_a_gap_is_quoted_to_be_typed(tmp_path) -> None:
     run = slopekit("templates", "new", "plane", "my cut.yaml", cwd=tmp_path)
     assert run.stdout == "wrote my cut.yaml; try: slopekit run 'my cut.yaml'\n"
+
+
+def test_a_command_that_is_stopped_while_it_loads_ends_quietly(tmp_path) -> None:
+    """Ctrl-C before the libraries are there: 130 and no traceback; `typer` stands for the one that loads just then."""
+    (tmp_path / "typer.py").write_text("raise KeyboardInterrupt\n")
+    path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
+    ended = subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", "wedge"], capture_output=True, text=True, check=False,
+        env=os.environ | {"PYTHONPATH": path},
+    )  # fmt: skip
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")
+
+
+@pytest.mark.parametrize("command", ["explain --all", "wedge --dips 45/115 45/245 --json"])
+def test_a_pipe_that_closes_is_no_criterion(command, tmp_path) -> None:
+    """`slopekit ... | head -1`: 141 as of other programs in a shell, not 1, which says that a criterion is not met."""
+    line = f"{sys.executable} -m slopekit.cli {command} | true; exit ${{PIPESTATUS[0]}}"
+    run = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    assert (run.returncode, run.stderr) == (141, "")

@@ -346,6 +346,14 @@ def test_the_key_tables_are_those_of_the_declared_fields() -> None:
     assert written(page) == page
 
 
+def test_defaults_of_a_kind_are_not_told_of_their_namesakes() -> None:
+    """A wedge takes 50 kPa and 20° for c and φ, and for no partial factor of c nor the φ of Clough & Duncan's law."""
+    page = PAGE.read_text(encoding="utf-8")
+    wedge = page.partition("<!-- keys of wedge -->")[2].partition("<!-- end of keys -->")[0]
+    told = dict(re.findall(r"^\| `([\w.]+\.(?:c|phi))` \|[^|]*\| ([^|]*) \|", wedge, flags=re.MULTILINE))
+    assert told == {"strength.NAME.c": "50", "strength.NAME.phi": "20"}
+
+
 #: Groups of a result whose keys are names of the design, stages or changes.
 _NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "factor_by_block", "checks",
           "inputs", "assumed", "timing_s", "pairs_by_mode", "sheet"}  # fmt: skip
@@ -366,6 +374,24 @@ def test_every_key_of_a_result_stands_on_its_page(template) -> None:
     with chdir(ROOT):
         document = json.loads(run_command(f"slopekit run templates/{template}.yaml --json")[1])
     assert sorted({key for key in _keys_in(document) if not re.search(rf"[`.]{key}`", page)}) == []
+
+
+def test_every_key_of_a_study_stands_on_its_page() -> None:
+    """Keys of the first level of what the goldens hold of every study, in the row of its file or of all studies."""
+    page = (ROOT / "docs/json.md").read_text(encoding="utf-8")
+    studies = page.partition("## Studies")[2]
+    shared = studies.partition("| file |")[0]
+    missing, seen = set(), set()
+    for path in sorted((ROOT / "tests/goldens/studies").glob("*.txt")):
+        for part in re.split(r"^=== ", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
+            file, _, lines = part.partition("\n")
+            keys = set(re.findall(r"^(\w+)(?:\.[^=\n]*)? = ", lines, re.MULTILINE))
+            if file.endswith(".json") and "study" in keys:
+                rows = re.findall(rf"^\| `{file.removeprefix('out/')}`.*$", studies, re.MULTILINE)
+                seen.add(file)
+                missing |= {(file, key) for key in keys if f"`{key}`" not in shared + "".join(rows)}
+    assert len(seen) >= 8
+    assert sorted(missing) == []
 
 
 def test_files_that_add_a_kind_names_exist() -> None:

@@ -42,6 +42,8 @@ OF_A_WEDGE = [
     ("W316", {"c": 50000}, "a cohesion of 50000 kPa"),
     ("W318", {"bolts": "9000000@000/00"}, "the loads drive the wedge upward"),
     ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
+    ("W492", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),
+    ("W492", {"height": 0.01}, "m high, lower than any slope: was a length typed in km?"),
     ("W379", {"face": "65/180"}, "not given, taken from the paper's wedge: upper, height, c, phi, density"),
 ]  # fmt: skip
 # code, template, changes, what the notice says
@@ -61,6 +63,10 @@ OF_A_FILE = [
     ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the static bound"),
     ("W323", "plane", {"loads": {"seismic": "0.2@270"}}, "the seismic load acts off the section: 0 % of it"),
     ("W321", "plane", {"slope.upper": "10/195"}, "the upper slope strikes 15° from the face"),
+    ("W492", "footing", {"weak_plane.length": 8000}, "the blocks are 5142 m high, higher"),
+    ("W492", "blocks", {"blocks": {"base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},
+                                   "B1": {"polygon": [[0, 0], [2000, 0], [2000, 3000], [0, 3000]]}},
+                        "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 0, "phi": 30}}}, "the blocks are 4000 m high"),
     ("W326", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
 ]  # fmt: skip
 
@@ -190,3 +196,8 @@ def test_every_code_has_a_test() -> None:
     tests = "".join(path.read_text() for path in Path(__file__).parent.rglob("*.py"))
     assert explanations().keys() - set(re.findall(r"\b[EW][0-9]{3}\b", tests)) - {"E599"} == set()
     assert len(explanations()) >= 60
+
+
+@pytest.mark.parametrize("height", [0.3, 15.0, 900.0])
+def test_heights_of_models_and_of_slopes_are_no_slips(height) -> None:
+    assert "W492" not in {notice.code for notice in sk.wedge(dips=DIPS, height=height).warnings}

@@ -7,6 +7,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
+from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
@@ -22,6 +23,7 @@ _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
+_HEIGHTS_M = (0.02, 2500.0)
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
@@ -100,6 +102,15 @@ def mesh_notices(change: float) -> Iterator[Notice]:
     """A limit that the last refinement of its node pairs still moved, by that part of it."""
     if change > MESH_CHANGE:
         yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {change * 100:.1f} %")
+
+
+def size_notices(height_m: float) -> Iterator[Notice]:
+    """W492: the blocks are higher than nearly any rock slope, or lower than a model of one in a laboratory."""
+    if not _HEIGHTS_M[0] <= height_m <= _HEIGHTS_M[1]:
+        shown, what, unit = number(float(f"{height_m:.4g}")), "lower than any slope", "km"
+        if height_m > _HEIGHTS_M[1]:
+            what, unit = "higher than nearly any rock slope", "mm"
+        yield Notice("W492", f"the blocks are {shown} m high, {what}: was a length typed in {unit}?")
 
 
 def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:

@@ -172,16 +172,21 @@ def test_missing_files_and_folders(tmp_path) -> None:
     written(tmp_path, WALL, "north-wall.yaml")
     missing = caught(lambda: load_document(tmp_path / "nort-wall.yaml"))
     assert str(missing.faults[0]).splitlines()[0] == "E147 nort-wall.yaml does not exist"
+    gone = caught(lambda: load_document(tmp_path / "templates" / "wedge.yaml"))  # as README has it, in another folder
+    assert gone.faults[0].advice.endswith(
+        "templates. wedge is a template: slopekit templates new wedge writes wedge.yaml."
+    )
     assert missing.faults[0].advice.endswith("north-wall.yaml?")
     assert caught(lambda: load_document(tmp_path / "north-wall")).faults[0].advice.endswith("north-wall.yaml?")
     assert "There is no folder" in caught(lambda: load_document(tmp_path / "no" / "x.yaml")).faults[0].advice
     assert caught(lambda: load_document(tmp_path / "north-wall.yaml" / "x")).codes == ("E147",)
     assert caught(lambda: load_document("a\0b")).codes == ("E147",)
     assert caught(lambda: load_document("a\udcffb")).codes == ("E147",)
+    written(tmp_path, WALL, ".hidden.yaml")
     folder = caught(lambda: load_document(tmp_path))
     assert folder.codes == ("E148",)
     assert "is a folder, a file is needed" in folder.faults[0].message
-    assert folder.faults[0].advice == "It holds north-wall.yaml."
+    assert folder.faults[0].advice == "It holds north-wall.yaml."  # no hidden file
     assert caught(lambda: load_document("x" * 5000)).codes == ("E148",)
 
 

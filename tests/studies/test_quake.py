@@ -542,7 +542,7 @@ def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None
     assert "the factor of safety jumps from" in ours.why_not
     assert found.moments_govern
     assert found.agree is None
-    assert [notice.code for notice in found.warnings] == ["W462", "W465"]
+    assert [notice.code for notice in found.warnings] == ["W462", "W465", "W491"]
     assert " cm (W465)  not compared  W462  W465" in found.line
     assert "no displacement stands for what follows" in str(found)
     below, above = (

@@ -1,6 +1,7 @@
 """A load of many blocks straight from the path in it."""
 
 import math
+from contextlib import suppress
 
 import pytest
 
@@ -221,3 +222,65 @@ def test_the_benchmark_takes_the_way_of_solve() -> None:
 
 def _column(k: float) -> dict:
     return COLUMN | {"loads": {"seismic": {"k": k, "toward": "090"}}}
+
+
+def _cut_short(_: object) -> None:
+    """The path in the load, which uses up the work that it may take."""
+    with suppress(effort.EffortSpentError):
+        effort.spend(0.6 * effort.MOST)  # a half is for the path
+
+
+@pytest.mark.parametrize("lower", [False, True])
+def test_a_history_cut_short_is_said_not_to_be_compared(monkeypatch, lower) -> None:
+    """W489: the value is right, but only one of the two histories was followed to its end."""
+    monkeypatch.setattr(by_factor, "_path_in_load", _cut_short)
+    found = by_factor.for_factor(_slab(), KEY, 1.0, None, ALONE, lambda _: None, lower=lower)
+    assert found.answer.value == pytest.approx(YIELD, rel=2e-6)
+    (said,) = found.warnings
+    assert said.code == "W489"
+    assert "the work for the load coming on last was done" in said.message
+    assert found.to_dict()["pre_ie"]["roots"][0]["not_compared"] in said.message
+
+
+def test_a_factor_that_was_not_found_is_said_not_to_be_compared(monkeypatch) -> None:
+    """The path in the load has its limit state; its factor with the strength divided last would take too much."""
+    monkeypatch.setattr(by_factor, "_PUT_BACK", 1.0)
+    found = sk.solve(_slab(), KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(YIELD, rel=1e-9)
+    assert [notice.code for notice in found.warnings] == ["W489"]
+    assert "their factor with the strength divided last" in found.warnings[0].message
+
+
+def test_an_earthquake_says_that_histories_were_not_compared(monkeypatch) -> None:
+    """W489 on the sheet of `quake`, and none where both histories have ended."""
+    records = "sine:0.5g,1Hz"
+    assert "W489" not in str(sk.quake(_slab(), records))
+    monkeypatch.setattr(by_factor, "_path_in_load", _cut_short)
+    found = sk.quake(_slab(), records)
+    assert "W489 the order of loads was not compared" in str(found)
+    assert found.to_dict()["yield"][0]["not_compared"]
+
+
+def test_a_path_that_ends_beyond_the_range_is_said(monkeypatch) -> None:
+    """Blocks that lock, and fail at k 6.2 only: no value up to 2 gives the target, and why is said (W491)."""
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(6.2, "slides_up", None))
+    locked = with_values(_slab(), {"loads.seismic.toward": 90.0, "strength.joint.phi": 85.0})
+    found = sk.solve(locked, KEY, fos=1.0)
+    assert found.answer is None
+    assert found.reason.code == "E315"
+    assert [notice.code for notice in found.warnings] == ["W491"]
+    assert "fail at k 6.2 only" in found.warnings[0].message
+    assert found.to_dict()["load_last_beyond"] == 6.2
+    shaken = sk.quake(locked, "sine:3g,1Hz")
+    assert [notice.code for notice in shaken.warnings] == ["W463", "W491"]
+
+
+@pytest.mark.parametrize(("height", "said"), [(0.8, True), (1.05, False)])
+def test_a_coefficient_beyond_any_earthquake_is_said(height, said) -> None:
+    """A block 1 m wide tips at 1 / height: more than 1 g is no earthquake's."""
+    blocks = COLUMN["blocks"] | {"B1": {"polygon": [[0, 0], [1, 0], [1, height], [0, height]]}}
+    flat = sk.load(COLUMN | {"blocks": blocks})
+    found = sk.solve(flat, KEY, fos=1.0)
+    assert found.answer.value == pytest.approx(1.0 / height, rel=1e-9)
+    assert ("W491" in [notice.code for notice in found.warnings]) == said
+    assert ("W491" in str(sk.quake(flat, "sine:1g,1Hz"))) == said

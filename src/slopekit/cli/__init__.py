@@ -29,6 +29,8 @@ except ModuleNotFoundError as error:
         raise
     print(said, file=sys.stderr)
     sys.exit(2)
+except KeyboardInterrupt:  # stopped while the libraries load
+    sys.exit(130)
 
 #: The first of the help; the studies follow, and the others.
 _FIRST = ("wedge", "run", "lint")
@@ -138,7 +140,10 @@ def _refuse_swallowed(declared: Iterable[Any], arguments: Sequence[str]) -> None
 
 
 def main() -> None:
-    """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
+    """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug.
+
+    As a shell has it 130 after Ctrl-C, and 141 where what reads the output goes away.
+    """
     atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
         _refuse_repeats(sys.argv[1:])
@@ -168,10 +173,16 @@ def main() -> None:
         print_faults(DesignError([Fault("E129", f"the output cannot be written: {error.strerror}", "stdout")]), True)
         _leave_alone(sys.stdout)
         sys.exit(2)
+    except SystemExit:
+        if type(sys.stdout).__name__ == "PacifyFlushWrapper":  # click's, put there as it ends with 1 at a closed pipe
+            sys.exit(_PIPE_CLOSED)
+        raise
     except Exception as error:
         _say_bug(error)
     sys.exit(code if isinstance(code, int) else 0)
 
+
+_PIPE_CLOSED = 128 + 13  # 1 would be a criterion that is not met
 
 #: A disk or a quota that is full, a device that takes nothing.
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}

@@ -29,7 +29,9 @@ def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
                 fail("E147", f"{name} leads to {os.readlink(path)}, which does not exist", shown)
         raise DesignError([Fault("E147", f"{name} does not exist", shown, _nearest_file(Path(path)))]) from None
     except IsADirectoryError:
-        inside = sorted(name for name in _names_in(Path(path)) if name.endswith((".yaml", ".yml", ".csv")))[:5]
+        inside = sorted(
+            name for name in _names_in(Path(path)) if name.endswith((".yaml", ".yml", ".csv")) and name[0] != "."
+        )[:5]
         advice = f"It holds {', '.join(inside)}." if inside else ""
         raise DesignError([Fault("E148", f"{name} is a folder, a file is needed", shown, advice)]) from None
     except OSError as error:
@@ -51,13 +53,19 @@ def _names_in(folder: Path) -> list[str]:
 def _nearest_file(path: Path) -> str:
     with suppress(OSError, ValueError):
         if not path.parent.is_dir():
-            return f"There is no folder {printable(str(path.parent))}."
+            there = f"There is no folder {printable(str(path.parent))}."
+            return " ".join(filter(None, (there, _template(path))))
     names = {name.lower(): name for name in sorted(_names_in(path.parent))}
     near = get_close_matches(path.name.lower(), names, n=1) or [
         name for name in names if name.startswith(path.name.lower() + ".")
     ]
     if near:
         return f"Did you mean {printable(str(path.parent / names[near[0]]))}?"
+    return _template(path)
+
+
+def _template(path: Path) -> str:
+    """How to write a template of that name here; empty where there is none."""
     from slopekit.design.templates import path_of  # what is there is not asked for
 
     with suppress(DesignError):

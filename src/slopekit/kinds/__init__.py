@@ -1,10 +1,12 @@
 """The kinds of design: one file a kind, loaded when a design of it is asked for."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from slopekit.design import registry
 from slopekit.design.common import Design
+from slopekit.notices import size_notices
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -50,6 +52,8 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
 
         required()
     result = kind.analyse(design)
+    if said := tuple(size_notices(result.geometry.total_height_m)):
+        result = replace(result, warnings=(*result.warnings, *said))
     if any(strength.residual for strength in kind.strengths(design)):
         from slopekit.kinds.residual import with_residual
 

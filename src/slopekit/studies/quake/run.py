@@ -40,6 +40,7 @@ from slopekit.studies.quake.yielding import (
     yields_of,
 )
 from slopekit.studies.running import checked_crew
+from slopekit.studies.solve.solutions import beyond_sense, one_history
 
 _ABOUT = 150  # evaluations: for the bar
 _MOST_DRAWN = 2000  # points of a motion in JSON
@@ -371,7 +372,7 @@ def quake(
         shaken, motion = _shaken(static, yields[0], taken, advance)
         in_six = None if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
         out = other_way(static, yields[0], advance)
-    warnings = (*_into(static, yields[0], out), *_notices(static, yields, shaken), *_of_six(in_six))
+    warnings = (*_into(static, yields[0], out), *_notices(static, yields, shaken, out is None), *_of_six(in_six))
     trend = static.seismic.trend_deg
     beside = None if in_six is None else _beside(in_six.motion, static, yields[0], taken)
     return Quake(
@@ -452,8 +453,8 @@ def _of_six(found: InSix | None) -> list[Notice]:
     ]  # fmt: skip
 
 
-def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) -> list[Notice]:
-    """What is to be known: of the records, of κ, of the methods."""
+def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], outwards: bool) -> list[Notice]:
+    """What is to be known: of the records, of κ, of the methods; W467 says what is of shaking into the slope."""
     found = [notice for one in shaken for notice in one.record.notices]
     ours = yields[0]
     if ours.coefficient is not None and ours.factor is None:
@@ -469,6 +470,7 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     if ours.runs is not None:
         found.append(Notice("W469", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
                             f"state at rest, at {shown_k(ours.runs)} the blocks run"))  # fmt: skip
+    found += one_history(ours.not_compared, f"k_y {shown_k(ours.coefficient)}")
     if ours.coefficient is None:
         found.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]
@@ -482,4 +484,5 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     elif ours.jumps:
         found.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
                             "gone"))  # fmt: skip
+    found += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
     return [*found, *means_taken(static, [KEY])]

@@ -55,6 +55,8 @@ class Yield:
     alone_at : where the motion of all did not settle, the k_y of that block with all others held, whose factor it is
     first_factor : the factor right at the coefficient, where contacts change just above it and it becomes `factor`
     runs : where the coefficient is that of the last state at rest, the first at which the blocks run
+    not_compared : of many blocks, why the other of the two histories of the shaking says nothing of the coefficient
+    beyond : where no k up to 2 moves them, that at which they fail as the shaking comes on last
     before : the factor of safety without an earthquake; inf where nothing drives
     agree : whether the methods agree there on the same assumptions; None where that is not judged
     """
@@ -70,6 +72,8 @@ class Yield:
     alone_at: float | None = None
     first_factor: float | None = None
     runs: float | None = None
+    not_compared: str = ""
+    beyond: float | None = None
 
     @property
     def jumps(self) -> bool:
@@ -134,6 +138,10 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
         raise DesignError([reason])
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
     found = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
+    if found and found[0].method == "pre_ie":
+        why = "" if solution.answer is None else solution.answer.not_compared
+        beyond = solution.load_last_beyond if found[0].coefficient is None else None
+        found[0] = replace(found[0], not_compared=why, beyond=beyond)
     if len(found) > 1 and found[1].coefficient is None and found[0].coefficient is not None:
         at = point_of(static, {KEY: found[0].coefficient})
         advance(1)

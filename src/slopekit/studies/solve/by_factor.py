@@ -85,7 +85,7 @@ def for_factor(
     low, high = parse_within(one, text if equals else within)
     target, own = _target(design, fos)
     closed: Answers | None = None
-    spent = False
+    spent, beyond = False, None
     asked = _Asked(design, one, low, high, target, crew, advance)
     if kind_of(design).closed_form is not None:
         quick = asked.search("closed_form")
@@ -98,12 +98,13 @@ def for_factor(
     else:
         search, whole = asked.search("pre_ie", slow=True), bool(equals) or within is not None
         if kind_of(design).at_load is not None and _LOAD.fullmatch(one.path):
-            pre_ie, spent = _of_load(replace(asked, crew=ALONE), whole, lower)
+            pre_ie, spent, beyond = _of_load(replace(asked, crew=ALONE), whole, lower)
         else:
             pre_ie = _answers("pre_ie", asked, search, _look_roughly(search, asked, whole))
     if closed is not None:
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
-    solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent)
+    solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent,
+                        load_last_beyond=beyond)  # fmt: skip
     solution = replace(solution, rounded=_rounded(solution, asked), warnings=tuple(notices(solution)))
     return replace(solution, seconds=time.perf_counter() - began)
 
@@ -266,22 +267,46 @@ def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Cro
 # -- a load on many blocks: the path in it says where to look, and is the other end of what histories give -------------
 
 
-def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool]:
-    """What there is of a load on many blocks within the work of one answer, and whether that was all done."""
+def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool, float | None]:
+    """What there is of a load on many blocks within the work of one answer.
+
+    With it whether that work was all done, and where the blocks fail as the load comes on last, beyond the range.
+    """
     search = Search(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
                     near=_LOAD_NEAR, same=_SAME, jump=_LOAD_JUMP)  # fmt: skip
     with effort.allowed(effort.MOST):
         with effort.part(_OF_PATH):
-            last = _path_in_load(asked)
+            last, beyond = _path_in_load(asked), None
+            cut = last is None and effort.is_spent()
+        if last is not None and not asked.low <= last.multiplier <= asked.high:
+            last, beyond = None, last.multiplier
         direct, jumps, found = _driven(search, asked, whole, lower, last)
         spent = effort.is_spent()
     answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct, jumps)
     if spent and not answers.roots:
-        return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True
-    if answers.roots and last is not None and direct is not last:
-        first = replace(answers.roots[0], load_last=(last.multiplier, last.runs))
+        return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True, beyond
+    if answers.roots:
+        first = answers.roots[0]
+        if last is not None and direct is not last:
+            first = replace(first, load_last=(last.multiplier, last.runs))
+        first = replace(first, not_compared=_not_compared(asked, first, cut, beyond))
         answers = replace(answers, roots=(first, *answers.roots[1:]))
-    return answers, spent
+    return answers, spent, beyond
+
+
+def _not_compared(asked: _Asked, found: Found, cut: bool, beyond: float | None) -> str:
+    """Why the other of the two histories of a load says nothing of a value; empty where it does."""
+    if cut:
+        return "the work for the load coming on last was done before the blocks were at their limit"
+    if beyond is not None:
+        return f"as the load comes on last the blocks fail at {asked.key.shown(beyond)} only, beyond what was looked at"
+    if found.put_back or found.strength_last is not None:
+        return ""
+    there = asked.points.get(found.value)
+    status = "" if there is None else status_of(there, "pre_ie")
+    if status in ("", "not_converged"):
+        return "the work for their factor with the strength divided last was done, or it was not found"
+    return f"with the strength divided last they have no factor there ({status})"
 
 
 def _path_in_load(asked: _Asked) -> AtLoad | None:
@@ -291,8 +316,7 @@ def _path_in_load(asked: _Asked) -> AtLoad | None:
     without, unit = (
         with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
     )
-    found = at_load(without, unit, asked.target)
-    return found if found is not None and asked.low <= found.multiplier <= asked.high else None
+    return at_load(without, unit, asked.target)
 
 
 def _driven(

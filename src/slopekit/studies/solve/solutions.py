@@ -22,6 +22,7 @@ TOLERANCE: dict[Method, float] = {"closed_form": 1e-9, "pre_ie": 1e-6}
 #: Factors this near to each other (relative) are the same.
 ALIKE = 1e-9
 _HUGE = 1e6
+GREATEST_K = 1.0  # of the ground's acceleration in g: hardly a record of a strong earthquake has more
 _MOST_LISTED = 6
 End = tuple[float, float] | None
 
@@ -44,6 +45,8 @@ class Found:
     load_last : of a load on many blocks, the value at which they fail as it comes on last, and, where it is that of the
         last state at rest, the first at which they run
     jumps : whether the factor, put back, was seen to fall past the target at once there
+    not_compared : of a load on many blocks, why the other of its two histories says nothing of the value; empty where
+        both do
     """
 
     how: Literal["root", "jump", "gap"]
@@ -57,6 +60,7 @@ class Found:
     strength_last: float | None = None
     load_last: tuple[float, float | None] | None = None
     jumps: bool = False
+    not_compared: str = ""
 
     @property
     def from_path(self) -> bool:
@@ -107,6 +111,8 @@ class Solution(Outcome):
     closed_form : None where the kind has none that is quick; pre_ie
     rounded : the first root of PRE-IE in four digits on the safe side, with the factor there; None without a root
     spent : whether the work that one answer may take was done before all was looked at
+    load_last_beyond : of a load on many blocks, the value at which they fail as it comes on last, where that lies
+        beyond those that were looked at
     """
 
     name: ClassVar[str] = "solve"
@@ -122,6 +128,7 @@ class Solution(Outcome):
     warnings: tuple[Notice, ...] = ()
     seconds: float = field(default=0.0, compare=False)
     spent: bool = False
+    load_last_beyond: float | None = None
 
     @property
     def answer(self) -> Found | None:
@@ -178,6 +185,7 @@ class Solution(Outcome):
             "closed_form": None if self.closed_form is None else self._answers(self.closed_form),
             "pre_ie": self._answers(self.pre_ie),
             "reason": json_of(self.reason),
+            "load_last_beyond": self.load_last_beyond,
             "timing_s": {"total": self.seconds},
             **self.words(),
         }
@@ -207,6 +215,7 @@ class Solution(Outcome):
             "put_back": found.both.to_dict() if of_it else None, "strength_last": json_of(found.strength_last),
             "load_last": None if found.load_last is None
             else dict(zip(("value", "runs"), found.load_last, strict=True)),
+            "not_compared": found.not_compared,
         }  # fmt: skip
 
 
@@ -285,7 +294,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358, W469, W476 to W478, and means taken (W320)."""
+    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, and means taken (W320)."""
     key, target, found = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -320,8 +329,10 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
     key, target, found = solution.key, solution.target, solution.answer
     if solution.spent:
         yield Notice("W478", "the work that one answer may take was done before all was looked at")
+    yield from beyond_sense(key.path, None if found is None else found.value, solution.load_last_beyond)
     if found is None:
         return
+    yield from one_history(found.not_compared, key.shown(found.value))
     last = "none" if found.strength_last is None else shown(found.strength_last)
     if found.runs is not None:
         yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(found.value)} and "
@@ -343,6 +354,23 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
         yield Notice("W477", "the order of loads counts: as this load comes on last the blocks are at their limit at "
                              f"{key.shown(found.value)}, which is given; with the strength divided last their factor "
                              f"there is {last}, and none below {number(target)} was seen")  # fmt: skip
+
+
+def one_history(not_compared: str, value: str) -> Iterator[Notice]:
+    """W489 where the other of two histories of a load says nothing of a value."""
+    if not_compared:
+        text = f"the order of loads was not compared: {not_compared}; {value} is of one history alone"
+        yield Notice("W489", text)
+
+
+def beyond_sense(path: str, value: float | None, last: float | None) -> Iterator[Notice]:
+    """W491 where a seismic coefficient is more than earthquakes give: its value, or where the blocks fail at last."""
+    at = last if value is None else value
+    if path == "loads.seismic.k" and at is not None and at > GREATEST_K:
+        where = "the blocks fail" if value is None else "k"
+        shown = f" at k {number(float(f'{at:.3g}'))} only, which" if value is None else f" {number(float(f'{at:.3g}'))}"
+        yield Notice("W491", f"{where}{shown} is beyond what nearly any earthquake gives (1 g): something else than "
+                             "shaking decides")  # fmt: skip
 
 
 def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
