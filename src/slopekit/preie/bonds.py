@@ -1,0 +1,147 @@
+"""Which contacts of many blocks have lost their cohesion where they fail: rounds of limits, and of their motions.
+
+A flat contact that a motion opens anywhere touches along a line at most: all its cohesion goes, and the limit is looked
+for again. A motion begins at its own factor and breaks nothing before. So where a lesser motion, at a lower factor,
+slides on a closed contact whose cohesion an earlier one has opened, it is not there: strength that falls slowly comes
+to that factor with the contact whole. Such a bond is kept. Where the motion that it holds opens it again the bond
+breaks as that motion begins: the limit is that motion's, less what the cohesion that it opens does of its work,
+
+    λ' (P·v - λ Σ_kept c |s|) = λ P·v        (of a load α R:  α' R·v = α R·v - λ Σ_kept c |s|)
+
+Other bonds that the last motion leaves closed come back once. Every bond breaks twice at most and is kept once: the
+rounds end.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.records import dataclass
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.path_limit import PathLimit, PathOutcome
+from slopekit.preie.tolerances import NO_MOTION, OPENS_ROUGHLY, TINY
+
+_MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact, keeps it or gives it back
+
+Search = Callable[[Floats, bool], tuple[PathLimit, bool]]
+"""The limit with bonds (m,), whether all blocks have to vouch for it, and whether they do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bonded:
+    """A limit and the bonds there.
+
+    Attributes
+    ----------
+    limit : its parameter is that without cohesion where its motion opens
+    bond : (m,) 0 where a pair has lost its cohesion
+    whole : the parameter with all bonds
+    least : of the rounds, the parameter at which blocks would move without the bonds that are kept; None where none is
+    kept : contacts whose bond the motion opens and that keep it; share : part of the motion's work that they did
+    unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
+    """
+
+    limit: PathLimit
+    bond: Floats
+    whole: float | None
+    least: float | None = None
+    kept: int = 0
+    share: float = 0.0
+    unsettled: float | None = None
+
+
+class _Rounds:
+    """What contacts (k,) have lost, and the rounds that say so."""
+
+    def __init__(self, model: AssemblyModel) -> None:
+        self.model, contacts = model, len(model.plus)
+        self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
+        self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
+        self.times = np.zeros(contacts, dtype=np.int64)
+        self.whole: float | None = None
+        self.least: float | None = None
+        self.unsettled: float | None = None
+
+    @property
+    def bond(self) -> Floats:
+        """(m,) 0 where a pair has lost its cohesion."""
+        left: Floats = np.where(self.lost[self.model.pair_contact], 0.0, 1.0)
+        return left
+
+    def after(self, path_end: PathLimit) -> bool:
+        """Whether bonds break, are kept or come back after a round."""
+        self.whole = path_end.parameter if self.whole is None else self.whole
+        opens, slips = _moves(self.model, path_end)
+        breaks = opens & self.bonded & ~self.lost & ~self.kept
+        if breaks.any():
+            self.lost, self.times = self.lost | breaks, self.times + breaks
+            if not path_end.found and self.unsettled is None:
+                self.unsettled = path_end.parameter
+            return True
+        closed = self.lost & ~opens
+        slid_on = closed & slips
+        if slid_on.any():
+            self.lost, self.kept = self.lost & ~slid_on, self.kept | slid_on
+            self.least = path_end.parameter
+            return True
+        back = closed & (self.times < 2)
+        self.lost = self.lost & ~back
+        return bool(back.any())
+
+    def ended(self, path_end: PathLimit, working: Floats, load_grows: bool) -> Bonded:
+        """The limit less the work of the cohesion that is kept and opens."""
+        model = self.model
+        opens, _ = _moves(model, path_end)
+        opens &= self.kept
+        if path_end.parameter is None or not opens.any():
+            return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled)
+        _, slip = model.opening_and_slip(path_end.motion)
+        cohesion = model.by_group(np.where(opens[model.pair_contact], model.cohesion, 0.0))
+        did = path_end.reduction * float(cohesion @ np.sqrt((slip * slip).sum(axis=1)))
+        works = float(working @ path_end.motion)
+        parameter, share = path_end.parameter, did / works
+        less = parameter - share if load_grows else parameter / max(1.0 - share, TINY)
+        if self.least is not None:  # what stands without those bonds stands with them
+            less = max(less, self.least) if load_grows else min(less, self.least)
+        share = 1.0 - (less / parameter if load_grows else parameter / less)
+        return Bonded(
+            replace(path_end, parameter=less), self.bond, self.whole, self.least, int(opens.sum()), share,
+            self.unsettled,
+        )  # fmt: skip
+
+
+def with_bonds(model: AssemblyModel, once: Search, working: Floats, load_grows: bool = False) -> Bonded:
+    """The limit with the bonds that its own motion leaves whole.
+
+    Parameters
+    ----------
+    once : finds the limit with some bonds
+    working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
+    """
+    rounds, vouched = _Rounds(model), True
+    for _ in range(_MOST_ROUNDS):
+        path_end, all_rest = once(rounds.bond, vouched)
+        runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
+        if not runs or not rounds.bonded.any():
+            whole = rounds.whole or path_end.parameter
+            return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled)
+        changed = rounds.after(path_end)
+        if all_rest and not changed:
+            return rounds.ended(path_end, working, load_grows)
+        vouched = not changed
+    return Bonded(replace(path_end, outcome=PathOutcome.GAVE_UP), rounds.bond, rounds.whole)
+
+
+def _moves(model: AssemblyModel, path_end: PathLimit) -> tuple[Bools, Bools]:
+    """Contacts (k,) that a motion opens anywhere, beyond what slip opens by itself, and those on which it slips."""
+    opening, slip = model.opening_and_slip(path_end.motion)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    dilation = np.minimum(model.tan_dilation, path_end.reduction * model.tan_friction)
+    least = NO_MOTION if path_end.outcome is PathOutcome.LIMIT else OPENS_ROUGHLY
+    fastest = max(float(np.abs(opening).max()), float(size.max()))
+    apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
+    opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0
+    slips: Bools = np.bincount(model.group_contact, size > OPENS_ROUGHLY * fastest, len(model.plus)) > 0
+    return opens, slips
