@@ -19,7 +19,7 @@ from typing import Protocol
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, frozen
+from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.onlooker import told_times
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
@@ -29,6 +29,7 @@ from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
+from slopekit.preie.flow import relaxed
 from slopekit.preie.loads_last import FIRST_LOAD, LoadsOn, loads_last
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import first_peak, follow
@@ -128,6 +129,9 @@ class Proposal(Protocol):
     def limit_alone(self, bond: Floats) -> PathLimit | None:
         """That of the blocks which failed last, all others held; None where there is none."""
 
+    def peak(self) -> PathLimit | None:
+        """The peak of proposed blocks with which no limit was found last, where the path of all takes long."""
+
     def begins_with(self, motion: Floats) -> None:
         """Blocks that move in a motion (N,) of all, and their neighbours, are proposed first from now on."""
 
@@ -208,6 +212,7 @@ def _limit_of(
 ) -> BlocksLimit:
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
     steps, loads = 0, LoadsOn()
+    snapped: set[bytes] = set()  # bonds with which a peak was taken for a round
 
     def once(bond: Floats, vouched: bool) -> tuple[PathLimit, bool]:
         nonlocal steps, loads
@@ -225,6 +230,11 @@ def _limit_of(
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
             return _weaker(settled, 1.0 / unit), True
+        peak = None if proposal is None or bond.tobytes() in snapped else proposal.peak()
+        if proposal is not None and peak is not None and model.cohesion.any():  # it may break bonds
+            snapped.add(bond.tobytes())
+            proposal.begins_with(peak.motion)
+            return _weaker(peak, 1.0 / unit), False
         with told_times(unit, "divided by"):
             found, loads, work = _on_path(model, unit, bond, bound, ratio)
         steps += work
@@ -232,8 +242,11 @@ def _limit_of(
             proposal.begins_with(found.motion)
         return found, True
 
+    def pressed(bond: Floats, reduction: float) -> Bools | None:
+        return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
+
     try:
-        ended = with_bonds(model, once, model.load.ravel())
+        ended = with_bonds(model, once, pressed, model.load.ravel())
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
@@ -317,13 +330,24 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     """The limit with what is known of its bonds."""
     if ended.unsettled is not None:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
-    if ended.whole and (ended.bond == 0.0).any():
+    if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
         limit = replace(limit, bonded=1.0 / ended.whole)
     if not ended.kept or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
     unbonded = None if ended.least is None else 1.0 / ended.least
     return replace(limit, basis=basis, kept=ended.kept, kept_share=ended.share, unbonded=unbonded)
+
+
+def _pressed(bed: Bed, parameter: float) -> Bools | None:
+    """Contacts (k,) that are pressed anywhere as blocks rest on their elastic joints; None where they do not rest."""
+    flow = relaxed(bed, bed.elastic_displacement, parameter, 0.0)
+    if flow.ended != "rest":
+        flow = relaxed(bed, np.zeros(bed.size), parameter, 1.0)
+    if flow.ended != "rest":
+        return None
+    found: Bools = np.bincount(bed.model.pair_contact, flow.forces.touching, bed.contacts) > 0
+    return found
 
 
 def _off(model: AssemblyModel, path_end: PathLimit) -> float:
@@ -369,8 +393,11 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
             none = np.zeros(bed.size)
             return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)), True
 
+    def pressed(bond: Floats, multiplier: float) -> Bools | None:
+        return _pressed(Bed(model, Drive(own, grows, reduction), bond), multiplier)
+
     with allowed(MOST):
-        ended = with_bonds(model, once, grows, load_grows=True)
+        ended = with_bonds(model, once, pressed, grows, load_grows=True)
     path_end, bond = ended.limit, ended.bond
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK

@@ -8,8 +8,9 @@ breaks as that motion begins: the limit is that motion's, less what the cohesion
 
     λ' (P·v - λ Σ_kept c |s|) = λ P·v        (of a load α R:  α' R·v = α R·v - λ Σ_kept c |s|)
 
-Other bonds that the last motion leaves closed come back once. Every bond breaks twice at most and is kept once: the
-rounds end.
+or, if that is less, the factor up to which blocks at rest on their elastic joints press that contact anywhere: one
+that is open all over has lost its bond, and the lesser motion begins. Other bonds that the last motion leaves closed
+come back once. Every bond breaks twice at most and is kept once: the rounds end.
 """
 
 from collections.abc import Callable
@@ -21,12 +22,17 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.path_limit import PathLimit, PathOutcome
-from slopekit.preie.tolerances import NO_MOTION, OPENS_ROUGHLY, TINY
+from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, TINY
 
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact, keeps it or gives it back
+_HALVINGS = 7  # between the factors at which a bond that is kept breaks and does not
+_JUST = 0.98  # of the way to a limit: there contacts that its motion opens are open all over if they are before it
 
 Search = Callable[[Floats, bool], tuple[PathLimit, bool]]
 """The limit with bonds (m,), whether all blocks have to vouch for it, and whether they do."""
+
+Pressed = Callable[[Floats, float], Bools | None]
+"""Contacts (k,) that are pressed anywhere at rest with bonds (m,) at a parameter; None where there is no rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +66,7 @@ class _Rounds:
         self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
         self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
         self.times = np.zeros(contacts, dtype=np.int64)
+        self.gone = np.zeros(contacts, dtype=bool)  # for good
         self.whole: float | None = None
         self.least: float | None = None
         self.unsettled: float | None = None
@@ -80,7 +87,7 @@ class _Rounds:
             if not path_end.found and self.unsettled is None:
                 self.unsettled = path_end.parameter
             return True
-        closed = self.lost & ~opens
+        closed = self.lost & ~opens & ~self.gone
         slid_on = closed & slips
         if slid_on.any():
             self.lost, self.kept = self.lost & ~slid_on, self.kept | slid_on
@@ -90,12 +97,23 @@ class _Rounds:
         self.lost = self.lost & ~back
         return bool(back.any())
 
-    def ended(self, path_end: PathLimit, working: Floats, load_grows: bool) -> Bonded:
-        """The limit less the work of the cohesion that is kept and opens."""
-        model = self.model
+    def refused(self, path_end: PathLimit, pressed: Pressed) -> bool:
+        """Whether bonds that are kept are gone as the lesser motion begins: their contacts are open all over there."""
+        opens, _ = _moves(self.model, path_end)
+        opens &= self.kept
+        if not opens.any() or self.least is None:
+            return False
+        somewhere = pressed(self.bond, self.least)
+        gone = opens if somewhere is None else opens & ~somewhere
+        self.kept, self.lost, self.gone = self.kept & ~gone, self.lost | gone, self.gone | gone
+        return bool(gone.any())
+
+    def ended(self, path_end: PathLimit, working: Floats, load_grows: bool, pressed: Pressed) -> Bonded:
+        """The limit less the work of the cohesion that is kept and opens, and no further than it is pressed at rest."""
+        model, least = self.model, self.least
         opens, _ = _moves(model, path_end)
         opens &= self.kept
-        if path_end.parameter is None or not opens.any():
+        if path_end.parameter is None or least is None or not opens.any():
             return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled)
         _, slip = model.opening_and_slip(path_end.motion)
         cohesion = model.by_group(np.where(opens[model.pair_contact], model.cohesion, 0.0))
@@ -103,21 +121,37 @@ class _Rounds:
         works = float(working @ path_end.motion)
         parameter, share = path_end.parameter, did / works
         less = parameter - share if load_grows else parameter / max(1.0 - share, TINY)
-        if self.least is not None:  # what stands without those bonds stands with them
-            less = max(less, self.least) if load_grows else min(less, self.least)
+        if (least < parameter) == load_grows:  # what stands without those bonds stands with them
+            less = max(less, least) if load_grows else min(less, least)
+            less = self._pressed_to(less, least, opens, pressed)
         share = 1.0 - (less / parameter if load_grows else parameter / less)
         return Bonded(
-            replace(path_end, parameter=less), self.bond, self.whole, self.least, int(opens.sum()), share,
-            self.unsettled,
-        )  # fmt: skip
+            replace(path_end, parameter=less), self.bond, self.whole, least, int(opens.sum()), share, self.unsettled
+        )
+
+    def _pressed_to(self, far: float, near: float, kept: Bools, pressed: Pressed) -> float:
+        """The parameter, from `near` at most to `far`, up to which the kept contacts (k,) are pressed at rest."""
+
+        def holds(parameter: float) -> bool:
+            somewhere = pressed(self.bond, parameter)
+            return somewhere is not None and bool(somewhere[kept].all())
+
+        if holds(_JUST * far + (1.0 - _JUST) * near):
+            return far
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (near + far)
+            near, far = (middle, far) if holds(middle) else (near, middle)
+        return near
 
 
-def with_bonds(model: AssemblyModel, once: Search, working: Floats, load_grows: bool = False) -> Bonded:
+def with_bonds(
+    model: AssemblyModel, once: Search, pressed: Pressed, working: Floats, load_grows: bool = False
+) -> Bonded:
     """The limit with the bonds that its own motion leaves whole.
 
     Parameters
     ----------
-    once : finds the limit with some bonds
+    once : finds the limit with some bonds; pressed : contacts that are at rest
     working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
     """
     rounds, vouched = _Rounds(model), True
@@ -127,9 +161,9 @@ def with_bonds(model: AssemblyModel, once: Search, working: Floats, load_grows: 
         if not runs or not rounds.bonded.any():
             whole = rounds.whole or path_end.parameter
             return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled)
-        changed = rounds.after(path_end)
+        changed = rounds.after(path_end) or (all_rest and rounds.refused(path_end, pressed))
         if all_rest and not changed:
-            return rounds.ended(path_end, working, load_grows)
+            return rounds.ended(path_end, working, load_grows, pressed)
         vouched = not changed
     return Bonded(replace(path_end, outcome=PathOutcome.GAVE_UP), rounds.bond, rounds.whole)
 
@@ -139,7 +173,7 @@ def _moves(model: AssemblyModel, path_end: PathLimit) -> tuple[Bools, Bools]:
     opening, slip = model.opening_and_slip(path_end.motion)
     size = np.sqrt((slip * slip).sum(axis=1))
     dilation = np.minimum(model.tan_dilation, path_end.reduction * model.tan_friction)
-    least = NO_MOTION if path_end.outcome is PathOutcome.LIMIT else OPENS_ROUGHLY
+    least = {PathOutcome.LIMIT: NO_MOTION, PathOutcome.SETTLED: OPENS_ROUGHLY}.get(path_end.outcome, FLOWS)
     fastest = max(float(np.abs(opening).max()), float(size.max()))
     apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
     opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0

@@ -288,6 +288,7 @@ class _Groups:
         self.known: dict[bytes, tuple[AssemblyModel, Ints] | None] = {}  # models of groups
         self.bounds: dict[bytes, StaticBound] = {}
         self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
+        self.snapped: PathLimit | None = None  # the peak of a group, as one of all
         self.near = self.group  # and that which is solved alone in between
 
     def _known(self, group: Ints) -> tuple[AssemblyModel, Ints] | None:
@@ -334,9 +335,7 @@ class _Groups:
                 limit = first_limit(small, own_bond, self._bound(group, small))
         except effort.EffortSpentError:
             return None
-        if limit is None or limit.parameter is None or not limit.found:  # a peak may be a snap of slivers
-            return None
-        return small, limit, own_bond
+        return None if limit is None or limit.parameter is None else (small, limit, own_bond)
 
     def _of_all(self, small: AssemblyModel, limit: PathLimit) -> PathLimit:
         """A limit of a group, its motion that of all blocks."""
@@ -353,6 +352,10 @@ class _Groups:
             return None
         small, limit, _ = found
         return replace(self._of_all(small, limit), group=len(self.near))
+
+    def peak(self) -> PathLimit | None:
+        """The peak of the group that the last limit of all was not found with; None of few blocks."""
+        return self.snapped if len(self.blocks) > _LONG else None
 
     def begins_with(self, motion: Floats) -> None:
         """Blocks that move in a motion (N,) of all, and their neighbours, are solved alone from now on.
@@ -374,7 +377,7 @@ class _Groups:
     def limit(self, bond: Floats, top: float) -> PathLimit | None:
         """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere."""
         scene, model, blocks = self.scene, self.model, self.blocks
-        self.found = None
+        self.found, self.snapped = None, None
         if not len(self.alone):
             return None
         bed = Bed(model, Drive(model.load.ravel()), bond)
@@ -385,6 +388,9 @@ class _Groups:
                 return None
             small, limit, own_bond = found
             assert limit.parameter is not None
+            if not limit.found:  # a peak may be a snap of slivers
+                self.snapped = self._of_all(small, limit)
+                return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
             below = min(factor, top)
