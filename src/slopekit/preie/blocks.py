@@ -123,8 +123,8 @@ class BlocksLimit:
 class Proposal(Protocol):
     """Another way than the path to the limit of all blocks."""
 
-    def limit(self, bond: Floats, top: float) -> PathLimit | None:
-        """The limit with some bonds (m,), at most `top`; None where the way leads nowhere."""
+    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+        """The limit with some bonds (m,), at most `top`, or with `peaks` a peak; None where the way leads nowhere."""
 
     def limit_alone(self, bond: Floats) -> PathLimit | None:
         """That of the blocks which failed last, all others held; None where there is none."""
@@ -221,10 +221,12 @@ def _limit_of(
         if proposal is not None and not vouched:
             own = proposal.limit_alone(bond)
             if own is not None:
+                if not own.found:
+                    snapped.add(bond.tobytes())
                 return _weaker(own, 1.0 / unit), False
         try:
             if proposal is not None:
-                settled = proposal.limit(bond, unit * (bound.factor or math.inf))
+                settled = proposal.limit(bond, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
         except EffortSpentError as spent:
             raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:

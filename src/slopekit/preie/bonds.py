@@ -13,6 +13,7 @@ that is open all over has lost its bond, and the lesser motion begins. Other bon
 come back once. Every bond breaks twice at most and is kept once: the rounds end.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -22,7 +23,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.path_limit import PathLimit, PathOutcome
-from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, TINY
+from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact, keeps it or gives it back
 _HALVINGS = 7  # between the factors at which a bond that is kept breaks and does not
@@ -61,12 +62,13 @@ class Bonded:
 class _Rounds:
     """What contacts (k,) have lost, and the rounds that say so."""
 
-    def __init__(self, model: AssemblyModel) -> None:
-        self.model, contacts = model, len(model.plus)
+    def __init__(self, model: AssemblyModel, load_grows: bool) -> None:
+        self.model, self.load_grows, contacts = model, load_grows, len(model.plus)
         self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
         self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
         self.times = np.zeros(contacts, dtype=np.int64)
         self.gone = np.zeros(contacts, dtype=bool)  # for good
+        self.broke = np.zeros(contacts)  # the parameter of the motion that opened it
         self.whole: float | None = None
         self.least: float | None = None
         self.unsettled: float | None = None
@@ -84,11 +86,13 @@ class _Rounds:
         breaks = opens & self.bonded & ~self.lost & ~self.kept
         if breaks.any():
             self.lost, self.times = self.lost | breaks, self.times + breaks
+            self.broke[breaks] = path_end.parameter
             if not path_end.found and self.unsettled is None:
                 self.unsettled = path_end.parameter
             return True
         closed = self.lost & ~opens & ~self.gone
-        slid_on = closed & slips
+        change = 1.0 - self.broke / (path_end.parameter or math.inf)
+        slid_on = closed & slips & ((-change if self.load_grows else change) > SAME_FACTOR)
         if slid_on.any():
             self.lost, self.kept = self.lost & ~slid_on, self.kept | slid_on
             self.least = path_end.parameter
@@ -108,7 +112,7 @@ class _Rounds:
         self.kept, self.lost, self.gone = self.kept & ~gone, self.lost | gone, self.gone | gone
         return bool(gone.any())
 
-    def ended(self, path_end: PathLimit, working: Floats, load_grows: bool, pressed: Pressed) -> Bonded:
+    def ended(self, path_end: PathLimit, working: Floats, pressed: Pressed) -> Bonded:
         """The limit less the work of the cohesion that is kept and opens, and no further than it is pressed at rest."""
         model, least = self.model, self.least
         opens, _ = _moves(model, path_end)
@@ -120,11 +124,11 @@ class _Rounds:
         did = path_end.reduction * float(cohesion @ np.sqrt((slip * slip).sum(axis=1)))
         works = float(working @ path_end.motion)
         parameter, share = path_end.parameter, did / works
-        less = parameter - share if load_grows else parameter / max(1.0 - share, TINY)
-        if (least < parameter) == load_grows:  # what stands without those bonds stands with them
-            less = max(less, least) if load_grows else min(less, least)
+        less = parameter - share if self.load_grows else parameter / max(1.0 - share, TINY)
+        if (least < parameter) == self.load_grows:  # what stands without those bonds stands with them
+            less = max(less, least) if self.load_grows else min(less, least)
             less = self._pressed_to(less, least, opens, pressed)
-        share = 1.0 - (less / parameter if load_grows else parameter / less)
+        share = 1.0 - (less / parameter if self.load_grows else parameter / less)
         return Bonded(
             replace(path_end, parameter=less), self.bond, self.whole, least, int(opens.sum()), share, self.unsettled
         )
@@ -154,7 +158,7 @@ def with_bonds(
     once : finds the limit with some bonds; pressed : contacts that are at rest
     working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
     """
-    rounds, vouched = _Rounds(model), True
+    rounds, vouched = _Rounds(model, load_grows), True
     for _ in range(_MOST_ROUNDS):
         path_end, all_rest = once(rounds.bond, vouched)
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
@@ -163,7 +167,7 @@ def with_bonds(
             return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled)
         changed = rounds.after(path_end) or (all_rest and rounds.refused(path_end, pressed))
         if all_rest and not changed:
-            return rounds.ended(path_end, working, load_grows, pressed)
+            return rounds.ended(path_end, working, pressed)
         vouched = not changed
     return Bonded(replace(path_end, outcome=PathOutcome.GAVE_UP), rounds.bond, rounds.whole)
 

@@ -288,6 +288,7 @@ class _Groups:
         self.known: dict[bytes, tuple[AssemblyModel, Ints] | None] = {}  # models of groups
         self.bounds: dict[bytes, StaticBound] = {}
         self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
+        self.solved: tuple[bytes, tuple[AssemblyModel, PathLimit, Floats] | None] = b"", None  # the last, and its bonds
         self.snapped: PathLimit | None = None  # the peak of a group, as one of all
         self.near = self.group  # and that which is solved alone in between
 
@@ -326,6 +327,9 @@ class _Groups:
         if known is None:
             return None
         small, own = known
+        key = group.tobytes() + bond.tobytes()
+        if key == self.solved[0]:
+            return self.solved[1]
         broken, lost = np.zeros(len(self.scene.assembly.patches), dtype=bool), self.model.pair_contact[bond == 0.0]
         broken[self.patch[lost[lost < len(self.patch)]]] = True  # bolts are contacts beyond them
         opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
@@ -335,7 +339,9 @@ class _Groups:
                 limit = first_limit(small, own_bond, self._bound(group, small))
         except effort.EffortSpentError:
             return None
-        return None if limit is None or limit.parameter is None else (small, limit, own_bond)
+        found = None if limit is None or limit.parameter is None else (small, limit, own_bond)
+        self.solved = key, found
+        return found
 
     def _of_all(self, small: AssemblyModel, limit: PathLimit) -> PathLimit:
         """A limit of a group, its motion that of all blocks."""
@@ -374,8 +380,13 @@ class _Groups:
         speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
         return self.model.moving[speed > FLOWS * float(speed.max())]
 
-    def limit(self, bond: Floats, top: float) -> PathLimit | None:
-        """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere."""
+    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+        """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere.
+
+        Parameters
+        ----------
+        peaks : the peak of a group proposes as well
+        """
         scene, model, blocks = self.scene, self.model, self.blocks
         self.found, self.snapped = None, None
         if not len(self.alone):
@@ -388,7 +399,7 @@ class _Groups:
                 return None
             small, limit, own_bond = found
             assert limit.parameter is not None
-            if not limit.found:  # a peak may be a snap of slivers
+            if not limit.found and not peaks:  # it may be a snap of slivers
                 self.snapped = self._of_all(small, limit)
                 return None
             work += limit.factorisations
@@ -405,7 +416,7 @@ class _Groups:
                 self.found = of_group
                 rested, width = 1.0 / (below * (1.0 - gap)), 1.0 - (1.0 - gap) * below / factor
                 at, forces = bed.polished(flow.at, rested)
-                if gap > JUST:  # what all blocks vouch for is the last state at rest
+                if gap > JUST or not limit.found:  # what all blocks vouch for is the last state at rest
                     limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
                     width = 0.0
                 settled = PathOutcome.SETTLED if limit.found else limit.outcome
