@@ -9,8 +9,8 @@ breaks as that motion begins: the limit is that motion's, less what the cohesion
     λ' (P·v - λ Σ_kept c |s|) = λ P·v        (of a load α R:  α' R·v = α R·v - λ Σ_kept c |s|)
 
 or, if that is less, the factor up to which blocks at rest on their elastic joints press that contact anywhere: one
-that is open all over has lost its bond, and the lesser motion begins. Other bonds that the last motion leaves closed
-come back once. Every bond breaks twice at most and is kept once: the rounds end.
+that is open all over has lost its bond, and the lesser motion begins. Other bonds that the last motion, once it has
+settled, leaves closed come back once. Every bond breaks twice at most and is kept once: the rounds end.
 """
 
 import math
@@ -97,7 +97,7 @@ class _Rounds:
             self.lost, self.kept = self.lost & ~slid_on, self.kept | slid_on
             self.least = path_end.parameter
             return True
-        back = closed & (self.times < 2)
+        back = closed & (self.times < 2) & path_end.found  # what has not settled gives nothing back
         self.lost = self.lost & ~back
         return bool(back.any())
 
