@@ -544,3 +544,34 @@ def with_bonds(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tu
         if not lost.any():
             return found, cohesion
         cohesion[lost] = 0.0
+
+
+def breaking(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tuple[float, float, np.ndarray]:
+    """The last F at rest and the first that is not of a history whose bonds break for good, and what cohesion is left.
+
+    Strength goes down as in `history`. A contact that no pair of it presses at rest has lost all of its cohesion from
+    then on, and the blocks come to rest again at the same strength, or run. What the motion opens that they end in
+    counts with its cohesion: a limit that leaves it out lies below.
+    """
+    given = arrays_of(model)
+    cohesion, contacts = given.cohesion.copy(), len(model.plus)
+    state, strength, ratio = unmoved(given), start, 1.0
+
+    def settled(state: State, strength: float, cohesion: np.ndarray) -> tuple[State, str, np.ndarray]:
+        while True:
+            found, how, _, _ = Joints(given, cohesion, stiffness).rest(state, strength, onward=True)
+            presses = np.bincount(given.contact, given.normal @ found.u < 0.0, contacts) > 0
+            breaks = ~presses[given.contact] & (cohesion > 0.0)
+            if how != "rests" or not breaks.any():
+                return found, how, cohesion
+            state, cohesion = found, np.where(breaks, 0.0, cohesion)
+
+    while True:
+        found, how, left = settled(state, ratio * strength, cohesion)
+        if how == "rests":
+            state, strength, cohesion = found, ratio * strength, left
+            ratio = _FALLS if ratio == 1.0 else ratio
+        elif ratio == 1.0 or 1.0 - ratio < _BRACKET:
+            return 1.0 / strength, 1.0 / (ratio * strength), cohesion
+        else:
+            ratio = math.sqrt(ratio)

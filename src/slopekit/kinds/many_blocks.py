@@ -492,6 +492,15 @@ def _notices(
         yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened twice, have "
                      f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
                      f"that happens{before}")  # fmt: skip
+    if limit.kept and first.fos:
+        without = f" (without it blocks would move at {limit.unbonded:.4f})" if limit.unbonded else ""
+        yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
+                     f"{limit.kept} contact{'s' if limit.kept > 1 else ''}: what it would do there, "
+                     f"{limit.kept_share * 100:.2g} % of the work, is left out of the factor")  # fmt: skip
+    if limit.unsettled and first.fos:
+        yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
+                     f"{limit.unsettled:.4f}): the factor is that without it, and which other contacts that motion "
+                     "would have opened is not known")  # fmt: skip
     yield from own.notices(design, scene, ravelling.failures[0], closed)
 
 

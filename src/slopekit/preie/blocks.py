@@ -13,7 +13,6 @@ friction: there is no factor, but the part of the loads that they carry at full 
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from enum import StrEnum
 from typing import Protocol
@@ -25,10 +24,12 @@ from slopekit.core.onlooker import told_times
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.bonds import Bonded, with_bonds
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
+from slopekit.preie.flow import relaxed
 from slopekit.preie.loads_last import FIRST_LOAD, LoadsOn, loads_last
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import first_peak, follow
@@ -37,14 +38,11 @@ from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     LIMIT_BALANCED,
-    NO_MOTION,
-    OPENS_ROUGHLY,
     TINY,
 )
 
 _START = 2.0  # the path starts at this times the strength of the static bound
 _STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest
-_MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
@@ -82,6 +80,9 @@ class BlocksLimit:
     loads_last : whether those loads came on after weight and water; tips : the part of them at which the blocks tip
         then, in a motion that slips nowhere, at that factor and any lower one; None where no such motion was found
     begun : the factor at which all loads came on at once, where that is far below the static bound
+    kept, kept_share, unbonded : contacts that the motion opens and whose bonds stand until it begins, the part of its
+        work that they would do, which the factor leaves out, and the factor of lesser motions without those bonds
+    unsettled : the factor of a motion that broke bonds before it had settled
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
@@ -113,13 +114,26 @@ class BlocksLimit:
     by_turns: tuple[float, float] | None = None
     tips: tuple[float, float] | None = None
     begun: float | None = None
+    kept: int = 0
+    kept_share: float = 0.0
+    unbonded: float | None = None
+    unsettled: float | None = None
 
 
 class Proposal(Protocol):
     """Another way than the path to the limit of all blocks."""
 
-    def limit(self, bond: Floats, top: float) -> PathLimit | None:
-        """The limit with some bonds (m,), at most `top`; None where the way leads nowhere."""
+    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+        """The limit with some bonds (m,), at most `top`, or with `peaks` a peak; None where the way leads nowhere."""
+
+    def limit_alone(self, bond: Floats) -> PathLimit | None:
+        """That of the blocks which failed last, all others held; None where there is none."""
+
+    def peak(self) -> PathLimit | None:
+        """The peak of proposed blocks with which no limit was found last, where the path of all takes long."""
+
+    def begins_with(self, motion: Floats) -> None:
+        """Blocks that move in a motion (N,) of all, and their neighbours, are proposed first from now on."""
 
     def span(self) -> Span | None:
         """The range of the mechanism that it found last."""
@@ -156,6 +170,7 @@ def _limit_within(model: AssemblyModel, ranged: bool, ratio: float, proposal: Pr
         rested=_times(found.rested, unit),
         by_turns=None if found.by_turns is None else (unit * found.by_turns[0], unit * found.by_turns[1]),
         tips=None if found.tips is None else (found.tips[0], unit * found.tips[1]), begun=_times(found.begun, unit),
+        unbonded=_times(found.unbonded, unit), unsettled=_times(found.unsettled, unit),
     )  # fmt: skip
 
 
@@ -197,33 +212,50 @@ def _limit_of(
 ) -> BlocksLimit:
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
     steps, loads = 0, LoadsOn()
+    snapped: set[bytes] = set()  # bonds with which a peak was taken for a round
 
-    def once(bond: Floats) -> PathLimit:
+    def once(bond: Floats, vouched: bool) -> tuple[PathLimit, bool]:
         nonlocal steps, loads
         loads = LoadsOn()
         settled = None
+        if proposal is not None and not vouched:
+            own = proposal.limit_alone(bond)
+            if own is not None:
+                if not own.found:
+                    snapped.add(bond.tobytes())
+                return _weaker(own, 1.0 / unit), False
         try:
             if proposal is not None:
-                settled = proposal.limit(bond, unit * (bound.factor or math.inf))
+                settled = proposal.limit(bond, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
         except EffortSpentError as spent:
             raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
-            return _weaker(settled, 1.0 / unit)
+            return _weaker(settled, 1.0 / unit), True
+        peak = None if proposal is None or bond.tobytes() in snapped else proposal.peak()
+        if proposal is not None and peak is not None and model.cohesion.any():  # it may break bonds
+            snapped.add(bond.tobytes())
+            proposal.begins_with(peak.motion)
+            return _weaker(peak, 1.0 / unit), False
         with told_times(unit, "divided by"):
             found, loads, work = _on_path(model, unit, bond, bound, ratio)
         steps += work
-        return found
+        if proposal is not None and found.parameter:
+            proposal.begins_with(found.motion)
+        return found, True
+
+    def pressed(bond: Floats, reduction: float) -> Bools | None:
+        return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
 
     try:
-        found, bond, whole = _with_bonds(model, once)
+        ended = with_bonds(model, once, pressed, model.load.ravel())
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
         return replace(unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None)
-    limit = _limit(model, found, bond, bound, steps, loads)
-    if whole and (bond == 0.0).any():
-        limit = replace(limit, bonded=1.0 / whole)
+    bond = ended.bond
+    limit = _limit(model, ended.limit, bond, bound, steps, loads)
+    limit = _with_evidence(limit, ended)
     if limit.factor is None or not ranged or model.lines is not None:
         return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
@@ -241,14 +273,19 @@ def _limit_of(
 def _span(
     model: AssemblyModel, limit: BlocksLimit, unit: float, bond: Floats, proposal: Proposal | None
 ) -> Span | None:
-    """The range of the mechanism of a limit; None where it takes too long."""
+    """The range of the mechanism of a limit; None where it takes too long.
+
+    Of a limit without the work of cohesion that is kept, that of the limit with it, as much lower.
+    """
     assert limit.factor is not None
+    less = 1.0 - limit.kept_share
     if limit.group and proposal is not None:
         span = proposal.span()
-        return None if span is None else (_times(span[0], 1.0 / unit), _times(span[1], 1.0 / unit))
+        return None if span is None else (_times(span[0], less / unit), _times(span[1], less / unit))
     if model.unknowns == 3 or len(model.load) <= _RANGED:
         forces = limit.normal_force, limit.friction
-        return mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, forces)
+        span = mechanism_range(model, limit.velocity.ravel(), limit.factor / less, bond, forces)
+        return None if span is None else (_times(span[0], less), _times(span[1], less))
     return None
 
 
@@ -291,6 +328,30 @@ def _limit(
     )  # fmt: skip
 
 
+def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
+    """The limit with what is known of its bonds."""
+    if ended.unsettled is not None:
+        limit = replace(limit, unsettled=1.0 / ended.unsettled)
+    if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
+        limit = replace(limit, bonded=1.0 / ended.whole)
+    if not ended.kept or limit.factor is None:
+        return limit
+    basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
+    unbonded = None if ended.least is None else 1.0 / ended.least
+    return replace(limit, basis=basis, kept=ended.kept, kept_share=ended.share, unbonded=unbonded)
+
+
+def _pressed(bed: Bed, parameter: float) -> Bools | None:
+    """Contacts (k,) that are pressed anywhere as blocks rest on their elastic joints; None where they do not rest."""
+    flow = relaxed(bed, bed.elastic_displacement, parameter, 0.0)
+    if flow.ended != "rest":
+        flow = relaxed(bed, np.zeros(bed.size), parameter, 1.0)
+    if flow.ended != "rest":
+        return None
+    found: Bools = np.bincount(bed.model.pair_contact, flow.forces.touching, bed.contacts) > 0
+    return found
+
+
 def _off(model: AssemblyModel, path_end: PathLimit) -> float:
     """Largest unbalanced force in parts of the load of the block it acts on."""
     return float(np.abs(model.unbalanced(np.maximum(path_end.normal, 0.0), path_end.friction)).max())
@@ -317,46 +378,6 @@ def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     return replace(_ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal))
 
 
-def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tuple[PathLimit, Floats, float | None]:
-    """The path with the bonds (m,) that its own motion leaves whole, and its parameter with all of them.
-
-    A contact that a settled motion opens loses its cohesion; once no more are lost, those that the last motion keeps
-    closed get theirs back. One that opens twice has lost it.
-    """
-    contacts = len(model.plus)
-    bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
-    lost, times = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=np.int64)
-    bond, whole = np.ones(len(model.control_area)), None
-    for _ in range(_MOST_ROUNDS):
-        path_end = once(bond)
-        whole = path_end.parameter if whole is None else whole
-        if not path_end.found or not bonded.any():
-            return path_end, bond, whole
-        opens = _opens(model, path_end)
-        breaks = opens & bonded & ~lost
-        back = lost & ~opens & (times < 2)
-        if breaks.any():
-            lost, times = lost | breaks, times + breaks
-        elif back.any():
-            lost = lost & ~back
-        else:
-            return path_end, bond, whole
-        bond = np.where(lost[model.pair_contact], 0.0, 1.0)
-    return replace(path_end, outcome=PathOutcome.GAVE_UP), bond, whole
-
-
-def _opens(model: AssemblyModel, path_end: PathLimit) -> Bools:
-    """Contacts (k,) that a motion opens anywhere, beyond what slip opens by itself."""
-    opening, slip = model.opening_and_slip(path_end.motion)
-    size = np.sqrt((slip * slip).sum(axis=1))
-    dilation = np.minimum(model.tan_dilation, path_end.reduction * model.tan_friction)
-    least = NO_MOTION if path_end.outcome is PathOutcome.LIMIT else OPENS_ROUGHLY
-    fastest = max(float(np.abs(opening).max()), float(size.max()))
-    apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
-    opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0
-    return opens
-
-
 def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[PathLimit, BlocksLimit]:
     """The multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
 
@@ -366,16 +387,20 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
 
-    def once(bond: Floats) -> PathLimit:
+    def once(bond: Floats, _: bool) -> tuple[PathLimit, bool]:
         bed = Bed(model, Drive(own, grows, reduction), bond)
         try:
-            return follow(bed, first)
+            return follow(bed, first), True
         except EffortSpentError:
             none = np.zeros(bed.size)
-            return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first))
+            return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)), True
+
+    def pressed(bond: Floats, multiplier: float) -> Bools | None:
+        return _pressed(Bed(model, Drive(own, grows, reduction), bond), multiplier)
 
     with allowed(MOST):
-        path_end, bond, _ = _with_bonds(model, once)
+        ended = with_bonds(model, once, pressed, grows, load_grows=True)
+    path_end, bond = ended.limit, ended.bond
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK
     return path_end, BlocksLimit(

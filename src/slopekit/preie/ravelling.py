@@ -33,6 +33,7 @@ from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, MESH_CHANGE, MOVES,
 
 _LARGE = 24  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
+_LONG = 100  # blocks of which the path takes seconds
 _OF_GROUP = 0.3  # of the work that is left, for the limit of a group
 _MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
 
@@ -287,6 +288,9 @@ class _Groups:
         self.known: dict[bytes, tuple[AssemblyModel, Ints] | None] = {}  # models of groups
         self.bounds: dict[bytes, StaticBound] = {}
         self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
+        self.solved: tuple[bytes, tuple[AssemblyModel, PathLimit, Floats] | None] = b"", None  # the last, and its bonds
+        self.snapped: PathLimit | None = None  # the peak of a group, as one of all
+        self.near = self.group  # and that which is solved alone in between
 
     def _known(self, group: Ints) -> tuple[AssemblyModel, Ints] | None:
         """The model of a group."""
@@ -310,32 +314,93 @@ class _Groups:
         assert limit.parameter is not None
         return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond, (limit.normal, limit.friction))
 
-    def limit(self, bond: Floats, top: float) -> PathLimit | None:
-        """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere."""
-        scene, model, blocks, alone = self.scene, self.model, self.blocks, self.alone
-        self.found = None
-        if not len(alone):
+    def _first(self) -> Ints:
+        """The group to begin with."""
+        bolts = self.scene.loads.bolts
+        bolted = np.isin(self.alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
+        first = self.alone[np.argsort(bolted, kind="stable")][:1]
+        return self.group if len(self.group) else _with_neighbours(self.scene.assembly, first, self.blocks)
+
+    def _of_group(self, group: Ints, bond: Floats) -> tuple[AssemblyModel, PathLimit, Floats] | None:
+        """The model of a group with all others held, its limit with some bonds (m,) of all, and its own bonds."""
+        known = self._known(group) if len(group) <= _MOST_GROUP * len(self.blocks) else None
+        if known is None:
             return None
-        broken, lost = np.zeros(len(scene.assembly.patches), dtype=bool), model.pair_contact[bond == 0.0]
+        small, own = known
+        key = group.tobytes() + bond.tobytes()
+        if key == self.solved[0]:
+            return self.solved[1]
+        broken, lost = np.zeros(len(self.scene.assembly.patches), dtype=bool), self.model.pair_contact[bond == 0.0]
         broken[self.patch[lost[lost < len(self.patch)]]] = True  # bolts are contacts beyond them
+        opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
+        own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
+        try:
+            with effort.part(_OF_GROUP):
+                limit = first_limit(small, own_bond, self._bound(group, small))
+        except effort.EffortSpentError:
+            return None
+        found = None if limit is None or limit.parameter is None else (small, limit, own_bond)
+        self.solved = key, found
+        return found
+
+    def _of_all(self, small: AssemblyModel, limit: PathLimit) -> PathLimit:
+        """A limit of a group, its motion that of all blocks."""
+        model = self.model
+        motion = np.zeros_like(model.load)
+        motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
+        motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
+        return replace(limit, motion=motion.ravel())
+
+    def limit_alone(self, bond: Floats) -> PathLimit | None:
+        """The limit of the group that failed last, with some bonds (m,); none of its forces are those of all."""
+        found = self._of_group(self.near, bond) if len(self.near) else None
+        if found is None:
+            return None
+        small, limit, _ = found
+        return replace(self._of_all(small, limit), group=len(self.near))
+
+    def peak(self) -> PathLimit | None:
+        """The peak of the group that the last limit of all was not found with; None of few blocks."""
+        return self.snapped if len(self.blocks) > _LONG else None
+
+    def begins_with(self, motion: Floats) -> None:
+        """Blocks that move in a motion (N,) of all, and their neighbours, are solved alone from now on.
+
+        They are the first group as well where the path of all takes long.
+        """
+        group = _with_neighbours(self.scene.assembly, self._movers(motion), self.blocks)
+        if len(group) <= _MOST_GROUP * len(self.blocks):
+            self.near = group
+            if len(self.blocks) > _LONG:
+                self.group = group
+
+    def _movers(self, motion: Floats) -> Ints:
+        """Blocks that move in a motion (N,) of all."""
+        moved = motion.reshape(self.model.load.shape)
+        speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
+        return self.model.moving[speed > FLOWS * float(speed.max())]
+
+    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+        """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere.
+
+        Parameters
+        ----------
+        peaks : the peak of a group proposes as well
+        """
+        scene, model, blocks = self.scene, self.model, self.blocks
+        self.found, self.snapped = None, None
+        if not len(self.alone):
+            return None
         bed = Bed(model, Drive(model.load.ravel()), bond)
-        bolts = scene.loads.bolts
-        bolted = np.isin(alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
-        first = alone[np.argsort(bolted, kind="stable")][:1]
-        group, work = self.group if len(self.group) else _with_neighbours(scene.assembly, first, blocks), 0
+        group, work = self._first(), 0
         for _ in range(_MOST_GROUPS):
-            known = self._known(group) if len(group) <= _MOST_GROUP * len(blocks) else None
-            if known is None:
+            found = self._of_group(group, bond)
+            if found is None:
                 return None
-            small, own = known
-            opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
-            own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
-            try:
-                with effort.part(_OF_GROUP):
-                    limit = first_limit(small, own_bond, self._bound(group, small))
-            except effort.EffortSpentError:
-                return None
-            if limit is None or limit.parameter is None or not limit.found:  # a peak may be a snap of slivers
+            small, limit, own_bond = found
+            assert limit.parameter is not None
+            if not limit.found and not peaks:  # it may be a snap of slivers
+                self.snapped = self._of_all(small, limit)
                 return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
@@ -344,17 +409,14 @@ class _Groups:
             if flow.ended == "rest":
                 if factor > top * (1.0 + BOUND_ACCURACY):
                     return None
-                self.group, of_group = group, (small, limit, own_bond)
-                motion = np.zeros_like(model.load)
-                motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
-                motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
-                limit = replace(limit, motion=motion.ravel())
+                self.group, self.near, of_group = group, group, (small, limit, own_bond)
+                limit = self._of_all(small, limit)
                 if not at_their_limit(bed, flow, limit):
                     return None
                 self.found = of_group
                 rested, width = 1.0 / (below * (1.0 - gap)), 1.0 - (1.0 - gap) * below / factor
                 at, forces = bed.polished(flow.at, rested)
-                if gap > JUST:  # what all blocks vouch for is the last state at rest
+                if gap > JUST or not limit.found:  # what all blocks vouch for is the last state at rest
                     limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
                     width = 0.0
                 settled = PathOutcome.SETTLED if limit.found else limit.outcome
@@ -365,9 +427,7 @@ class _Groups:
                 )  # fmt: skip
             if flow.ended == "lost":
                 return None
-            moved = (flow.at - flow.before).reshape(model.load.shape)
-            speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
-            movers = model.moving[speed > FLOWS * float(speed.max())]
+            movers = self._movers(flow.at - flow.before)
             group = _with_neighbours(scene.assembly, group if np.isin(movers, group).all() else movers, blocks)
         return None
 

@@ -1,0 +1,185 @@
+"""Which contacts of many blocks have lost their cohesion where they fail: rounds of limits, and of their motions.
+
+A flat contact that a motion opens anywhere touches along a line at most: all its cohesion goes, and the limit is looked
+for again. A motion begins at its own factor and breaks nothing before. So where a lesser motion, at a lower factor,
+slides on a closed contact whose cohesion an earlier one has opened, it is not there: strength that falls slowly comes
+to that factor with the contact whole. Such a bond is kept. Where the motion that it holds opens it again the bond
+breaks as that motion begins: the limit is that motion's, less what the cohesion that it opens does of its work,
+
+    λ' (P·v - λ Σ_kept c |s|) = λ P·v        (of a load α R:  α' R·v = α R·v - λ Σ_kept c |s|)
+
+or, if that is less, the factor up to which blocks at rest on their elastic joints press that contact anywhere: one
+that is open all over has lost its bond, and the lesser motion begins. Other bonds that the last motion, once it has
+settled, leaves closed come back once. Every bond breaks twice at most and is kept once: the rounds end.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.records import dataclass
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.path_limit import PathLimit, PathOutcome
+from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
+
+_MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact, keeps it or gives it back
+_HALVINGS = 7  # between the factors at which a bond that is kept breaks and does not
+_JUST = 0.98  # of the way to a limit: there contacts that its motion opens are open all over if they are before it
+
+Search = Callable[[Floats, bool], tuple[PathLimit, bool]]
+"""The limit with bonds (m,), whether all blocks have to vouch for it, and whether they do."""
+
+Pressed = Callable[[Floats, float], Bools | None]
+"""Contacts (k,) that are pressed anywhere at rest with bonds (m,) at a parameter; None where there is no rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bonded:
+    """A limit and the bonds there.
+
+    Attributes
+    ----------
+    limit : its parameter is that without cohesion where its motion opens
+    bond : (m,) 0 where a pair has lost its cohesion
+    whole : the parameter with all bonds
+    least : of the rounds, the parameter at which blocks would move without the bonds that are kept; None where none is
+    kept : contacts whose bond the motion opens and that keep it; share : part of the motion's work that they did
+    unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
+    """
+
+    limit: PathLimit
+    bond: Floats
+    whole: float | None
+    least: float | None = None
+    kept: int = 0
+    share: float = 0.0
+    unsettled: float | None = None
+
+
+class _Rounds:
+    """What contacts (k,) have lost, and the rounds that say so."""
+
+    def __init__(self, model: AssemblyModel, load_grows: bool) -> None:
+        self.model, self.load_grows, contacts = model, load_grows, len(model.plus)
+        self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
+        self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
+        self.times = np.zeros(contacts, dtype=np.int64)
+        self.gone = np.zeros(contacts, dtype=bool)  # for good
+        self.broke = np.zeros(contacts)  # the parameter of the motion that opened it
+        self.whole: float | None = None
+        self.least: float | None = None
+        self.unsettled: float | None = None
+
+    @property
+    def bond(self) -> Floats:
+        """(m,) 0 where a pair has lost its cohesion."""
+        left: Floats = np.where(self.lost[self.model.pair_contact], 0.0, 1.0)
+        return left
+
+    def after(self, path_end: PathLimit) -> bool:
+        """Whether bonds break, are kept or come back after a round."""
+        self.whole = path_end.parameter if self.whole is None else self.whole
+        opens, slips = _moves(self.model, path_end)
+        breaks = opens & self.bonded & ~self.lost & ~self.kept
+        if breaks.any():
+            self.lost, self.times = self.lost | breaks, self.times + breaks
+            self.broke[breaks] = path_end.parameter
+            if not path_end.found and self.unsettled is None:
+                self.unsettled = path_end.parameter
+            return True
+        closed = self.lost & ~opens & ~self.gone
+        change = 1.0 - self.broke / (path_end.parameter or math.inf)
+        slid_on = closed & slips & ((-change if self.load_grows else change) > SAME_FACTOR)
+        if slid_on.any():
+            self.lost, self.kept = self.lost & ~slid_on, self.kept | slid_on
+            self.least = path_end.parameter
+            return True
+        back = closed & (self.times < 2) & path_end.found  # what has not settled gives nothing back
+        self.lost = self.lost & ~back
+        return bool(back.any())
+
+    def refused(self, path_end: PathLimit, pressed: Pressed) -> bool:
+        """Whether bonds that are kept are gone as the lesser motion begins: their contacts are open all over there."""
+        opens, _ = _moves(self.model, path_end)
+        opens &= self.kept
+        if not opens.any() or self.least is None:
+            return False
+        somewhere = pressed(self.bond, self.least)
+        gone = opens if somewhere is None else opens & ~somewhere
+        self.kept, self.lost, self.gone = self.kept & ~gone, self.lost | gone, self.gone | gone
+        return bool(gone.any())
+
+    def ended(self, path_end: PathLimit, working: Floats, pressed: Pressed) -> Bonded:
+        """The limit less the work of the cohesion that is kept and opens, and no further than it is pressed at rest."""
+        model, least = self.model, self.least
+        opens, _ = _moves(model, path_end)
+        opens &= self.kept
+        if path_end.parameter is None or least is None or not opens.any():
+            return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled)
+        _, slip = model.opening_and_slip(path_end.motion)
+        cohesion = model.by_group(np.where(opens[model.pair_contact], model.cohesion, 0.0))
+        did = path_end.reduction * float(cohesion @ np.sqrt((slip * slip).sum(axis=1)))
+        works = float(working @ path_end.motion)
+        parameter, share = path_end.parameter, did / works
+        less = parameter - share if self.load_grows else parameter / max(1.0 - share, TINY)
+        if (least < parameter) == self.load_grows:  # what stands without those bonds stands with them
+            less = max(less, least) if self.load_grows else min(less, least)
+            less = self._pressed_to(less, least, opens, pressed)
+        share = 1.0 - (less / parameter if self.load_grows else parameter / less)
+        return Bonded(
+            replace(path_end, parameter=less), self.bond, self.whole, least, int(opens.sum()), share, self.unsettled
+        )
+
+    def _pressed_to(self, far: float, near: float, kept: Bools, pressed: Pressed) -> float:
+        """The parameter, from `near` at most to `far`, up to which the kept contacts (k,) are pressed at rest."""
+
+        def holds(parameter: float) -> bool:
+            somewhere = pressed(self.bond, parameter)
+            return somewhere is not None and bool(somewhere[kept].all())
+
+        if holds(_JUST * far + (1.0 - _JUST) * near):
+            return far
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (near + far)
+            near, far = (middle, far) if holds(middle) else (near, middle)
+        return near
+
+
+def with_bonds(
+    model: AssemblyModel, once: Search, pressed: Pressed, working: Floats, load_grows: bool = False
+) -> Bonded:
+    """The limit with the bonds that its own motion leaves whole.
+
+    Parameters
+    ----------
+    once : finds the limit with some bonds; pressed : contacts that are at rest
+    working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
+    """
+    rounds, vouched = _Rounds(model, load_grows), True
+    for _ in range(_MOST_ROUNDS):
+        path_end, all_rest = once(rounds.bond, vouched)
+        runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
+        if not runs or not rounds.bonded.any():
+            whole = rounds.whole or path_end.parameter
+            return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled)
+        changed = rounds.after(path_end) or (all_rest and rounds.refused(path_end, pressed))
+        if all_rest and not changed:
+            return rounds.ended(path_end, working, pressed)
+        vouched = not changed
+    return Bonded(replace(path_end, outcome=PathOutcome.GAVE_UP), rounds.bond, rounds.whole)
+
+
+def _moves(model: AssemblyModel, path_end: PathLimit) -> tuple[Bools, Bools]:
+    """Contacts (k,) that a motion opens anywhere, beyond what slip opens by itself, and those on which it slips."""
+    opening, slip = model.opening_and_slip(path_end.motion)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    dilation = np.minimum(model.tan_dilation, path_end.reduction * model.tan_friction)
+    least = {PathOutcome.LIMIT: NO_MOTION, PathOutcome.SETTLED: OPENS_ROUGHLY}.get(path_end.outcome, FLOWS)
+    fastest = max(float(np.abs(opening).max()), float(size.max()))
+    apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
+    opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0
+    slips: Bools = np.bincount(model.group_contact, size > OPENS_ROUGHLY * fastest, len(model.plus)) > 0
+    return opens, slips

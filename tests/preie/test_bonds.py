@@ -1,0 +1,163 @@
+"""Bonds of many blocks: rounds of limits against histories in which bonds break, and what the rounds do by hand."""
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from benchmarks import populations
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bonds import with_bonds
+from slopekit.preie.path_limit import PathLimit, PathOutcome
+from tests.preie.block_scenes import boxes_in_space
+from tests.preie.path_oracle import breaking, model_of
+
+# -- against a history ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("number", "factor", "lesser"), [
+    (27, 2.1134, 1.9246), (67, 2.5057, 2.2145), (87, 1.9460, 0.7598), (113, 3.7388, 3.7388),
+])  # fmt: skip
+def test_a_bench_with_cohesion_fails_between_lesser_motions_and_a_history(number, factor, lesser) -> None:
+    """Lesser motions need bonds broken that no motion has opened yet: benches had their factors.
+
+    113: the contact is open all over at rest, so that the lesser motion is the one.
+    """
+    found = sk.run(sk.load(populations.bench(number)))
+    assert found.fos.limit == pytest.approx(factor, rel=2e-4)
+    rests, runs, _ = breaking(model_of(populations.bench(number)), 1.5 / factor)
+    assert runs < 1.003 * rests
+    assert lesser * (1.0 - 1e-4) < found.fos.limit < runs
+    assert ("W484" in [notice.code for notice in found.warnings]) == (number != 113)
+
+
+# -- rounds, by hand --------------------------------------------------------------------------------------------------
+
+LIFTS, SLIDES, WEIGHS = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 0.5
+
+
+def boxes() -> AssemblyModel:
+    """Two boxes one on the other: contact 0 below, 1 between them."""
+    return boxes_in_space((1, 1, 2), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
+
+
+def ends(model: AssemblyModel, parameter: float, motion, outcome=PathOutcome.SETTLED) -> PathLimit:
+    """A search that ends in a motion: displacements (3,) of the lower and of the upper box."""
+    moved = np.zeros_like(model.load)
+    moved[:, :3] = motion
+    pairs, joints = len(model.control_area), model.slip_rows.shape[:2]
+    return PathLimit(
+        outcome, parameter, None, moved.ravel(), moved.ravel(), np.zeros(pairs), np.zeros(joints), parameter, 0.0, 0,
+    )  # fmt: skip
+
+
+class Scripted:
+    """Searches that end by what bonds the two contacts have, and the bonds that were asked for."""
+
+    def __init__(self, model: AssemblyModel, found: dict[tuple[int, int], PathLimit]) -> None:
+        self.model, self.found, self.asked = model, found, []
+
+    def __call__(self, bond, vouched) -> tuple[PathLimit, bool]:
+        left = tuple(int(bond[self.model.pair_contact == contact].all()) for contact in (0, 1))
+        self.asked.append(left)
+        return self.found[left], True
+
+
+def pressed_to(parameter: float, load_grows: bool = False):
+    """Contacts are pressed at rest up to a parameter."""
+
+    def pressed(bond, at):
+        return np.full(2, at < parameter if load_grows else at > parameter)
+
+    return pressed
+
+
+def kept(model: AssemblyModel, worse: float, found: float) -> Scripted:
+    """All bonds: the upper box lifts and slides. Without its own it slides at less."""
+    return Scripted(model, {
+        (1, 1): ends(model, found, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
+        (1, 0): ends(model, worse, [(0.0, 0.0, 0.0), SLIDES]),
+    })  # fmt: skip
+
+
+def cohesive_work(model: AssemblyModel, contact: int) -> float:
+    """Of a slip of one: c A."""
+    return float(model.cohesion[model.pair_contact == contact].sum())
+
+
+def test_a_lesser_motion_on_a_bond_that_nothing_has_opened_is_none() -> None:
+    model = boxes()
+    working = np.zeros(model.load.size)
+    working[6] = 40.0 * cohesive_work(model, 1)
+    script = kept(model, 2.0, 0.5)
+    found = with_bonds(model, script, pressed_to(0.0), working)
+    assert script.asked == [(1, 1), (1, 0), (1, 1)]
+    assert (found.bond == 1.0).all()
+    assert (found.kept, found.least, found.whole) == (1, 2.0, 0.5)
+    assert found.limit.parameter == pytest.approx(0.5 / (1.0 - 0.5 / 40.0), rel=1e-12)
+    assert found.share == pytest.approx(0.5 / 40.0, rel=1e-12)
+
+
+def test_of_a_load_that_grows_the_work_of_the_cohesion_is_taken_off() -> None:
+    model = boxes()
+    working = np.zeros(model.load.size)
+    working[6] = 40.0 * cohesive_work(model, 1)
+    script = kept(model, 0.2, 0.5)
+    found = with_bonds(model, script, pressed_to(9.0, True), working, load_grows=True)
+    assert found.limit.parameter == pytest.approx(0.5 - 0.5 / 40.0, rel=1e-12)
+
+
+def test_what_stands_without_a_bond_stands_with_it() -> None:
+    """The cohesion does all of the motion's work: no further down than to the lesser motion."""
+    model = boxes()
+    working = np.zeros(model.load.size)
+    working[6] = 0.5 * cohesive_work(model, 1)
+    assert with_bonds(model, kept(model, 2.0, 0.5), pressed_to(0.0), working).limit.parameter == 2.0
+
+
+def test_a_bond_breaks_where_its_contact_is_open_all_over_at_rest() -> None:
+    """Pressed with the strength divided by no more than 1 / 0.9: the lesser motion begins there."""
+    model = boxes()
+    working = np.zeros(model.load.size)
+    working[6] = 40.0 * cohesive_work(model, 1)
+    found = with_bonds(model, kept(model, 2.0, 0.5), pressed_to(0.9), working)
+    assert found.limit.parameter == pytest.approx(0.9, rel=0.02)
+    assert found.limit.parameter > 0.9
+
+
+def test_a_bond_that_is_open_as_the_lesser_motion_begins_is_gone() -> None:
+    model = boxes()
+    script = kept(model, 2.0, 0.5)
+    found = with_bonds(model, script, pressed_to(2.1), np.ones(model.load.size))
+    assert script.asked == [(1, 1), (1, 0), (1, 1), (1, 0)]
+    assert (found.kept, found.limit.parameter) == (0, 2.0)
+
+
+def test_a_motion_at_as_much_strength_keeps_no_bond() -> None:
+    """Without the bond the box slides at a hundred-thousandth less: the same motion, which has no bond there."""
+    model = boxes()
+    script = kept(model, 0.5 * (1.0 + 1e-5), 0.5)
+    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
+    assert found.kept == 0
+
+
+def test_a_motion_that_has_not_settled_breaks_what_it_opens_wide_and_says_so() -> None:
+    """A hundredth of the fastest is nothing yet of such a motion; half of it is."""
+    model = boxes()
+    script = Scripted(model, {
+        (1, 1): ends(model, 0.5, [(1.0, 0.0, 0.01), (1.0, 0.0, 0.51)], PathOutcome.BRACKET),
+        (1, 0): ends(model, 0.6, [(1.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
+    })  # fmt: skip
+    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
+    assert script.asked == [(1, 1), (1, 0)]
+    assert (found.unsettled, found.whole, found.limit.parameter) == (0.5, 0.5, 0.6)
+
+
+def test_a_bond_that_comes_back_and_opens_again_is_lost() -> None:
+    """Without the bond nothing slides on the contact: it comes back once, opens again, and the rounds end."""
+    model = boxes()
+    none = ends(model, 0.5, [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
+    script = Scripted(model, {(1, 1): ends(model, 0.5, [LIFTS, LIFTS]), (0, 1): none})
+    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
+    assert script.asked == [(1, 1), (0, 1), (1, 1), (0, 1)]
+    assert found.limit is none
+    assert (found.bond[model.pair_contact == 0] == 0.0).all()
