@@ -77,7 +77,12 @@ def test_columns() -> None:
     found = sk.run(columns(0), elastic=True)
     assert found.elastic.block in ("C1", "C2", "C3")
     assert found.elastic.limit == found.fos.limit
+    assert found.elastic.opened_share > found.elastic.lost_share == found.elastic.rigid_lost_share == 0.0
+    assert "no cohesion to lose" in " ".join(str(found.sheet).split())
+    assert "without the cohesion" not in str(found.sheet)
     bonded = sk.run(columns(5), elastic=True)
+    assert bonded.elastic.lost_share == bonded.elastic.opened_share > 0.0
+    assert f"without the cohesion of {100.0 * bonded.elastic.lost_share:.2g} %" in " ".join(str(bonded.sheet).split())
     assert bonded.elastic.limit == pytest.approx(bonded.elastic.rigid_limit, rel=0.02)
     assert "W455" in [notice.code for notice in bonded.warnings]
     assert bonded.elastic.rigid_limit < bonded.fos.limit * 0.95

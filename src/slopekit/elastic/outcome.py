@@ -41,7 +41,8 @@ class ElasticBlocks:
         `gave_up` : whether the search for it ran out of steps: the second was then not decided, rest may go farther;
         `limit_at_bracket` : the limit without what is open there; None where it was not asked for
     factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
-    opened_share, rigid_opened_share : of the area of all contacts; joints : by name
+    opened_share, rigid_opened_share : of the area of all contacts; lost_share, rigid_lost_share : of it what had
+        cohesion to lose there; joints : by name
     displacement_m, rigid_displacement_m : (3,) mean of the block, of many blocks of the one that moves most: `block`
     modulus_kpa, poisson, edge_m, order : the rock and its elements; taken : which of them were not given
     bedrock : `rigid` or `elastic`
@@ -57,6 +58,8 @@ class ElasticBlocks:
     factor: float
     opened_share: float
     rigid_opened_share: float
+    lost_share: float
+    rigid_lost_share: float
     joints: Mapping[str, OnElasticJoint]
     displacement_m: Floats
     rigid_displacement_m: Floats

@@ -25,6 +25,9 @@ _LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
 _FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
 _DASHPOT = 0.1  # of the normal stiffness
+_LIGHT_ROUNDS = 10  # of them, after those, against dashpots that are soon lighter
+_IDLE = 2  # of those rounds, one after the other, that bring nothing: no more are made
+_FAR = 1e3  # times as far as at the start: blocks flow, and lighter dashpots are no help
 _NEARLY = 3e-3  # residual at which dashpots at all pairs are no help any more
 _RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
 _MOST_STEPS, _MOST_OF_BRACKET = 300, 3000  # of Newton's method, to a state at rest and to the ends of a bracket
@@ -84,6 +87,21 @@ class _State(NamedTuple):
     at: Rest
     off: tuple[Floats, ...]
     law: Tractions
+
+
+class _Dashpots(NamedTuple):
+    """Of all pairs, in parts of the normal stiffness: what a step that brings the residual down leaves of them at most,
+    their ends, and the residual at which they are left out."""
+
+    falling: float
+    least: float
+    most: float
+    nearly: float
+
+
+_HEAVY = _Dashpots(1.0, 0.01 * _DASHPOT, 10.0 * _DASHPOT, _NEARLY)
+_LIGHT = _Dashpots(0.5, 1e-4 * _DASHPOT, 10.0 * _DASHPOT, _NEARLY)
+_EVERYWHERE = _LIGHT._replace(nearly=0.0)
 
 
 class Search:
@@ -270,29 +288,51 @@ class Search:
         """Steps against dashpots at the pairs, in rounds; between them what has slipped stays where it is.
 
         First at all pairs, fewer as the residual falls, then at those that change between stick, slip and open alone:
-        elsewhere the steps are full ones. The dashpots do no work at rest.
+        elsewhere the steps are full ones. The dashpots do no work at rest. Where the residual creeps down, step by step
+        a little, they are stronger than they need be: at last they are halved with each step that brings it down.
         """
-        least = math.inf
+        least, first = math.inf, here
         for k in range(_ROUNDS):
-            began = best = here
-            dashpots, every = np.zeros(len(self.model.area)), _DASHPOT
-            for _ in range(_ROUND):
-                if best.size <= _AIM or not here.size < _LOST or self.spent:
-                    break
-                braked = np.maximum(dashpots, every if here.size > _NEARLY else 0.0)
-                trial = self._state(self._moved(here.at, self._step(here, braked), 1.0), given)
-                changed = trial.law.modes != here.law.modes
-                dashpots = np.where(changed, np.clip(2.0 * dashpots, 3.0 * _DASHPOT, 100.0 * _DASHPOT), 0.3 * dashpots)
-                dashpots[dashpots < 0.1 * _DASHPOT] = 0.0
-                ratio = trial.size / here.size
-                every = min(max(every * (ratio if ratio < 1.0 else 4.0), 0.01 * _DASHPOT), 10.0 * _DASHPOT)
-                here = trial
-                best = min(best, here, key=lambda one: one.size)
+            began, (here, best, _) = here, self._round(here, given, _DASHPOT, _HEAVY)
             least = min(least, best.size)
             if best.size <= BALANCED or self.spent or (2 * k >= _ROUNDS and least > _FLOWS):
                 break
             here = self._state(self._slipped(here if best is began else best, given), given)
+        return best if best.size <= BALANCED else self._lightened(best, given, _FAR * np.abs(first.at.relative).max())
+
+    def _lightened(self, best: "_State", given: JointStiffness, far: float) -> "_State":
+        """More rounds, as long as they bring something and nothing has gone farther than `far`, which flows."""
+        every, idle = _DASHPOT, 0
+        for _ in range(_LIGHT_ROUNDS):
+            if self.spent or idle == _IDLE or np.abs(best.at.relative).max() > far:
+                break
+            bounds = _LIGHT if not idle else _EVERYWHERE
+            began, (_, best, every) = best, self._round(best, given, every if not idle else _DASHPOT, bounds)
+            if best.size <= BALANCED:
+                break
+            idle = idle + 1 if best is began else 0
+            best = self._state(self._slipped(best, given), given)
         return best
+
+    def _round(
+        self, here: "_State", given: JointStiffness, every: float, bounds: "_Dashpots"
+    ) -> tuple["_State", "_State", float]:
+        """Some steps against dashpots: the last state, the best, and the dashpots of all pairs at the end."""
+        best, dashpots = here, np.zeros(len(self.model.area))
+        for _ in range(_ROUND):
+            if best.size <= _AIM or not here.size < _LOST or self.spent:
+                break
+            braked = np.maximum(dashpots, every if here.size > bounds.nearly else 0.0)
+            trial = self._state(self._moved(here.at, self._step(here, braked), 1.0), given)
+            changed = trial.law.modes != here.law.modes
+            dashpots = np.where(changed, np.clip(2.0 * dashpots, 3.0 * _DASHPOT, 100.0 * _DASHPOT), 0.3 * dashpots)
+            dashpots[dashpots < 0.1 * _DASHPOT] = 0.0
+            ratio = trial.size / here.size
+            every *= min(ratio, bounds.falling) if ratio < 1.0 else 4.0
+            every = min(max(every, bounds.least), bounds.most)
+            here = trial
+            best = min(best, here, key=lambda one: one.size)
+        return here, best, every
 
     def _slipped(self, here: "_State", given: JointStiffness) -> Rest:
         """What slips has no more elastic shear than its strength, what is open none."""

@@ -519,12 +519,14 @@ def _answer(
         )  # fmt: skip
     moved = _displacements(scene, model, found)
     most = int(np.argmax((moved * moved).sum(axis=1)))
-    opened, rigid_opened = (float(area[state.opened(model)].sum() / area.sum()) for state in (found, rigid))
+    both, bonded = [state.opened(model) for state in (found, rigid)], model.cohesion > 0.0
+    opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
+    lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
     bodies: list[Flexibility | Body | Bedrock] = [*scene.blocks, *([] if scene.bedrock is None else [scene.bedrock])]
     return ElasticBlocks(
-        limits[0], limits[1], bracket, *at_bracket, found.factor, opened, rigid_opened, joints, frozen(moved[most]),
-        frozen(rigid_moved[most]),
+        limits[0], limits[1], bracket, *at_bracket, found.factor, opened, rigid_opened, lost, rigid_lost, joints,
+        frozen(moved[most]), frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, found.failed_pairs, len(area),
         sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load),
         sum(one.cells for one in bodies), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,

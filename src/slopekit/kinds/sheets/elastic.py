@@ -22,12 +22,20 @@ def _limit(found: ElasticBlocks) -> str:
     if found.limit is None:
         return "no limit: the blocks stand without strength"
     factor, rigid = factor_text(found.limit).strip(), factor_text(found.rigid_limit).strip()
-    at, opened = f"at F = {found.factor:.4g}", f"{found.opened_share * 100.0:.2g} %"
+    at = f"at F = {found.factor:.4g}"
     if found.opened_share == 0.0:
         return f"{factor}  limit of elastic blocks, that of rigid ones: no contact is pulled open {at}"
-    words = f"{factor}  limit of elastic blocks, without the cohesion of {opened} of the contact area, pulled open {at}"
-    also = f" without {found.rigid_opened_share * 100.0:.2g} %" if found.rigid_opened_share else ""
-    return f"{words}; rigid {rigid}{also}"
+    if found.lost_share == found.rigid_lost_share == 0.0:
+        also = f" (rigid {_percent(found.rigid_opened_share)})" if found.rigid_opened_share else ""
+        words = f"{_percent(found.opened_share)} of the contact area{also} is pulled open {at}"
+        return f"{factor}  limit of elastic blocks, that of rigid ones: {words}, where there is no cohesion to lose"
+    lost = f"without the cohesion of {_percent(found.lost_share)} of the contact area, pulled open {at}"
+    also = f" without {_percent(found.rigid_lost_share)}" if found.rigid_lost_share else ""
+    return f"{factor}  limit of elastic blocks, {lost}; rigid {rigid}{also}"
+
+
+def _percent(share: float) -> str:
+    return f"{share * 100.0:.2g} %"
 
 
 def _bracket(found: ElasticBlocks) -> list[str]:

@@ -374,8 +374,8 @@ def _elastic(result: Result) -> Finding:
         return Finding(
             name, None, None, None, "none: see NOTE" if found is None else "no limit: they stand as they are"
         )
-    less, opened = 1.0 - found.limit / found.rigid_limit, 100.0 * found.opened_share
-    same = "the same" if less < _ALIKE else f"{100.0 * less:.2g} % less, the cohesion of {opened:.2g} % that opens"
+    less, lost = 1.0 - found.limit / found.rigid_limit, 100.0 * found.lost_share
+    same = "the same" if less < _ALIKE else f"{100.0 * less:.2g} % less, the cohesion of {lost:.2g} % that opens"
     words = f"limit {found.limit:.4f}, rigid {found.rigid_limit:.4f}: {same}"
     if found.bracket is None or found.limit_at_bracket is None:
         return Finding(name, None, None, None, f"{words}; where they lose their rest was not found")
