@@ -1,7 +1,8 @@
 """Speed against error: ``python -m benchmarks`` (all of it, about 25 minutes) or ``python -m benchmarks quick``.
 
-Names after it choose scenes (wedge, ellipsoid, columns, wall, stack); the others keep the rows of the last run. Writes
-docs/speed.md, docs/speed.json and docs/images/speed-*.png.
+Names after it choose scenes (wedge, ellipsoid, columns, wall, stack); the others keep the rows of the last run. The
+word ``command`` alone measures nothing but the cold command. Writes docs/speed.md, docs/speed.json and
+docs/images/speed-*.png.
 """
 
 import json
@@ -16,6 +17,9 @@ def main(words: list[str]) -> None:
     if words[:1] == ["case"]:
         rows = speed_error.many(words[1], int(words[2]), quick, int(words[3]))
         print(json.dumps([asdict(row) for row in rows]))
+        return
+    if words == ["command"]:
+        speed_pages.keep_command()
         return
     chosen = [word for word in words if word != "quick"] or list(speed_pages.SCENES)
     unknown = sorted(set(chosen) - set(speed_pages.SCENES))

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from slopekit.app.controls import groups_of
 from slopekit.app.desk import Desk
 from slopekit.app.server import application
 from slopekit.app.session import opened_template
+from slopekit.design.common import Design
 
 TOKEN, PORT = "token-of-the-test", 8123
 HOST = f"127.0.0.1:{PORT}"
@@ -21,6 +23,11 @@ def desk_of(folder: Path, template: str = "wedge") -> Desk:
     desk = Desk(opened_template(template), TOKEN, folder)
     desk.port = PORT
     return desk
+
+
+def controls_of(design: Design, opened: Design) -> dict[str, Any]:
+    """Every control by its path."""
+    return {control["path"]: control for group in groups_of(design, opened) for control in group["controls"]}
 
 
 def _scope(kind: str, path: str, headers: Mapping[str, str]) -> dict[str, Any]:

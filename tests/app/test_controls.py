@@ -6,12 +6,13 @@ from dataclasses import replace
 import pytest
 
 from slopekit.app import answers
-from slopekit.app.controls import controls_of, groups_of, reach, text_at, values_of
+from slopekit.app.controls import groups_of, reach, text_at, values_of
 from slopekit.app.session import Session
 from slopekit.core.errors import DesignError
 from slopekit.design.files import load
 from slopekit.design.templates import names
 from slopekit.studies.keys import Key
+from tests.app.pages import controls_of
 
 LIVE = ("wedge", "plane", "footing")
 CODE = re.compile(r"E[0-9]{3}")

@@ -8,11 +8,11 @@ import sys
 import pytest
 
 from slopekit.app import saving
-from slopekit.app.controls import controls_of
 from slopekit.app.saving import Autosave, change_of, edited, save
 from slopekit.app.session import Session, opened_file, opened_template, opened_text
 from slopekit.core.errors import DesignError
 from slopekit.design.files import load
+from tests.app.pages import controls_of
 
 BLOCK = """\
 # a wedge, written at length

@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from slopekit.app.controls import controls_of, text_at
+from slopekit.app.controls import text_at
 from slopekit.app.session import Session, different, opened_text
 from slopekit.core.errors import DesignError
 from slopekit.design.files import load
@@ -12,6 +12,7 @@ from slopekit.design.nodes import document_from
 from slopekit.design.registry import KINDS
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_named
+from tests.app.pages import controls_of
 
 DIP = "joints.J1.plane.dip"
 

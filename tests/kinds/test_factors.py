@@ -6,6 +6,7 @@ import slopekit as sk
 from slopekit.design.files import load, with_values
 from slopekit.kinds import factors_of
 from slopekit.kinds.one_block_limit import once
+from slopekit.kinds.protocol import ClosedForm, compare
 from slopekit.kinds.wedge.design import wedge_design
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]
@@ -68,3 +69,11 @@ def test_a_design_without_a_file_has_no_values_to_change() -> None:
     assert caught.value.codes == ("E280",)
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     assert "source" not in load({"slopekit": 1, "kind": "wedge", "joints": joints}).inputs()
+
+
+def test_a_number_against_no_strength_at_all_is_a_disagreement() -> None:
+    """Nothing to divide by: no difference, and never agreement; of nothing on both sides the status decides."""
+    nothing = ClosedForm(0.0, "slides_on_J1")
+    assert compare(1.2, "slides_on_J1", nothing, 0.01) == (None, False)
+    assert compare(None, "slides_on_J1", nothing, 0.01) == (None, True)
+    assert compare(None, "slides_on_J2", nothing, 0.01) == (None, False)

@@ -20,6 +20,7 @@ from slopekit.core.orientation import Plane
 from slopekit.design.joint_lists import joint_list
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import wedge_rock_mass
+from slopekit.studies.bench_design import confirmed
 from slopekit.studies.bench_design.bench import Ground, bench_of
 from slopekit.studies.bench_design.outcomes import along, quantiles, steps_of
 from slopekit.studies.bench_design.run import accepted
@@ -416,6 +417,23 @@ def test_what_has_to_be_said(found: Any) -> None:
     sure, unsure = (accepted(found.given, bench, one).berms for one in (found.checked, doubted))
     assert any(berm.accepted for berm in sure)
     assert not any(berm.accepted for berm in unsure)
+
+
+def test_pre_ie_takes_the_pressure_that_was_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One mean pressure in place of a fill: on both joints of a wedge, on the one of a plane; both methods agree."""
+    taken, solved = set(), confirmed.both_methods
+
+    def both_methods(design: Any) -> Any:
+        taken.add((design.kind, design.water.mode, design.water.pressures_kpa))
+        return solved(design)
+
+    monkeypatch.setattr(confirmed, "both_methods", both_methods)
+    found = sk.bench_design(
+        ["45/180", "70/120", "65/250"], height=10, face=75, dip_direction=180, c=4, phi=32, water="u=8kPa", n=200,
+        confirm=12, near=0,
+    )  # fmt: skip
+    assert taken == {("wedge", "pressures", (8.0, 8.0)), ("plane", "pressures", (8.0,))}
+    assert (found.checked.said.agree, found.checked.said.unsafe, found.checked.said.safe) == (12, 0, 0)
 
 
 def test_the_sheet_lists_what_was_read() -> None:

@@ -5,9 +5,9 @@
 >>> design = load(wedge)
 >>> [group["name"] for group in groups_of(design, design)][:3]
 ['title', 'slope', 'joints']
->>> dip = controls_of(design, design)["joints.J1.plane.dip"]
->>> dip["value"], dip["unit"], dip["low"], dip["high"], dip["given"], dip["changed"]
-(45.0, '°', 0.0, 90.0, True, False)
+>>> dip = groups_of(design, design)[2]["controls"][0]
+>>> dip["path"], dip["value"], dip["unit"], dip["low"], dip["high"], dip["given"], dip["changed"]
+('joints.J1.plane.dip', 45.0, '°', 0.0, 90.0, True, False)
 """
 
 import math
@@ -54,17 +54,6 @@ _NAMES_STRENGTH = ("strength", "base", "sides")
 
 #: The numbers of the last designs, which never change; put in place at once, whichever thread asks.
 _LAST: list[tuple[tuple[Design, Mapping[str, Key]], ...]] = [()]
-
-
-def controls_of(design: Design, opened: Design) -> dict[str, Control]:
-    """Every control by its path.
-
-    Parameters
-    ----------
-    design : as it is now
-    opened : as it was opened: what a change is held against
-    """
-    return {control["path"]: control for group in groups_of(design, opened) for control in group["controls"]}
 
 
 def groups_of(design: Design, opened: Design) -> list[dict[str, Any]]:

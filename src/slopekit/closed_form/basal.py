@@ -35,6 +35,7 @@ from slopekit.closed_form.wedge_sliding import (
     cross,
     dot,
     length,
+    of_one,
     plus,
     rows,
     times,
@@ -281,11 +282,7 @@ class JointTriple(NamedTuple):
 
     def of(self, one: int) -> "JointTriple":
         """One wedge's, (3, 1): for any number of loads."""
-
-        def part(values: Any) -> Any:
-            return tuple(map(part, values)) if isinstance(values, tuple) else values[..., one : one + 1]
-
-        return JointTriple(*map(part, self))
+        return JointTriple(*(of_one(values, one) for values in self))
 
     def slide(self, load: Vector) -> Slide:
         """The one mode in which no plane pulls and none is entered: off all, on one, on two, or held by three."""

@@ -158,15 +158,12 @@ class PlaneSizes:
     ----------
     area_m2 : of the section: the volume per metre; length_m : of the plane
     height_m : vertical, from the toe to the highest corner; setback_m : how far behind the crest it reaches
-    trace_m : on the face, from the toe to the crest straight up; upper_m : on the upper slope, from the crest back
     """
 
     area_m2: Floats
     length_m: Floats
     height_m: Floats
     setback_m: Floats
-    trace_m: Floats
-    upper_m: Floats
 
 
 def plane_sizes(
@@ -204,7 +201,7 @@ def plane_sizes(
         top = height + back * rise
         cuts = (plane > PARALLEL_DEG) & (plane < face - PARALLEL_DEG) & (plane > upper + PARALLEL_DEG) & (back > 0.0)
         lengths = (run + back) / np.cos(plane * _RADIAN)
-        found = area, lengths, np.maximum(height, top), back, np.hypot(run, height), back / np.cos(upper * _RADIAN)
+        found = area, lengths, np.maximum(height, top), back
         return PlaneSizes(*(np.where(cuts, values, np.nan) for values in found))
 
 

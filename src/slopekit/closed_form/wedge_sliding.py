@@ -39,6 +39,13 @@ class Slide(NamedTuple):
     movement: Vector
 
 
+def of_one(values: Any, one: int) -> Any:
+    """Of arrays (..., n), and of tuples of such, what one wedge has (..., 1)."""
+    if isinstance(values, tuple):
+        return tuple(of_one(part, one) for part in values)
+    return values[..., one : one + 1]
+
+
 class JointPair(NamedTuple):
     """The two joints (2, m): normals into the wedge, the line of intersection, n₁·n₂ and 1 - (n₁·n₂)², strength."""
 
@@ -57,11 +64,7 @@ class JointPair(NamedTuple):
 
     def of(self, one: int) -> "JointPair":
         """One wedge's, (2, 1): for any number of loads."""
-
-        def part(values: Any) -> Any:
-            return tuple(map(part, values)) if isinstance(values, tuple) else values[..., one : one + 1]
-
-        return JointPair(*map(part, self))
+        return JointPair(*(of_one(values, one) for values in self))
 
     def slide(self, load: Vector) -> Slide:
         """Mode of sliding from the resultant: off both, along one, along both joints."""

@@ -266,13 +266,14 @@ def _entry_html(table: Mapping[str, Any]) -> str:
 
     if "verbatim" in table:
         return f"<pre>{escape(table['verbatim'])}</pre>"
-    heads = "".join(f"<th>{escape(_head(column))}</th>" for column in table["columns"])
+    heads = "".join(f"<th>{escape(head_of(column))}</th>" for column in table["columns"])
     rows = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in table["shown"])
     rest = f"<p>{escape(table['rest'])}</p>" if table["rest"] else ""
     return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>{rest}"
 
 
-def _head(column: Mapping[str, Any]) -> str:
+def head_of(column: Mapping[str, Any]) -> str:
+    """The title of a column of a table's JSON, with its unit."""
     title, unit = str(column["title"]), str(column["unit"])
     return f"{title} / {unit}" if unit and unit not in title else title
 

@@ -130,17 +130,13 @@ def read_plane(reader: Reader) -> PlaneDesign:
 
 
 def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
-    def at(design: PlaneDesign, distance: float) -> PlaneDesign:
-        assert design.crack is not None
-        return replace(design, crack=replace(design.crack, distance_m=distance))
-
     try:
         whole = section_of(replace(design, crack=None))
     except GeometryError:
         return replace(design, crack=None)  # which says the same where it is cut
     crest = design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
 
-    return worst_crack.with_worst_crack(design, ON_ARRAYS, at, -float(whole.bottom[0]) - crest, place)
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, -float(whole.bottom[0]) - crest, place)
 
 
 def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:

@@ -147,24 +147,30 @@ def _factors(
     return np.broadcast_to(found, places.size).reshape(places.shape)
 
 
-def with_worst_crack(design: D, on_arrays: OnArrays[D], at: Callable[[D, float], D], reach: float, place: str) -> D:
+def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str) -> D:
     """The design with its crack where the closed form is lowest.
 
     Parameters
     ----------
-    at : the design with its crack at a distance; reach : the longest distance, m; place : in the file, for messages
+    design : with a crack; reach : its longest distance, m; place : in the file, for messages
 
     Raises
     ------
     DesignError
         E459 no place gives a factor.
     """
-    first = at(design, reach / 2.0)
+    holder: Any = design
+
+    def at(distance: float) -> D:
+        found: D = replace(holder, crack=replace(holder.crack, distance_m=distance))
+        return found
+
+    first = at(reach / 2.0)
     together = not design.is_cut_for_loads and not any(one.law for one in on_arrays.strengths(design))
 
     def one(distance: float) -> float:
         try:
-            found = on_arrays.of(at(design, distance))
+            found = on_arrays.of(at(distance))
         except GeometryError:
             return math.nan
         if found.status in _FREE:
@@ -183,4 +189,4 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], at: Callable[[D, float],
     if where == "none":
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])
-    return replace(at(design, distance), crack_searched=where)
+    return replace(at(distance), crack_searched=where)

@@ -7,7 +7,7 @@ import numpy as np
 
 from slopekit.core.codec import from_json
 from slopekit.core.orientation import line_of
-from slopekit.core.sheet import Section, Verbatim
+from slopekit.core.sheet import Section, Verbatim, head_of
 from slopekit.findings import GoverningInterface
 from slopekit.kinds.sheets.many_blocks import governing
 from slopekit.kinds.words import line_in_words
@@ -29,7 +29,7 @@ def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Tabl
             yield Verbatim(str(entry["verbatim"]))
         elif rows := entry["shown"]:
             kept = [k for k, _ in enumerate(entry["columns"]) if any(row[k] for row in rows)]
-            heads = tuple(_head(entry["columns"][k]) for k in kept)
+            heads = tuple(head_of(entry["columns"][k]) for k in kept)
             values = zip(rows, entry["rows"], strict=True)
             cells = tuple(tuple(_cell(str(row[k]), own[k]) for k in kept) for row, own in values)
             texts = [all(isinstance(row[k], str) for row in entry["rows"]) for k in kept]
@@ -43,11 +43,6 @@ def _cell(shown: str, value: Any) -> str:
     ('155.63', '1.0000', '2.5')
     """
     return f"{value:.5g}" if isinstance(value, float) and shown == str(value) and len(shown) > _DIGITS else shown
-
-
-def _head(column: Mapping[str, Any]) -> str:
-    title, unit = str(column["title"]), str(column["unit"])
-    return f"{title} / {unit}" if unit and unit not in title else title
 
 
 def motion_table(document: Document) -> Table | None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import field
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Any, Literal
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import (
@@ -18,6 +18,7 @@ from slopekit.core.orientation import (
 )
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
+from slopekit.design.nodes import fail
 from slopekit.design.on_disk import read_bytes
 from slopekit.design.survey.columns import (
     COLUMNS,
@@ -149,10 +150,10 @@ class _Reader:
             if self.convention is None:
                 near = get_close_matches(self.given.lower(), STRIKE_TO_DIP_DIRECTION, n=1)
                 advice = f"Did you mean {near[0]}?" if near else "It is right-hand-rule or left-hand-rule."
-                _fail("E192", f"the strike convention {self.given!r} is not known", self.name, advice)
+                fail("E192", f"the strike convention {self.given!r} is not known", self.name, advice)
         if not self.table.rows:
             advice = "The first line names the columns: name,dip,dip_direction."
-            _fail("E190", f"{self.name} holds no joints", self.name, advice)
+            fail("E190", f"{self.name} holds no joints", self.name, advice)
         rows = self.header()
         self.planes = PlaneReader(self.way, self.convention, self.conventions(), self.said.declination_deg)
         self.names_of_rows(rows)
@@ -171,8 +172,8 @@ class _Reader:
             bad = sum(part.startswith(f"{self.table.noun} ") for part in self.left_out)
             if self.skip_bad and bad:
                 message = f"{self.name} holds no joints: {bad} rows are bad"
-                _fail("E190", message, self.name, f"The first: {self.left_out[-bad]}")
-            _fail("E190", f"{self.name} has a header and no joints", self.name, "Each row below it is one joint.")
+                fail("E190", message, self.name, f"The first: {self.left_out[-bad]}")
+            fail("E190", f"{self.name} has a header and no joints", self.name, "Each row below it is one joint.")
         self.faults += self.planes.radians(self.name)
         if self.faults:
             raise DesignError(self.faults)
@@ -512,7 +513,3 @@ class _Reader:
             advice = "Degrees are needed; write 0 for a joint without friction."
             self.fault("E113", f"phi of {name} is {number(value)}°, that looks like radians", line, advice)
         return value
-
-
-def _fail(code: str, message: str, where: str, advice: str) -> NoReturn:
-    raise DesignError([Fault(code, message, where, advice)])

@@ -5,12 +5,12 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import BytesIO
-from typing import Any, NoReturn, Protocol
+from typing import Any, Protocol
 from zipfile import BadZipFile
 from zlib import error as ZlibError
 
-from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
+from slopekit.design.nodes import fail
 
 #: What zipfile, the parser of XML and openpyxl raise over a part that is broken, missing or encrypted.
 _BROKEN = (
@@ -140,7 +140,7 @@ def _workbook(name: str, content: bytes) -> Table:
         from openpyxl import load_workbook
     except ImportError:
         advice = "pip install 'slopekit[survey]', or save the sheet as CSV."
-        _fail("E140", f"reading {name} needs the extra survey (openpyxl)", name, advice)
+        fail("E140", f"reading {name} needs the extra survey (openpyxl)", name, advice)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions, which hold no joints
@@ -148,14 +148,14 @@ def _workbook(name: str, content: bytes) -> Table:
             sheets = book.worksheets
             values = [list(row) for row in sheets[0].iter_rows(values_only=True)]
     except _BROKEN:
-        _fail("E159", f"{name} is no workbook that can be read", name, "Save the sheet as .xlsx again, or as CSV.")
+        fail("E159", f"{name} is no workbook that can be read", name, "Save the sheet as .xlsx again, or as CSV.")
     others = [sheet.title for sheet in sheets[1:]]
     left_out = [f"{'sheet' if len(others) == 1 else 'sheets'} {', '.join(others)}"] if others else []
     return Grid(name, values, 1, left_out)
 
 
 def _old_workbook(name: str, _: bytes) -> Table:
-    _fail("E159", f"{name} is a workbook of before 2007", name, "Save it as .xlsx, or the sheet as CSV.")
+    fail("E159", f"{name} is a workbook of before 2007", name, "Save it as .xlsx, or the sheet as CSV.")
 
 
 _KNOWN_BY: Mapping[bytes, Callable[[str, bytes], Table]] = {
@@ -190,9 +190,5 @@ def _decoded(content: bytes, name: str) -> str:
     bad = re.search("[\x00-\x08\x0e-\x1f\x7f\ud800-\udfff]", text) if text is not None else None
     if text is None or bad:
         shown = f" (character U+{ord(bad.group()):04X})" if bad else ""
-        _fail("E159", f"{name} is not a text file{shown}", name, "Save the list as CSV.")
+        fail("E159", f"{name} is not a text file{shown}", name, "Save the list as CSV.")
     return text
-
-
-def _fail(code: str, message: str, where: str, advice: str) -> NoReturn:
-    raise DesignError([Fault(code, message, where, advice)])

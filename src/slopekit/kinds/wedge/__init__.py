@@ -352,11 +352,6 @@ def closed_form(design: WedgeDesign) -> ClosedForm:
 
 def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
     """The wedge with its crack where the closed form is lowest; `place` in the file, for messages."""
-
-    def at(design: WedgeDesign, distance: float) -> WedgeDesign:
-        assert design.crack is not None
-        return replace(design, crack=replace(design.crack, distance_m=distance))
-
     assert design.crack is not None
     whole = replace(design, crack=None)
     try:
@@ -375,7 +370,7 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
         return whole  # which says the same where it is cut
     from slopekit.kinds import worst_crack
 
-    return worst_crack.with_worst_crack(design, ON_ARRAYS, at, reach, place)
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, reach, place)
 
 
 def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:

@@ -31,6 +31,7 @@ from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass, names_of
 from slopekit.studies.bench_design.trials import Trials
+from slopekit.studies.kinematic.criteria import beside_deg
 
 MODES: Final = ("wedge", "plane", "toppling")
 WEDGE, PLANE, TOPPLING = range(3)
@@ -326,9 +327,3 @@ def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target:
 
 def _nothing() -> dict[str, Floats]:
     return {name: np.empty(0) for name in names_of(_Part)}
-
-
-def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
-    """Degrees between dip directions and another direction, 0 to 180."""
-    found: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
-    return found

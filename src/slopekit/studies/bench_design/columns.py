@@ -15,9 +15,10 @@ import numpy as np
 from slopekit.closed_form.sizes import column_sizes
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.studies.bench_design.bench import TOPPLING, Bench, beside_deg, strengths_at
+from slopekit.studies.bench_design.bench import TOPPLING, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
+from slopekit.studies.kinematic.criteria import beside_deg
 from slopekit.studies.points import GIVEN_UP, Point
 from slopekit.studies.prob.judged import chosen
 from slopekit.studies.protocol import Desk

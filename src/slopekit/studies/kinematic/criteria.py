@@ -152,7 +152,7 @@ def modes_of(
     """What could move in a slope with this face; the criteria stand above."""
     dip, direction, normals = joints.dips_deg, joints.dip_directions_deg, joints.normals()
     out, friction = face.normal(), friction_deg
-    off = _apart(direction, face.dip_direction_deg)
+    off = beside_deg(direction, face.dip_direction_deg)
 
     # planar sliding
     down = np.stack([
@@ -185,7 +185,8 @@ def modes_of(
     wedge, by_friction, zone = _wedges(lines, normals, out, face, friction, dip)
 
     # edges of columns
-    off_line = np.where(lines.plunge_deg >= 90.0 - _ANGLE, 0.0, _apart(lines.trend_deg, face.dip_direction_deg + 180.0))
+    off_line = beside_deg(lines.trend_deg, face.dip_direction_deg + 180.0)
+    off_line = np.where(lines.plunge_deg >= 90.0 - _ANGLE, 0.0, off_line)
     within = off_line <= lateral_toppling_deg + _ANGLE
     plunges = lines.down[:, 2] < -_TOUCHES
     column = np.zeros(len(lines.first), dtype=np.int8)
@@ -231,7 +232,7 @@ def _wedges(
     by_friction[daylight] = np.where(on_both, overcome, slides_alone)
 
     # outside the great circle of the plane that dips at the friction angle with the face
-    slope, off = np.radians(least), np.radians(_apart(lines.trend_deg[daylight], face.dip_direction_deg))
+    slope, off = np.radians(least), np.radians(beside_deg(lines.trend_deg[daylight], face.dip_direction_deg))
     beyond = np.tan(slope) * np.cos(off) < np.tan(np.radians(plunge)) * (1.0 - _TOUCHES)
     zone = np.zeros(len(wedge), dtype=np.bool_)
     zone[daylight] = ~primary & beyond
@@ -244,10 +245,10 @@ def _trend_plunge(down: Floats) -> tuple[Floats, Floats]:
     return trend, np.degrees(np.arctan2(-down[:, 2], np.hypot(down[:, 0], down[:, 1])))
 
 
-def _apart(direction: Floats, from_deg: float) -> Floats:
-    """How far directions lie from another, 0 to 180°."""
-    apart: Floats = np.abs((direction - from_deg + 180.0) % 360.0 - 180.0)
-    return apart
+def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
+    """Degrees between dip directions and another direction, 0 to 180."""
+    found: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

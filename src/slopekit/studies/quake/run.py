@@ -24,7 +24,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.notices import means_taken
-from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, study
+from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
 from slopekit.studies.quake.six import InSix, Shaking, SixMotion, shaken_in_six, six_block
@@ -278,10 +278,6 @@ def _degrees(text: str, option: str) -> float:
     return quantity(text, "angle", option, f"{option} {text}")
 
 
-def _peak(text: str, option: str) -> float:
-    return quantity(text, "ratio", option, f"{option} {text}")
-
-
 @study
 def quake(
     design: ADesign,
@@ -302,7 +298,7 @@ def quake(
             _degrees,
         ),
     ] = None,
-    scale_pga: Annotated[float | None, Option("Peak that every record is scaled to, g.", _peak)] = None,
+    scale_pga: Annotated[float | None, Option("Peak that every record is scaled to, g.", number_of)] = None,
     unit: Annotated[str | None, Option("Unit of files that name none: g, m/s2, cm/s2, gal.")] = None,
     six: Annotated[
         bool, Option("In six degrees of freedom too: the block on its springs, which opens and turns.")

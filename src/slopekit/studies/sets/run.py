@@ -86,7 +86,7 @@ class FoundSet:
         """The set as JSON values."""
         axes, (shape, strength) = self.axes, self.axes.woodcock
         found: dict[str, Any] = json_of({
-            "set": self.name, "joints": len(self.members), "counts_as": axes.joints, "plane": str(_tenths(self.plane)),
+            "set": self.name, "joints": len(self.members), "counts_as": axes.joints, "plane": str(tenths(self.plane)),
             "dip_deg": self.plane.dip_deg, "dip_direction_deg": self.plane.dip_direction_deg,
             "eigenvalues": axes.eigenvalues, "resultant": axes.resultant,
             "k": axes.k, "k_low": axes.k_low, "k_high": axes.k_high, "confidence": axes.confidence,
@@ -196,7 +196,7 @@ class JointSets(Outcome):
             "girdle": None if self.girdle is None else {
                 "trend_deg": self.girdle[0].trend_deg, "plunge_deg": self.girdle[0].plunge_deg, "bic": self.girdle[1],
             },
-            "densest": {"plane": str(_tenths(self.peak)), "density": self.peak_density},
+            "densest": {"plane": str(tenths(self.peak)), "density": self.peak_density},
             "orientations": [
                 {"joint": name, "set": "" if k < 0 else self.sets[k].name, "dip_deg": dip,
                  "dip_direction_deg": direction, "weight": weight}
@@ -399,7 +399,8 @@ def _plane(pole: Floats) -> Plane:
     return Plane(float(found.dips_deg[0]), float(found.dip_directions_deg[0]))
 
 
-def _tenths(plane: Plane) -> Plane:
+def tenths(plane: Plane) -> Plane:
+    """A plane rounded to tenths of a degree."""
     return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)
 
 

@@ -4,10 +4,10 @@ import math
 from operator import attrgetter
 from typing import Any
 
-from slopekit.core.orientation import Plane, number
+from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted
 from slopekit.studies.sets.clustering import Clusters
-from slopekit.studies.sets.run import FoundSet, JointSets
+from slopekit.studies.sets.run import FoundSet, JointSets, tenths
 from slopekit.studies.sets.sizes import metres
 from slopekit.studies.surveys import head
 
@@ -27,7 +27,7 @@ def sheet_of(found: JointSets) -> Sheet:
         Section("ANGLES", [_angles(found)] if found.sets else []),
         Section("SPACING", _spacing(found)),
         Section("TRACE", _trace(found)),
-        Section("DENSEST", [f"pole of {_tenths(found.peak)}: {found.peak_density:.1f} {_UNITS[found.contours]}"]),
+        Section("DENSEST", [f"pole of {tenths(found.peak)}: {found.peak_density:.1f} {_UNITS[found.contours]}"]),
         Section("GIRDLE", _girdle(found)),
         Section("NO SET", _alone(found)),
         Section("BENCH", ["for a design of kind bench:", Verbatim(found.block)] if found.sets else []),
@@ -82,7 +82,7 @@ def _table(found: JointSets) -> Table[FoundSet]:
     return Table([
         _name(found),
         Column("joints", lambda one: len(one.members), "joints", width=7),
-        Column("mean", lambda one: str(_tenths(one.plane)), "plane", width=12),
+        Column("mean", lambda one: str(tenths(one.plane)), "plane", width=12),
         Column("K", lambda one: one.axes.k, "k", show=_k, width=10),
         Column("limits", lambda one: [one.axes.k_low, one.axes.k_high], "", width=16, text=_limits),
         Column("mean ±", lambda one: one.axes.cone_deg, "cone_of_mean", "°", _degrees, 9),
@@ -192,10 +192,6 @@ def _sets(found: JointSets) -> Table[FoundSet]:
 def _name(found: JointSets) -> Column[FoundSet]:
     width = min(max([len(one.name) for one in found.sets] + [3]), 12)
     return Column("set", attrgetter("name"), "set", width=-width - 1, text=lambda one: one.name[:width])
-
-
-def _tenths(plane: Plane) -> Plane:
-    return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)
 
 
 def _k(value: float) -> str:
