@@ -66,7 +66,8 @@ OF_A_FILE = [
     ("W492", "footing", {"weak_plane.length": 8000}, "the blocks are 5142 m high, higher"),
     ("W492", "blocks", {"blocks": {"base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},
                                    "B1": {"polygon": [[0, 0], [2000, 0], [2000, 3000], [0, 3000]]}},
-                        "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 0, "phi": 30}}}, "the blocks are 4000 m high"),
+                        "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 0, "phi": 30}}},
+     "the blocks are 4000 m high"),
     ("W326", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
 ]  # fmt: skip
 

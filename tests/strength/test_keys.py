@@ -110,7 +110,18 @@ def test_faults(kind) -> None:
     assert codes({"law": "bilinear", "phi": 60, "i": 40, "sigma_t": 300}, of) == ["E115"]
     assert codes({**ROUGH, "waviness": -1}, of) == ["E115"]
     assert codes({**ROUGH, "jcs": "50 m"}, of) == ["E107"]
+    assert [codes({**ROUGH, "jcs": kpa}, of) for kpa in (50, 99.5, 1.005e6, 5e7)] == [["E553"]] * 4
     assert codes({"c": 5, "phi": 30, "jrc": 8}, of) == ["E142"]
+
+
+@pytest.mark.parametrize(("written", "meant"), [("50", "50 MPa"), ("50000000", "50000000 Pa")])
+def test_a_wall_in_another_unit_is_told_how_to_be_written(written, meant) -> None:
+    """A bare number is kPa: 50 would have no roughness left, and 50 MPa in Pa would hold at 70°."""
+    with pytest.raises(DesignError) as refused:
+        sk.load({**WEDGE, "strength": {"joint": {**ROUGH, "jcs": float(written)}}})
+    assert refused.value.faults[0].advice.endswith(f"jcs: {meant}.")
+    for end in (100.0, 1e6, "0.1 MPa"):
+        sk.load({**WEDGE, "strength": {"joint": {**ROUGH, "jcs": end}}})
 
 
 def test_a_curved_joint_beside_a_straight_one() -> None:

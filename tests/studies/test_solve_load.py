@@ -275,7 +275,7 @@ def test_a_path_that_ends_beyond_the_range_is_said(monkeypatch) -> None:
     assert [notice.code for notice in shaken.warnings] == ["W463", "W491"]
 
 
-@pytest.mark.parametrize(("height", "said"), [(0.8, True), (1.05, False)])
+@pytest.mark.parametrize(("height", "said"), [(0.8, True), (0.995, True), (1.005, False)])
 def test_a_coefficient_beyond_any_earthquake_is_said(height, said) -> None:
     """A block 1 m wide tips at 1 / height: more than 1 g is no earthquake's."""
     blocks = COLUMN["blocks"] | {"B1": {"polygon": [[0, 0], [1, 0], [1, height], [0, height]]}}

@@ -35,7 +35,7 @@ def fields_of_law(law: Any) -> Mapping[str, Field]:
             said["key"], said["unit"], low, high, above="above" in said, below="below" in said,
             is_required=part.default is MISSING, default=None if part.default is MISSING else part.default,
             code=_CODES.get(said["unit"], "E127"), example=said["example"], doc=said["doc"], is_attribute=True,
-            axis=said["doc"].partition(",")[0].partition(";")[0],
+            axis=said["doc"].partition(",")[0].partition(";")[0], check=said.get("check"),
         )  # fmt: skip
     return found
 
@@ -57,7 +57,7 @@ def named_law(node: Node | None) -> str | None:
 
 
 def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
-    """The curved law of a strength; what is wrong with it becomes faults: E142, E143, E114, E115, E127."""
+    """The curved law of a strength; what is wrong with it becomes faults: E142, E143, E114, E115, E127, E553."""
     name = named_law(node) or ""
     if name not in LAWS:
         near = get_close_matches(name, LAWS, n=1, cutoff=0.4)

@@ -21,6 +21,19 @@ from slopekit.core.records import dataclass
 from slopekit.strength.reduced import Reduced
 
 STEEPEST_DEG = 70.0
+_WALLS_KPA = (1e2, 1e6)  # weaker is soil, and nothing is stronger
+
+
+def _slips(value: float, name: str, written: str, called: object) -> tuple[str, str, str] | None:
+    """A wall strength that is typed in another unit: code, message, advice; None where it may be one."""
+    if value <= 0.0:
+        return "E114", f"{name} is {value:.10g}, it must be more than 0", ""
+    if _WALLS_KPA[0] <= value <= _WALLS_KPA[1]:
+        return None
+    low, high = (f"{end / 1e3:g} MPa" for end in _WALLS_KPA)
+    meant = "MPa" if value < _WALLS_KPA[0] else "Pa"
+    advice = f"A bare number is kPa. If {meant} are meant: jcs: {value:.10g} {meant}."
+    return "E553", f"{name} is {value:.10g} kPa, joint walls have {low} to {high}", advice
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +49,9 @@ class BartonBandis:
                   "doc": "joint roughness coefficient, 0 (smooth) to 20 (rough)"}
     )  # fmt: skip
     jcs_kpa: float = field(
-        metadata={"key": "jcs", "sign": "JCS", "unit": "pressure", "above": 0.0, "example": "50 MPa",
-                  "doc": "compressive strength of the joint wall"}
+        metadata={"key": "jcs", "sign": "JCS", "unit": "pressure", "least": _WALLS_KPA[0], "most": _WALLS_KPA[1],
+                  "example": "50 MPa",
+                  "doc": "compressive strength of the joint wall", "check": _slips}
     )  # fmt: skip
     phi_r_deg: float = field(
         metadata={"key": "phi_r", "sign": "φ_r", "step": 1.0, "unit": "angle", "least": 0.0, "below": STEEPEST_DEG,

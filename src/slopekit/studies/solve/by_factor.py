@@ -276,10 +276,11 @@ def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool, fl
                     near=_LOAD_NEAR, same=_SAME, jump=_LOAD_JUMP)  # fmt: skip
     with effort.allowed(effort.MOST):
         with effort.part(_OF_PATH):
-            last, beyond = _path_in_load(asked), None
+            last = _path_in_load(asked)
             cut = last is None and effort.is_spent()
+        beyond = None
         if last is not None and not asked.low <= last.multiplier <= asked.high:
-            last, beyond = None, last.multiplier
+            beyond, last = last.multiplier, None
         direct, jumps, found = _driven(search, asked, whole, lower, last)
         spent = effort.is_spent()
     answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct, jumps)
