@@ -15,25 +15,30 @@ program, a score for each program that `preie.distance` would solve; where there
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cone_steps import ConeEquations
 from slopekit.preie.cone_steps import residuals as cone_residuals
+from slopekit.preie.cones import determinant
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.iterates import Iterate, IterateStep
 from slopekit.preie.kernels import compiled
 from slopekit.preie.key_blocks import sliding_factors
 from slopekit.preie.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
-from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD
+from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD, TINY
 
-_MANY, _LAYERS, _PART = 150, 3, 0.7  # blocks of which a part comes first; contacts about what may slide; its size
+_MANY = 150  # blocks of which parts come first
+_PARTS, _LAYERS, _LARGEST = 6, 3, 0.7  # at most; contacts about what moves; the largest, in parts of all blocks
+_MOVING = 1e-5  # speed there, in parts of the fastest
 _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
-_MOST = 150  # steps; it takes 30 to 80
+_LIFTED = 3.0  # least of them about the forces of an elastic bed: a third or a tenth is worse where λ is not so good
+_MOST = 150  # steps; it takes 20 to 60
 _HARDLY = 1e-6  # of the elastic energy of other programs
 _AIM = 0.5  # of what s may still be: no less complementarity than that
 _KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move
+_UNSURE = 3.0  # complementarity in parts of what s may still be, from which on λ stays
 _SURE = 0.2  # of `NEAR`: width of the bracket of λ at the end, 2e-6; s is mostly known ten times better
 _FALLS, _GROWS = 0.7, 2.0  # parts of λ by which it goes down and up at most
 _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: just above that λ blocks jam
@@ -68,6 +73,21 @@ class _Shortfall(BlockProgram):
             np.hstack([unit / room, none]), MOST_LOAD,
         )  # fmt: skip
 
+    def begun_elastic(self, reduction: float) -> Iterate:
+        """The same about the forces of an elastic bed, which is nearer to a λ that is known to be good."""
+        normal = np.maximum(self.start.normal, _LIFTED * self.pair_weight)
+        room = reduction * self.model.tan_friction * self.model.by_group(normal) + self.weight
+        size = np.sqrt((self.start.friction * self.start.friction).sum(axis=1))
+        friction = self.start.friction * np.minimum(1.0, 0.5 * room / np.maximum(size, TINY))[:, None]
+        strength = np.hstack([room[:, None], friction])
+        slip = strength / determinant(strength)[:, None]
+        slip[:, 1:] *= -1.0
+        unit = 1.0 / float(self.weight @ slip[:, 0])
+        return Iterate(
+            normal, friction, 2.0, unit / MOST_LOAD, strength, np.zeros(len(self.load)), unit / normal, unit * slip,
+            MOST_LOAD,
+        )  # fmt: skip
+
     def falls(self, at: Iterate) -> float:
         """ds/dλ."""
         strength = self.cohesion + self.model.tan_friction * self.model.by_group(at.normal)
@@ -87,17 +107,43 @@ class _Shortfall(BlockProgram):
 def bound_in_one_run(model: AssemblyModel) -> StaticBound | None:
     """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        start = _START
-        if len(model.load) > _MANY:
-            near = _near_those_that_slide(model)
-            if len(near) < _PART * len(model.load):
-                first = _run(_Shortfall(model.among(near)[0]), start)
-                start = start if first is None or first.factor is None else 1.0 / first.factor
-        return _run(_Shortfall(model), start)
+        known = _of_parts(model) if len(model.load) > _MANY else None
+        found = None if known is None else _run(_Shortfall(model), known, True)
+        return _run(_Shortfall(model), _START) if found is None else found
 
 
-def _near_those_that_slide(model: AssemblyModel) -> Ints:
-    """Blocks that might slide out by themselves, and those a few contacts from them."""
+def _of_parts(model: AssemblyModel) -> float | None:
+    """The λ of some blocks with all others held, never above that of all; mostly it is that of all.
+
+    First those that might slide out by themselves and some about them, then those that move there and some about them,
+    until those that move are inside.
+    """
+    part, reduction = _about(model, _that_might_slide(model)), None
+    for _ in range(_PARTS):
+        if len(part) > _LARGEST * len(model.load):
+            break
+        found = _run(_Shortfall(model.among(part)[0]), reduction or _START)
+        if found is None or found.factor is None:
+            break
+        reduction = 1.0 / found.factor
+        speed = np.abs(found.velocity.reshape(len(part), -1)).max(axis=1)
+        moving = np.zeros(len(model.load), dtype=bool)
+        moving[part[speed > _MOVING * float(speed.max())]] = True
+        if np.isin(np.flatnonzero(model.touching(moving)), part).all():
+            break
+        part = _about(model, moving)
+    return reduction
+
+
+def _about(model: AssemblyModel, blocks: Bools) -> Ints:
+    """Some blocks (n,) and those a few contacts from them."""
+    for _ in range(_LAYERS):
+        blocks = model.touching(blocks)
+    return np.flatnonzero(blocks)
+
+
+def _that_might_slide(model: AssemblyModel) -> Bools:
+    """Blocks (n,) that might slide out by themselves."""
     joints = len(model.plus) - len(model.bolts)
     plus, minus = model.plus[:joints], model.minus[:joints]
     both = minus >= 0
@@ -105,14 +151,15 @@ def _near_those_that_slide(model: AssemblyModel) -> Ints:
     order = np.argsort(owner, kind="stable")
     normals = np.concatenate([model.plus_motion[:joints, 0, :3], model.minus_motion[:joints, 0, :3][both]])[order]
     none = np.zeros(len(order))
-    near = np.isfinite(sliding_factors(owner[order], normals, model.load[:, :3], none, none + 1.0))
-    for _ in range(_LAYERS):
-        near = model.touching(near)
-    return np.flatnonzero(near)
+    slides: Bools = np.isfinite(sliding_factors(owner[order], normals, model.load[:, :3], none, none + 1.0))
+    return slides
 
 
-def _run(program: _Shortfall, start: float) -> StaticBound | None:
+def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound | None:
+    """The run from a λ; `known` where the bound's is no lower, and hardly higher."""
     at, reduction, low, high, stalled = program.begun(), start, 0.0, np.inf, 0
+    if known:
+        at, low = program.begun_elastic(start), (1.0 - 2.0 * _SURE * NEAR) * start
     residuals = Residuals.of if compiled() is None else cone_residuals
     for steps in range(_MOST):
         strengths = program.at(reduction)
@@ -126,19 +173,20 @@ def _run(program: _Shortfall, start: float) -> StaticBound | None:
         if balanced and abs(short) < most_off and off.gap + worth < _SURE * most_off:
             bound = reduction - short / falls
             return StaticBound(1.0 / bound, False, False, at.velocity, at.normal, steps)
-        middle, moves = short - 0.5 * off.gap, 0.0
+        middle, moves, towards = short - 0.5 * off.gap, 0.0, 0.0
         if balanced and short < 0.0:
             high = min(high, reduction)
-        if worth < _KNOWN * off.gap:
-            if short > off.gap + worth:
-                low = max(low, reduction)
+        if worth < _KNOWN * off.gap and short > off.gap + worth:
+            low = max(low, reduction)
+        if worth < _KNOWN * off.gap < _KNOWN * _UNSURE * abs(middle):
+            towards = _AIM * abs(middle)
             moves = float(np.clip(-middle / falls, off.gap / falls, -off.gap / falls))
             moves = min(max(moves, -_FALLS * reduction), _GROWS * reduction)
             moves = min(max(moves, 0.5 * (low - reduction)), 0.5 * (high - reduction))
             strengths = program.at(reduction + moves)
             off = residuals(program, strengths, at)
         try:
-            step = _step(program, strengths, at, off, _AIM * abs(middle) if worth < off.gap else 0.0)
+            step = _step(program, strengths, at, off, towards)
         except SolverError:
             return None
         length = step.longest(at)
