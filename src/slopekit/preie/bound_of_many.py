@@ -36,10 +36,11 @@ _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twic
 _LIFTED = 3.0  # least of them about the forces of an elastic bed: a third or a tenth is worse where λ is not so good
 _MOST = 150  # steps; it takes 20 to 60
 _HARDLY = 1e-6  # of the elastic energy of other programs
-_AIM = 0.5  # of what s may still be: no less complementarity than that
+_AIM, _NO_NEARER = 0.5, 0.1  # of what s may still be: no less complementarity than that where λ moves, and stays
 _KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move
 _UNSURE = 3.0  # complementarity in parts of what s may still be, from which on λ stays
 _SURE = 0.2  # of `NEAR`: width of the bracket of λ at the end, 2e-6; s is mostly known ten times better
+_DOUBT = 10.0  # how many times what residuals are worth at an iterate they may be worth at the end
 _FALLS, _GROWS = 0.7, 2.0  # parts of λ by which it goes down and up at most
 _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: just above that λ blocks jam
 
@@ -98,6 +99,14 @@ class _Shortfall(BlockProgram):
         forces = float(np.abs(off.normal * at.normal).sum()) + float(np.abs(off.slip * at.friction).sum())
         return forces + abs(float(off.balance @ at.velocity)) + abs(off.factor * (at.load_factor - 1.0))
 
+    def worth_of_strength(self, at: Iterate, off: Residuals) -> float:
+        """The same of what is off at the cones: λ has just moved."""
+        return float(np.abs(off.strength * at.slip).sum())
+
+    def overdrawn(self, off: Residuals) -> float:
+        """The strength by which cones are off at most, in parts of the loads."""
+        return float((np.abs(off.strength).max(axis=1) / self.weight).max())
+
     def inertia(self, gap: float) -> Floats:
         """Hardly anything of the stiffness of each block, (n u,): of slivers too, which the mean would hold."""
         small: Floats = (SHIFT_BY_LOAD * self.cones / gap) * self.least_load * self.least_load
@@ -120,7 +129,7 @@ def _of_parts(model: AssemblyModel) -> float | None:
     """
     part, reduction = _about(model, _that_might_slide(model)), None
     for _ in range(_PARTS):
-        if len(part) > _LARGEST * len(model.load):
+        if not 0 < len(part) <= _LARGEST * len(model.load):
             break
         found = _run(_Shortfall(model.among(part)[0]), reduction or _START)
         if found is None or found.factor is None:
@@ -169,22 +178,24 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
         short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
         if falls == 0.0:  # no strength at all
             return None
-        balanced, most_off = off.unbalanced < FEASIBLE, -NEAR * reduction * falls
-        if balanced and abs(short) < most_off and off.gap + worth < _SURE * most_off:
+        most_off, unsure = -NEAR * reduction * falls, worth + program.worth_of_strength(at, off)
+        admissible = max(off.unbalanced, program.overdrawn(off)) < FEASIBLE
+        if admissible and max(abs(short), unsure) < most_off and off.gap < _SURE * most_off:
             bound = reduction - short / falls
             return StaticBound(1.0 / bound, False, False, at.velocity, at.normal, steps)
-        middle, moves, towards = short - 0.5 * off.gap, 0.0, 0.0
-        if balanced and short < 0.0:
+        middle, moves = short - 0.5 * off.gap, 0.0
+        if admissible and short < 0.0:
             high = min(high, reduction)
-        if worth < _KNOWN * off.gap and short > off.gap + worth:
+        if short > off.gap + _DOUBT * unsure:
             low = max(low, reduction)
-        if worth < _KNOWN * off.gap < _KNOWN * _UNSURE * abs(middle):
-            towards = _AIM * abs(middle)
-            moves = float(np.clip(-middle / falls, off.gap / falls, -off.gap / falls))
+        farthest = max(off.gap, 0.5 * abs(middle))
+        if worth < _KNOWN * farthest and off.gap < _UNSURE * abs(middle):
+            moves = float(np.clip(-middle / falls, farthest / falls, -farthest / falls))
             moves = min(max(moves, -_FALLS * reduction), _GROWS * reduction)
             moves = min(max(moves, 0.5 * (low - reduction)), 0.5 * (high - reduction))
             strengths = program.at(reduction + moves)
             off = residuals(program, strengths, at)
+        towards = (_AIM if moves else _NO_NEARER) * abs(middle) if worth < farthest else 0.0
         try:
             step = _step(program, strengths, at, off, towards)
         except SolverError:
