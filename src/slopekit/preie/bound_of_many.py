@@ -33,7 +33,7 @@ _PARTS, _LAYERS, _LARGEST = 6, 3, 0.7  # at most; contacts about what moves; the
 _MOVING = 1e-5  # speed there, in parts of the fastest
 _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
-_LIFTED = 3.0  # least of them about the forces of an elastic bed: a third or a tenth is worse where λ is not so good
+_LIFTED = 1.0  # least of them about the forces of an elastic bed, in parts of the loads; three times as much is as good
 _MOST = 150  # steps; it takes 20 to 60
 _HARDLY = 1e-6  # of the elastic energy of other programs
 _AIM, _NO_NEARER = 0.5, 0.1  # of what s may still be: no less complementarity than that where λ moves, and stays
@@ -189,7 +189,8 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
         if short > off.gap + _DOUBT * unsure:
             low = max(low, reduction)
         farthest = max(off.gap, 0.5 * abs(middle))
-        if worth < _KNOWN * farthest and off.gap < _UNSURE * abs(middle):
+        near_enough = max(abs(short), abs(middle)) < 0.5 * most_off  # what is left to λ is known then
+        if worth < _KNOWN * farthest and off.gap < _UNSURE * abs(middle) and not near_enough:
             moves = float(np.clip(-middle / falls, farthest / falls, -farthest / falls))
             moves = min(max(moves, -_FALLS * reduction), _GROWS * reduction)
             moves = min(max(moves, 0.5 * (low - reduction)), 0.5 * (high - reduction))
