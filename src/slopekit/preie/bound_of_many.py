@@ -9,8 +9,12 @@ Newton on s(λ) need not wait for s: an iterate whose forces balance and whose v
 says that s lies between what it is and that less its complementarity, and what s does as λ grows. So λ goes with every
 step by as much as is known, and the complementarity stays as large as what s may still be.
 
-It ends where forces that balance and a motion are so near that λ is known to `NEAR`. Steps are those of a convex
-program, a score for each program that `preie.distance` would solve; where there is no end, that is the way.
+Of thousands of blocks few move. Blocks about those that might slide out by themselves, all others held, have a bound
+that is no lower; their motion says who comes into the next part, until it ends within it. From the λ of that the run
+over all blocks has little to find, and the same to prove: λ stays until s is known not to be nothing.
+
+It ends where forces that balance and a motion are so near that λ is known to a fifth of `NEAR`. Steps are those of a
+convex program, a score for each program that `preie.distance` would solve; where there is no end, that is the way.
 """
 
 import numpy as np
