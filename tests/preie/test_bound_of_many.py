@@ -101,26 +101,43 @@ def test_without_any_strength_there_is_no_bound_to_run_to() -> None:
     assert bound_in_one_run(BENCH.model(0.0)) is None
 
 
-def test_of_many_a_part_says_where_to_begin(monkeypatch) -> None:
-    """Blocks that might slide out, and those about them, with all others held: no lower bound, and so a λ below."""
+@pytest.mark.parametrize("held_back", [1.0, 0.9])
+def test_of_many_parts_say_where_to_begin(held_back, monkeypatch) -> None:
+    """What may slide, and what is about it, with all others held: no lower bound, and so a λ that is no higher.
+
+    Also where that λ is a tenth too low, as where what moves lies beyond the parts.
+    """
     model = MODELS["bench with cohesion"]()
     whole = bound_in_one_run(model)
     monkeypatch.setattr(bound_of_many, "_MANY", 1)
-    monkeypatch.setattr(bound_of_many, "_LAYERS", 0)
-    runs, starts = bound_of_many._run, []
+    monkeypatch.setattr(bound_of_many, "_LAYERS", 1)
+    parts, runs, starts = bound_of_many._of_parts, bound_of_many._run, []
 
-    def watched(program: bound_of_many._Shortfall, start: float):
-        starts.append((len(program.model.load), start))
-        return runs(program, start)
+    def watched(program: bound_of_many._Shortfall, start: float, known: bool = False):
+        starts.append((len(program.model.load), start, known))
+        return runs(program, start, known)
 
     monkeypatch.setattr(bound_of_many, "_run", watched)
+    monkeypatch.setattr(bound_of_many, "_of_parts", lambda model: held_back * parts(model))
     found = bound_in_one_run(model)
     assert found is not None
     assert whole is not None
     assert found.factor == pytest.approx(whole.factor, rel=4e-6)
-    (part, _), (blocks, start) = starts
-    assert part < blocks == len(model.load)
-    assert 0.5 < start * (whole.factor or 0.0) < 1.0 + 4e-6
-    bound = bound_by_programs(model.among(bound_of_many._near_those_that_slide(model))[0])
-    assert bound is not None
-    assert 1.0 / start == pytest.approx(bound.factor, rel=4e-6)
+    *of_parts, (blocks, start, known) = starts
+    assert known
+    assert of_parts
+    assert max(part for part, *_ in of_parts) < blocks == len(model.load)
+    assert not any(known for *_, known in of_parts)
+    assert 0.5 < start * (whole.factor or 0.0) / held_back < 1.0 + 4e-6
+
+
+def test_parts_lock(monkeypatch) -> None:
+    """Blocks jam below the λ that is known: it begins again from the lowest."""
+    model = MODELS["bench"]()
+    whole = bound_in_one_run(model)
+    monkeypatch.setattr(bound_of_many, "_MANY", 1)
+    monkeypatch.setattr(bound_of_many, "_of_parts", lambda model: 5.0)
+    found = bound_in_one_run(model)
+    assert found is not None
+    assert whole is not None
+    assert found.factor == pytest.approx(whole.factor, rel=4e-6)
