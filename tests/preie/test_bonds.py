@@ -1,12 +1,15 @@
 """Bonds of many blocks: rounds of limits against histories in which bonds break, and what the rounds do by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import slopekit as sk
 from benchmarks import populations
+from slopekit.preie import blocks
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bonds import with_bonds
+from slopekit.preie.bonds import Bonded, with_bonds
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from tests.preie.block_scenes import boxes_in_space
 from tests.preie.path_oracle import breaking, model_of
@@ -28,6 +31,20 @@ def test_a_bench_with_cohesion_fails_between_lesser_motions_and_a_history(number
     assert runs < 1.003 * rests
     assert lesser * (1.0 - 1e-4) < found.fos.limit < runs
     assert ("W484" in [notice.code for notice in found.warnings]) == (number != 113)
+
+
+def test_the_sheet_says_that_a_motion_broke_bonds_before_it_had_settled(monkeypatch) -> None:
+    """At 0.8 of the factor, which is that of the design: searches are in unit strength."""
+
+    def unsettled(*args) -> Bonded:
+        found = whole(*args)
+        return replace(found, unsettled=found.limit.parameter and found.limit.parameter / 0.8)
+
+    whole = blocks.with_bonds
+    monkeypatch.setattr(blocks, "with_bonds", unsettled)
+    found = sk.run(sk.load(populations.bench(37)))
+    (said,) = [notice.message for notice in found.warnings if notice.code == "W486"]
+    assert f"it began beyond {0.8 * found.fos.limit:.4f}" in said
 
 
 # -- rounds, by hand --------------------------------------------------------------------------------------------------

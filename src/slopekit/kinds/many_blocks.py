@@ -489,7 +489,7 @@ def _notices(
     if (limit.bond == 0.0).any():
         share = float(1.0 - limit.bond.mean())
         before = f"; with all of it the first motion begins at {limit.bonded:.4f}" if limit.bonded else ""
-        yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened twice, have "
+        yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened, have "
                      f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
                      f"that happens{before}")  # fmt: skip
     if limit.kept and first.fos:

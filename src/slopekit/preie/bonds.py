@@ -10,7 +10,8 @@ breaks as that motion begins: the limit is that motion's, less what the cohesion
 
 or, if that is less, the factor up to which blocks at rest on their elastic joints press that contact anywhere: one
 that is open all over has lost its bond, and the lesser motion begins. Other bonds that the last motion, once it has
-settled, leaves closed come back once. Every bond breaks twice at most and is kept once: the rounds end.
+settled, leaves closed come back once. Where motions do not settle a second one breaks nothing more if what it opens
+does little of its work, which is taken off as well. Every bond breaks twice at most and is kept once: the rounds end.
 """
 
 import math
@@ -26,6 +27,7 @@ from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact, keeps it or gives it back
+_LITTLE = 0.02  # of the work of a motion that does not settle: what cohesion that opens does of it is taken off
 _HALVINGS = 7  # between the factors at which a bond that is kept breaks and does not
 _JUST = 0.98  # of the way to a limit: there contacts that its motion opens are open all over if they are before it
 
@@ -62,12 +64,13 @@ class Bonded:
 class _Rounds:
     """What contacts (k,) have lost, and the rounds that say so."""
 
-    def __init__(self, model: AssemblyModel, load_grows: bool) -> None:
-        self.model, self.load_grows, contacts = model, load_grows, len(model.plus)
+    def __init__(self, model: AssemblyModel, working: Floats, load_grows: bool) -> None:
+        self.model, self.working, self.load_grows, contacts = model, working, load_grows, len(model.plus)
         self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
         self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
         self.times = np.zeros(contacts, dtype=np.int64)
         self.gone = np.zeros(contacts, dtype=bool)  # for good
+        self.late = np.zeros(contacts, dtype=bool)  # opened by a motion that does not settle once more
         self.broke = np.zeros(contacts)  # the parameter of the motion that opened it
         self.whole: float | None = None
         self.least: float | None = None
@@ -84,6 +87,11 @@ class _Rounds:
         self.whole = path_end.parameter if self.whole is None else self.whole
         opens, slips = _moves(self.model, path_end)
         breaks = opens & self.bonded & ~self.lost & ~self.kept
+        if breaks.any() and self.unsettled is not None and not path_end.found:
+            share = self._work(path_end, breaks) / float(self.working @ path_end.motion)
+            if abs(share) < _LITTLE:  # another round like the last would say no more
+                self.late = breaks
+                return False
         if breaks.any():
             self.lost, self.times = self.lost | breaks, self.times + breaks
             self.broke[breaks] = path_end.parameter
@@ -112,26 +120,29 @@ class _Rounds:
         self.kept, self.lost, self.gone = self.kept & ~gone, self.lost | gone, self.gone | gone
         return bool(gone.any())
 
-    def ended(self, path_end: PathLimit, working: Floats, pressed: Pressed) -> Bonded:
+    def ended(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
         """The limit less the work of the cohesion that is kept and opens, and no further than it is pressed at rest."""
-        model, least = self.model, self.least
-        opens, _ = _moves(model, path_end)
-        opens &= self.kept
-        if path_end.parameter is None or least is None or not opens.any():
+        least = self.least
+        opens, _ = _moves(self.model, path_end)
+        opens &= self.kept | self.late
+        if path_end.parameter is None or not opens.any():
             return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled)
-        _, slip = model.opening_and_slip(path_end.motion)
-        cohesion = model.by_group(np.where(opens[model.pair_contact], model.cohesion, 0.0))
-        did = path_end.reduction * float(cohesion @ np.sqrt((slip * slip).sum(axis=1)))
-        works = float(working @ path_end.motion)
+        did, works = self._work(path_end, opens), float(self.working @ path_end.motion)
         parameter, share = path_end.parameter, did / works
         less = parameter - share if self.load_grows else parameter / max(1.0 - share, TINY)
-        if (least < parameter) == self.load_grows:  # what stands without those bonds stands with them
+        if least is not None and (least < parameter) == self.load_grows:  # what stands without bonds stands with them
             less = max(less, least) if self.load_grows else min(less, least)
-            less = self._pressed_to(less, least, opens, pressed)
+            less = self._pressed_to(less, least, opens & self.kept, pressed)
         share = 1.0 - (less / parameter if self.load_grows else parameter / less)
         return Bonded(
             replace(path_end, parameter=less), self.bond, self.whole, least, int(opens.sum()), share, self.unsettled
         )
+
+    def _work(self, path_end: PathLimit, contacts: Bools) -> float:
+        """What the cohesion of some contacts (k,) does in a motion."""
+        _, slip = self.model.opening_and_slip(path_end.motion)
+        cohesion = self.model.by_group(np.where(contacts[self.model.pair_contact], self.model.cohesion, 0.0))
+        return path_end.reduction * float(cohesion @ np.sqrt((slip * slip).sum(axis=1)))
 
     def _pressed_to(self, far: float, near: float, kept: Bools, pressed: Pressed) -> float:
         """The parameter, from `near` at most to `far`, up to which the kept contacts (k,) are pressed at rest."""
@@ -158,7 +169,7 @@ def with_bonds(
     once : finds the limit with some bonds; pressed : contacts that are at rest
     working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
     """
-    rounds, vouched = _Rounds(model, load_grows), True
+    rounds, vouched = _Rounds(model, working, load_grows), True
     for _ in range(_MOST_ROUNDS):
         path_end, all_rest = once(rounds.bond, vouched)
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
@@ -167,7 +178,7 @@ def with_bonds(
             return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled)
         changed = rounds.after(path_end) or (all_rest and rounds.refused(path_end, pressed))
         if all_rest and not changed:
-            return rounds.ended(path_end, working, pressed)
+            return rounds.ended(path_end, pressed)
         vouched = not changed
     return Bonded(replace(path_end, outcome=PathOutcome.GAVE_UP), rounds.bond, rounds.whole)
 

@@ -378,7 +378,8 @@ class _Groups:
         """Blocks that move in a motion (N,) of all."""
         moved = motion.reshape(self.model.load.shape)
         speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
-        return self.model.moving[speed > FLOWS * float(speed.max())]
+        movers: Ints = self.model.moving[speed > FLOWS * float(speed.max())]
+        return movers
 
     def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
         """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere.
