@@ -7,10 +7,12 @@ import pytest
 
 import slopekit as sk
 from slopekit.views.drawing import misfit, new_figure
-from slopekit.views.elastic_charts import draw_elastic_tractions
+from slopekit.views.elastic_charts import _beyond, draw_elastic_tractions
 from slopekit.views.plots import draw, need_of, offers
+from slopekit.views.report import report_of
 
 pytest.importorskip("matplotlib")
+from matplotlib.tri import Triangulation
 
 
 def document(design, **more):
@@ -44,6 +46,33 @@ def test_maps_of_a_wedge(cracked) -> None:
         assert len(elastic.lines[0].get_xdata()) == int(opened[on].sum())
 
 
+def test_the_page_has_elastic_blocks_under_a_heading_of_their_own(cracked) -> None:
+    """The limit, the tractions, what was not modelled; the page of a rigid block has none of it."""
+    pytest.importorskip("jinja2")
+    page = report_of(cracked, with_pictures=False).html
+    elastic = cracked["elastic"]
+    assert "<h2>Elastic blocks</h2>" in page
+    assert f"{elastic['limit']:.4f}  limit of elastic blocks" in page
+    assert "(but under Elastic blocks)" in page
+    assert f"{elastic['joints']['J1']['elastic_kpa'][1]:.4g}" in page[page.index("<h2>Elastic blocks</h2>") :]
+    rigid = sk.wedge(("45/115", "45/245"), crack="80/180@20").to_dict()
+    assert "Elastic blocks" not in report_of(json.loads(json.dumps(rigid)), with_pictures=False).html
+
+
+def test_gaps_between_contacts_stay_white() -> None:
+    """An L of three squares of 1 m: the triangles over the missing fourth are left out."""
+    places = np.array([[x, y] for x in np.linspace(0, 2, 9) for y in np.linspace(0, 2, 9) if x <= 1 or y <= 1])
+    found = Triangulation(*places.T)
+    shown = found.triangles[~_beyond(places, found.triangles, 3.0)]
+    middles = places[shown].mean(axis=1)
+    sides = places[shown[:, 1:]] - places[shown[:, :1]]
+    area = 0.5 * np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]).sum()
+    assert area == pytest.approx(3.0, abs=0.2)
+    assert not ((middles > 1.2).all(axis=1)).any()
+    full = Triangulation(*np.array([[x, y] for x in (0, 1, 2) for y in (0, 1, 2)], dtype=float).T)
+    assert not _beyond(np.column_stack([full.x, full.y]), full.triangles, 4.0).any()
+
+
 def polygon_area(path) -> float:
     """Of the outlines of one colour, holes taken away."""
     total = 0.0
@@ -65,7 +94,7 @@ def test_a_plane_along_its_length_and_columns_in_their_places(tmp_path) -> None:
     for line, side in zip(axes.lines[:2], ("rigid", "elastic"), strict=True):
         assert sorted(line.get_ydata()) == pytest.approx(sorted(found["elastic"]["pairs"][f"{side}_kpa"]))
     assert max(axes.lines[0].get_xdata()) == pytest.approx(12.0 / np.sin(np.radians(35.0)), rel=1e-9)
-    opened = [line for line in axes.lines if line.get_label() == "pulled open"]
+    opened = [line for line in axes.lines if line.get_label() == "open"]
     assert sum(len(line.get_xdata()) for line in opened) == sum(found["elastic"]["pairs"]["opened"])
     toppling = {
         "slopekit": 1, "kind": "topple", "columns": {"dip": 65, "width": 4, "heights": [4, 9, 6], "base_step": 1},

@@ -147,3 +147,27 @@ def test_the_same_wedge_elsewhere(changed: str) -> None:
     assert ours == pytest.approx(theirs * size, rel=1e-5)
     for name, joint in base.joints.items():
         assert found.joints[name].elastic_kpa[1] == pytest.approx(joint.elastic_kpa[1] * size, rel=1e-5)
+
+
+def test_where_moments_govern_once_cohesion_is_lost() -> None:
+    """Wedge 41 of the oracle: it rests beyond the rigid limit with turning, and not up to that of the forces alone.
+
+    The forces alone are Hoek & Bray's closed form with the cohesion of each joint cut by the share that opens at F = 1.
+    """
+    given: dict = {
+        "dips": ("44.5/131.6", "67.4/212.5"), "face": "76.4/180", "upper": "2.8/180", "height": 54.241609561109826,
+        "phi": (36.0, 28.0), "unit_weight": 26, "shear_stiffness": 1e5, "crack": "85/180@10.85",
+        "bolts": ["5450@0/-10,active"],
+    }  # fmt: skip
+    cohesion = {"J1": 66.1, "J2": 55.0}
+    result = sk.wedge(**given, c=(66.1, 55.0), modulus="9.6 GPa", edge="39 m", elastic_bracket=True)
+    found = result.elastic
+    assert found is not None
+    assert not result.moments_govern
+    low, high = found.bracket
+    left = {name: c * (1.0 - found.joints[name].opened_share) for name, c in cohesion.items()}
+    without = sk.wedge(**given, c=(left["J1"], left["J2"])).fos.closed_form
+    assert found.joints["J2"].opened_share > 0.3
+    assert found.limit_at_bracket < 0.97 * low
+    assert 1.0 < high < without < result.fos.limit
+    assert "W453" in [notice.code for notice in result.warnings]

@@ -135,6 +135,30 @@ def test_blocks_of_a_bench_balance(bench) -> None:
     assert (found.opened(model) == open_).all()
 
 
+def test_lighter_dashpots_lead_to_rest_where_the_others_give_up(bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With no rounds of the heavy ones: another way, to forces within 5 % of the largest, in balance."""
+    design, answer = bench
+    scene = _many_blocks(design, cut(design), answer)
+    usual = Search(scene.model, scene.stiffness).rest(1.0)
+    left, lightened = list[float](), Search._lightened
+
+    def seen(self: Search, *given):
+        best = lightened(self, *given)
+        left.append(best.size)
+        return best
+
+    monkeypatch.setattr("slopekit.elastic.rest._ROUNDS", 0)
+    monkeypatch.setattr(Search, "_lightened", seen)
+    found = Search(scene.model, scene.stiffness).rest(1.0)
+    assert len(left) == 1
+    assert left[0] < 1e-8
+    assert found.stands
+    assert not np.array_equal(found.forces, usual.forces)
+    assert found.forces == pytest.approx(usual.forces, abs=0.05 * np.abs(usual.forces).max())
+    unbalanced = scene.model.rows.T @ found.forces + scene.model.load
+    assert np.abs(unbalanced).max() < 1e-8 * np.abs(scene.model.load).max()
+
+
 def test_stiff_rock_is_rigid_in_space(bench) -> None:
     design, answer = bench
     stiff = replace(design, modulus_kpa=1e14)

@@ -211,6 +211,25 @@ def test_what_the_closed_form_says_nothing_of_is_not_compared() -> None:
     assert replace(reach, yields=(replace(reach.yields[0], agree=None), one)).agree is False
 
 
+def test_the_way_of_the_slope_named_is_the_way_of_the_slope() -> None:
+    """A sphere toward 090 is compared with its closed form as without --toward; toward another trend it is not."""
+    design = sk.load("templates/sphere.yaml")
+    own, named, off = (sk.quake(design, ["sine:0.5g,1Hz"], toward=toward) for toward in (None, 90.0, 60.0))
+    assert named.yields == own.yields
+    assert named.agree
+    assert off.agree is None
+    assert off.coefficient > own.coefficient
+
+
+def test_a_section_shaken_along_its_face_says_what_is_left_out() -> None:
+    """The part along the section alone is used: k_y over cos 60°."""
+    design = sk.load("templates/plane.yaml")
+    own, off = (sk.quake(design, ["sine:0.5g,1Hz"], toward=toward) for toward in (180.0, 120.0))
+    assert off.coefficient == pytest.approx(own.coefficient / math.cos(math.radians(60.0)), rel=1e-6)
+    assert "W487" in [notice.code for notice in off.warnings]
+    assert "W487" not in [notice.code for notice in own.warnings]
+
+
 def test_joints_of_several_blocks_that_dilate_have_no_factor() -> None:
     found = sk.quake(sk.load(str(path_of("topple")), set={"strength.joint.dilation": 3}), "sine:0.2g,2Hz")
     assert found.factor is None

@@ -103,10 +103,20 @@ def test_a_folder_is_read_and_every_bad_file_is_said(tmp_path) -> None:
 
 @pytest.mark.parametrize("name", [
     "sine", "sine:0.5g", "sine:0.5,1Hz", "sine:0.5g,1s", "sine:0.5g,1Hz,0.5", "rectangular:0.5g,-1s",
-    "triangular:0.5g,1s,2", "rectangular:0g,1s", "sine:xg,1Hz",
+    "triangular:0.5g,1s,2", "rectangular:0g,1s", "sine:xg,1Hz", "square:0.5g,1s",
+    "sine:0.5g,1Hz,0",
 ])  # fmt: skip
 def test_pulses_that_are_none(name) -> None:
     with pytest.raises(sk.DesignError, match="E517"):
+        read_record(name)
+
+
+@pytest.mark.parametrize(("name", "taken"), [
+    ("sine:900g,1Hz", "1e-06 to 1000 m/s2"), ("sine:0.5g,0Hz", "1e-06 to 1000 Hz"), ("triangular:1g,0s", "1000 s"),
+    ("sine:0.5g,1Hz,-2", "1 to 100 whole cycles"),
+])  # fmt: skip
+def test_pulses_out_of_range_say_the_range(name, taken) -> None:
+    with pytest.raises(sk.DesignError, match=f"E517 .* is out of range, .*{taken}"):
         read_record(name)
 
 

@@ -291,7 +291,7 @@ class Search:
         elsewhere the steps are full ones. The dashpots do no work at rest. Where the residual creeps down, step by step
         a little, they are stronger than they need be: at last they are halved with each step that brings it down.
         """
-        least, first = math.inf, here
+        least, first, best = math.inf, here, here
         for k in range(_ROUNDS):
             began, (here, best, _) = here, self._round(here, given, _DASHPOT, _HEAVY)
             least = min(least, best.size)

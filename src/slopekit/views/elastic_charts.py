@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.views.drawing import BLUE, DARK, GREY, RED, dressed, needs, nothing, short
 
@@ -23,12 +23,16 @@ _OPEN = {"linestyle": "none", "marker": "x", "markersize": 4.5, "markeredgewidth
 
 @dataclass(frozen=True, slots=True)
 class _Face:
-    """The node pairs of one plane: places in it (n, 2) m, the second up dip; towards which azimuth the first goes."""
+    """The node pairs of one plane: places in it (n, 2) m, the second up dip; towards which azimuth the first goes.
+
+    `where` is the middle of its pairs, where a joint has more planes than one.
+    """
 
     name: str
     own: Ints
     places: Floats
     azimuth_deg: float
+    where: str = ""
 
     @property
     def is_line(self) -> bool:
@@ -43,7 +47,7 @@ class _Face:
     },
 }})  # fmt: skip
 def draw_elastic_tractions(figure: Any, document: Mapping[str, Any]) -> None:
-    """Rigid at the left, elastic at the right, one scale; what is pulled open is marked."""
+    """Rigid at the left, elastic at the right, one scale; what is open is marked."""
     elastic = document["elastic"]
     pairs = elastic["pairs"]
     area = np.array(pairs["control_areas_m2"], dtype=float)
@@ -65,9 +69,7 @@ def draw_elastic_tractions(figure: Any, document: Mapping[str, Any]) -> None:
         more = "" if len(every) <= _MOST else f"; the largest {_MOST} of {len(every)} planes"
     bed = " on elastic bedrock" if elastic.get("bedrock") == "elastic" else ""
     said = f"normal tractions at F = {elastic['factor']:.4g}, rigid beside elastic{bed}"
-    figure.suptitle(
-        f"{said}; {100.0 * elastic['opened_share']:.2g} % of the contact area pulled open{more}", fontsize=10.5
-    )
+    figure.suptitle(f"{said}; {100.0 * elastic['opened_share']:.2g} % of the contact area open{more}", fontsize=10.5)
 
 
 def _faces(pairs: Mapping[str, Any]) -> list[_Face]:
@@ -97,7 +99,9 @@ def _faces(pairs: Mapping[str, Any]) -> list[_Face]:
             places = points[own] @ np.column_stack([along, up])
             called = name if len(groups) == 1 else f"{name}, plane {k}"
             azimuth = float(np.degrees(np.arctan2(along[0], along[1])) % 360.0)
-            out.append(_Face(called, own, places - places.min(axis=0), azimuth))
+            east, north, above = (points[own].mean(axis=0).round(1) + 0.0).tolist()
+            where = "" if len(groups) == 1 else f"middle {east:.1f} E, {north:.1f} N, {above:.1f} m up"
+            out.append(_Face(called, own, places - places.min(axis=0), azimuth, where))
     return out
 
 
@@ -121,19 +125,22 @@ def _maps(
     from matplotlib.tri import Triangulation
 
     heights = [max(2.0, min(4.2, 4.2 * np.ptp(face.places[:, 1]) / np.ptp(face.places[:, 0]))) for face in faces]
-    figure.set_size_inches(10.0, 1.0 + sum(heights))
+    two = any(face.where for face in faces)  # lines of a title
+    figure.set_size_inches(10.0, 1.0 + sum(heights) + 0.5 * two * len(faces))
     grid = figure.subplots(len(faces), 2, squeeze=False, height_ratios=heights)
     levels = _levels(tractions, np.concatenate([face.own for face in faces]))
     for face, row in zip(faces, grid, strict=True):
         triangles = Triangulation(*face.places.T)
+        triangles.set_mask(_beyond(face.places, triangles.triangles, float(area[face.own].sum())))
         for axes, (side, values) in zip(row, tractions.items(), strict=True):
             own = values[face.own]
             shown = axes.tricontourf(triangles, own, levels=levels, cmap=_COLOURS)
             share = float(area[face.own] @ opened[face.own]) / float(area[face.own].sum())
-            said = f"{short(face.name, 30)}, {side}: {own.min():.4g} .. {own.max():.4g} kPa"
+            middle = f", {face.where}\n" if face.where else ", "
+            said = f"{short(face.name, 30)}{middle}{side}: {own.min():.4g} .. {own.max():.4g} kPa"
             if side == "elastic":
                 at = face.places[opened[face.own]]
-                axes.plot(*at.T, **_OPEN, label="pulled open", clip_on=False)
+                axes.plot(*at.T, **_OPEN, label="open", clip_on=False)
                 said += f", {100.0 * share:.2g} % open"
             axes.set_title(said, fontsize=9.5)
             axes.set_aspect("equal")
@@ -142,6 +149,17 @@ def _maps(
         row[0].set_ylabel("up dip, m", fontsize=8.5)
     figure.colorbar(shown, ax=grid, label="normal traction, kPa (effective, compression +)", shrink=0.8)
     _legend(figure, grid[0, 1])
+
+
+def _beyond(places: Floats, triangles: Ints, area: float) -> Bools:
+    """Triangles (k,) between pairs (n, 2) that bridge gaps of the contacts: the longest, as much as is above `area`."""
+    a, b, c = (places[triangles[:, k]] for k in range(3))
+    own = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    longest = np.max([((one - other) ** 2).sum(axis=1) for one, other in ((a, b), (b, c), (c, a))], axis=0)
+    order = np.argsort(-longest)
+    beyond = np.zeros(len(own), dtype=bool)
+    beyond[order] = np.cumsum(own[order]) <= own.sum() - area * (1.0 - _ALIKE)
+    return beyond & (float(own.sum()) > area * (1.0 + _ALIKE))
 
 
 def _along(figure: Any, faces: list[_Face], tractions: Mapping[str, Floats], opened: Any) -> None:
@@ -155,7 +173,7 @@ def _along(figure: Any, faces: list[_Face], tractions: Mapping[str, Floats], ope
             axes.plot(along[order], values[face.own][order], marker=".", label=side, **style)
         out = opened[face.own]
         if out.any():
-            axes.plot(along[out], tractions["elastic"][face.own][out], **_OPEN, label="pulled open")
+            axes.plot(along[out], tractions["elastic"][face.own][out], **_OPEN, label="open")
         axes.set_title(short(face.name, 40), fontsize=9.5)
         axes.set_ylabel("normal traction, kPa", fontsize=8.5)
         axes.set_xlabel("from the lower end, m", fontsize=8.5)
@@ -174,7 +192,7 @@ def _section(figure: Any, points: Floats, area: Floats, tractions: Mapping[str, 
         shown = axes.scatter(points[:, across], points[:, 2], c=values, s=8.0 + 40.0 * area / area.max(),
                              cmap=_COLOURS, vmin=levels[0], vmax=levels[-1])  # fmt: skip
         if side == "elastic" and opened.any():
-            axes.plot(points[opened, across], points[opened, 2], **_OPEN, label="pulled open")
+            axes.plot(points[opened, across], points[opened, 2], **_OPEN, label="open")
         axes.set_title(f"{side}: {values.min():.4g} .. {values.max():.4g} kPa", fontsize=9.5)
         axes.set_aspect("equal")
         axes.set_xlabel("m", color=GREY)

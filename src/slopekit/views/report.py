@@ -27,7 +27,8 @@ _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm
 #: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
 _SECTIONS = {
     "factors": ("FoS",), "rules": ("ACCEPT", "FACTORED"), "bolts": ("BOLTS",), "forces": ("FORCES",),
-    "moments": ("ROTATION", "MOVES"), "assembly": ("NEXT", "BY BLOCK", "TABLE"), "checks": ("CHECKS",),
+    "moments": ("ROTATION", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("NEXT", "BY BLOCK", "TABLE"),
+    "checks": ("CHECKS",),
     "searches": ("STRENGTH", "COHESION", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
 }  # fmt: skip
 _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
@@ -35,7 +36,8 @@ _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
 _CAPTIONS = {
     "FoS": ("Factors of safety",), "FACTORED": ("Partial factors",),
     "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
-    "MOVES": ("What governs",), "NEXT": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
+    "MOVES": ("What governs",), "ELASTIC": ("Normal tractions on the joints, elastic and rigid",),
+    "NEXT": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
     "TABLE": ("Goodman & Bray's columns",),
     "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
     "METHODS": ("Methods of columns",), "GOVERNS": ("What changes the factor most",),
@@ -46,6 +48,7 @@ _HEAVIEST_VIEWS = 400_000  # bytes of all views of a page, the first whatever it
 NOT_MODELLED = (
     "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
 )
+_BENDS = ("deformation of the rock", "deformation of the rock (but under Elastic blocks)")
 #: What a page says of a project, and in which words.
 PROJECT = {
     "name": "project", "client": "client", "number": "number", "author": "made by", "checker": "checked by",
@@ -293,7 +296,8 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
         "movement": [one for one in (tables.motion_table(document),) if one is not None],
         "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),
-        "left_out": [str(one) for one in document["model"]["left_out"]], "not_modelled": NOT_MODELLED,
+        "left_out": [str(one) for one in document["model"]["left_out"]],
+        "not_modelled": NOT_MODELLED.replace(*_BENDS) if document.get("elastic") else NOT_MODELLED,
         "defaults": _entries(sheet, "DEFAULTS") or [str(one) for one in document["defaults"]],
         "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()]
         if not any(one["code"] == "W320" for one in document["warnings"]) else [],  # a notice says it

@@ -269,7 +269,7 @@ def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
 def _seismic(design: SurfaceDesign) -> Floats:
     """(3,) parts of the weight; without a trend the way the profile falls."""
     coefficient, trend = design.seismic.coefficient, design.seismic.trend_deg
-    if trend is not None:
+    if trend is not None and _sideways(design):
         return coefficient * Line(trend, 0.0).vector()
     return coefficient * np.array([_falls(design), 0.0, 0.0])
 
@@ -327,7 +327,9 @@ def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
 
 
 def _sideways(design: SurfaceDesign) -> bool:
-    return design.seismic.trend_deg is not None and design.seismic.coefficient != 0.0
+    """Whether the seismic load acts another way than the slope falls."""
+    trend = design.seismic.trend_deg
+    return trend is not None and design.seismic.coefficient != 0.0 and trend != (90.0 if _falls(design) > 0 else 270.0)
 
 
 def _why_not(design: SurfaceDesign) -> str:

@@ -47,6 +47,7 @@ _STEPS = (
     re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eE+-]+)", re.IGNORECASE),
     re.compile(r"^\s*(\d+)\s+([\d.eE+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
+_LIKE_PULSE = r"(rectangular|sine|triangular)\b|[a-z]+:[^,/\\\\]+,"
 _PULSE = re.compile(r"(rectangular|sine|triangular):([^,:]+),([^,:]+)(?:,([^,:]+))?", re.IGNORECASE)
 
 
@@ -238,7 +239,7 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
         advice = "Give a path, the name of a pulse, or record_of(name, times, accelerations, unit)."
         raise DesignError([Fault("E510", f"{str(path)[:40]!r} is no record", "", advice)])
     text = os.fspath(path)
-    if re.match(r"(rectangular|sine|triangular)\b", text, re.IGNORECASE) and not Path(path).exists():
+    if re.match(_LIKE_PULSE, text, re.IGNORECASE) and not Path(path).exists():
         return _pulse(text)
     name = Path(path).name
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
@@ -445,12 +446,12 @@ def _pulse(text: str) -> Record:
     match = _PULSE.fullmatch(text.replace(" ", ""))
     advice = "rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz  sine:0.5g,1Hz,5 (cycles)"
     if match is None:
-        raise DesignError([Fault("E517", f"{text} is no pulse", text, advice)])
+        raise DesignError([Fault("E517", f"{text} is no pulse, nor a file", text, advice)])
     shape = match[1].lower()
     peak = _measured(match[2], {unit: _UNITS[unit] for unit in ("g", "m/s2", "cm/s2", "gal")}, text, advice)
     if shape == "sine":
         frequency = _measured(match[3], {"hz": 1.0}, text, advice)
-        cycles = 1.0 if match[4] is None else _measured(match[4], {"": 1.0, "cycles": 1.0}, text, advice)
+        cycles = 1.0 if match[4] is None else _measured(match[4], {"": 1.0, "cycles": 1.0}, text, advice, 0.0)
         if cycles != int(cycles) or not 1 <= cycles <= 100:
             raise DesignError([Fault("E517", f"{text}: 1 to 100 whole cycles, not {match[4]}", text, advice)])
         parts = int(cycles) * _CYCLE
@@ -468,13 +469,15 @@ def _pulse(text: str) -> Record:
     return record_of(text, long * share, peak * (1.0 - np.abs(2.0 * share - 1.0)), is_pulse=True)
 
 
-def _measured(text: str, units: dict[str, float], pulse: str, advice: str) -> float:
+def _measured(text: str, units: dict[str, float], pulse: str, advice: str, least: float = 1e-6) -> float:
     match = re.fullmatch(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)", text)
     factor = units.get(match[2].lower().replace("²", "2")) if match else None
     if match is None or factor is None:
         needs = ", ".join(unit for unit in units if unit) or "a number"
         raise DesignError([Fault("E517", f"{pulse}: {text} needs a number with {needs}", pulse, advice)])
     value = float(match[1]) * factor
-    if not 1e-6 < abs(value) < 1e3 or (value < 0.0 and "g" not in units):
-        raise DesignError([Fault("E517", f"{pulse}: {text} is out of range", pulse, advice)])
+    if not least <= abs(value) < 1e3 or (value < 0.0 and "g" not in units):
+        own = next(unit for unit, one in units.items() if one == 1.0).replace("hz", "Hz")
+        allowed = f"1e-06 to 1000 {own}" if own else "1 to 100 whole cycles"
+        raise DesignError([Fault("E517", f"{pulse}: {text} is out of range, {allowed} is taken", pulse, advice)])
     return value

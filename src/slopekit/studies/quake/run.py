@@ -23,6 +23,8 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
+from slopekit.design.files import with_values
+from slopekit.kinds import analyse
 from slopekit.notices import means_taken
 from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
@@ -46,6 +48,7 @@ _ABOUT = 150  # evaluations: for the bar
 _MOST_DRAWN = 2000  # points of a motion in JSON
 _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
+_A_LOAD = 0.01  # a seismic coefficient, to ask a kind what it leaves out of its way
 _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
 _HANGS = 0.02  # of what slides in six degrees of freedom: more hangs on the node pairs
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
@@ -368,7 +371,8 @@ def quake(
         shaken, motion = _shaken(static, yields[0], taken, advance)
         in_six = None if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
         out = other_way(static, yields[0], advance)
-    warnings = (*_into(static, yields[0], out), *_notices(static, yields, shaken, out is None), *_of_six(in_six))
+    aside = _into(static, yields[0], out) or _off_section(static)
+    warnings = (*aside, *_notices(static, yields, shaken, out is None), *_of_six(in_six))
     trend = static.seismic.trend_deg
     beside = None if in_six is None else _beside(in_six.motion, static, yields[0], taken)
     return Quake(
@@ -433,6 +437,19 @@ def _into(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[
     toward, away = (f"{number(trend or 0.0):0>3}" for trend in (static.seismic.trend_deg, out[0]))
     return [Notice("W467", f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {away} "
                    f"pushes out of it, k_y is below {shown_k(out[1])}: --toward {away}")]  # fmt: skip
+
+
+def _off_section(static: Design) -> list[Notice]:
+    """W487 where a section is shaken another way than it lies: the kind says so of a load that acts so (W323)."""
+    trend = static.seismic.trend_deg
+    if trend is None:
+        return []
+    said = analyse(with_values(static, {KEY: _A_LOAD})).warnings
+    if not any(one.code == "W323" and "off the section" in one.message for one in said):
+        return []
+    why = "what acts along the face is left out, and moves a slope too; k_y is too high"
+    where = f"toward {number(trend):0>3} is off the section, which knows the part of the shaking along it alone"
+    return [Notice("W487", f"{where}: {why}")]
 
 
 def _of_six(found: InSix | None) -> list[Notice]:

@@ -60,6 +60,15 @@ def _length(metres: float) -> str:
     return f"{metres * 100.0:.4g} cm"
 
 
+def _centimetres(metres: float) -> str:
+    """In cm, none in more digits than a column has.
+
+    >>> _centimetres(0.2788), _centimetres(4e-5), _centimetres(0.0)
+    ('27.88', '< 0.01', '0')
+    """
+    return "< 0.01" if 0.0 < metres < 1e-4 else f"{metres * 100.0:.4g}"
+
+
 def _now(found: Quake) -> str:
     said = [f"{factor_text(one.before).strip()} {METHODS[one.method]}" for one in found.yields]
     return f"without an earthquake FoS {'   '.join(said)}"
@@ -152,8 +161,8 @@ def _six(found: Quake) -> Table[Any]:
     columns: list[Column[Any]] = [
         Column("record", of("record"), "record", width=-16, text=lambda row: _cut(row[0].record, 16)),
         Column("way", of("way"), "way", width=-11),
-        Column("slid cm", of("slid_m"), "slid_m", "m", lambda m: f"{m * 100.0:.4g}", 8),
-        Column("one way cm", itemgetter(1), "one_way_m", "m", lambda m: f"{m * 100.0:.4g}", 11),
+        Column("slid cm", of("slid_m"), "slid_m", "m", _centimetres, 8),
+        Column("one way cm", itemgetter(1), "one_way_m", "m", _centimetres, 11),
         Column("turned °", of("rotation_deg"), "rotation_deg", "°", ".3f", 9),
         part("slips %", "slipped", 8), part("open %", "opened", 7), part("loose %", "debonded", 8),
         Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
