@@ -8,11 +8,12 @@ import pytest
 
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
-from slopekit.preie import bound_of_many
+from slopekit.preie import bound_of_many, bounds
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bound_of_many import bound_in_one_run
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.distance import bound_by_programs
+from slopekit.preie.program import ProgramResult
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import bench, boxes_in_space, downhill, random_bench
 
@@ -141,3 +142,13 @@ def test_parts_lock(monkeypatch) -> None:
     assert found is not None
     assert whole is not None
     assert found.factor == pytest.approx(whole.factor, rel=4e-6)
+
+
+def test_programs_that_did_not_close_are_not_run_again(monkeypatch) -> None:
+    """Nothing about them has changed."""
+    programs: list[AssemblyModel] = []
+    monkeypatch.setattr(bounds, "bound_in_one_run", lambda model: None)
+    monkeypatch.setattr(bounds, "bound_by_programs", lambda model, *_, **__: programs.append(model))
+    monkeypatch.setattr(bounds.BlockProgram, "solve", lambda self, *_: ProgramResult(self.start, False, 1, 1.0, ()))
+    assert static_bound(MODELS["boxes"]()).factor is None
+    assert len(programs) == 1

@@ -270,7 +270,9 @@ def test_kernels_of_another_source_are_not_used(monkeypatch) -> None:
 
 
 @compiled_only
-@pytest.mark.parametrize("make", [MODELS["bench with cohesion"], MODELS["slivers"], bolted], ids=str)
+@pytest.mark.parametrize(
+    "make", [MODELS["bench with cohesion"], MODELS["slivers"], bolted], ids=["bench", "slivers", "bolts"]
+)
 def test_steps_to_the_static_bound(make) -> None:
     """What is off, and steps with their corrections, along a run; factors of the stiffness are the same in both."""
     program = _Shortfall(make())

@@ -49,10 +49,10 @@ _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinem
 def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
     say("static bound")
-    size = len(model.load)
+    size, programs_first = len(model.load), False
     if model.unknowns == 6 and size > _FEW:
-        exact_bound = bound_in_one_run(model)
-        if exact_bound is None and size <= _MOST_PROGRAMS:
+        exact_bound, programs_first = bound_in_one_run(model), size <= _MOST_PROGRAMS
+        if exact_bound is None and programs_first:
             exact_bound = bound_by_programs(model)
         if exact_bound is not None:
             return exact_bound
@@ -71,7 +71,8 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
         exact = bound_by_programs(model, at.load_factor, steps)
         return exact if exact is not None and (exact.factor or 0.0) > (1.0 - BOUND_BALANCED) / at.load_factor else known
-    exact_bound = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
+    again = size <= _MOST_PROGRAMS and not programs_first  # they would end as they did
+    exact_bound = bound_by_programs(model, steps=steps) if again else None
     if exact_bound is not None:
         return exact_bound
     if size == 1 and not len(model.bolts):
