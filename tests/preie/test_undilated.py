@@ -130,6 +130,72 @@ def test_from_one_rest_straight_to_another(monkeypatch, spacing) -> None:
     assert rest_from(bed, first.at, 1.0 / (1.01 * LIMIT)) is None
 
 
+@pytest.mark.parametrize("spacing", [1.6, 1.2])
+def test_from_joints_that_stick_straight_to_a_rest(monkeypatch, spacing) -> None:
+    """A hair before the limit at once, and none beyond it."""
+    model = model_of_bench(monkeypatch, spacing)
+    bed, factor = bed_of(model), (1.0 - JUST) * LIMIT
+    rest = rest_from(bed, bed.elastic_displacement, 1.0 / factor)
+    assert rest is not None
+    forces = bed.forces(rest.at, 1.0 / factor)
+    admissible(model, factor, forces.normal, forces.friction, forces.strength)
+    assert rest_from(bed, bed.elastic_displacement, 1.0 / (1.01 * LIMIT)) is None
+
+
+def test_hundreds_of_blocks_come_to_rest_without_viscous_flow(monkeypatch) -> None:
+    """A tenth before the limit, and from there a thousandth."""
+    bed = bed_of(model_of_bench(monkeypatch, 1.2))
+    for name in ("relaxed", "stepped", "rest_without_dilation"):
+        monkeypatch.setattr(rests, name, lambda *_, **__: pytest.fail("another way"))
+    flow, gap = rests_before(bed, LIMIT)
+    assert flow.ended == "rest"
+    assert gap <= JUST
+
+
+def pushed(bed: Bed, at, block: int, by: float):
+    """A block out of its place by so many of its elastic displacements."""
+    at = at.reshape(-1, 6).copy()
+    at[block, :3] += by * np.abs(bed.elastic_displacement).max()
+    return at.ravel()
+
+
+def test_a_block_out_of_its_place_is_settled_by_itself(monkeypatch) -> None:
+    """The others stay where they are, or, where it takes them, its neighbours settle too; all is better then."""
+    bed, parameter = bed_of(model_of_bench(monkeypatch, 1.6)), 1.0 / 0.63
+    rest = rest_from(bed, bed.elastic_displacement, parameter)
+    assert rest is not None
+    moved = 0
+    for block in range(0, len(bed.model.load), 7):
+        begun = undilated._State.at(bed, pushed(bed, rest.at, block, 1e-3), parameter)
+        found = undilated._spots_settled(bed, begun, parameter)
+        near = bed.model.touching(begun.out > undilated._FAR_OUT)
+        stays = (found.displacement == begun.displacement).reshape(-1, 6).all(axis=1)
+        assert stays[~near].all()
+        if not stays.all():
+            moved += 1
+            assert found.total < 0.5 * begun.total
+    assert moved > 3
+
+
+def test_each_spot_takes_steps_of_its_own_length(monkeypatch) -> None:
+    """Two blocks that do not touch: a step to their rest is taken whole, one far beyond it is cut; a third is best."""
+    bed, parameter = bed_of(model_of_bench(monkeypatch, 1.6)), 1.0 / 0.63
+    rest = rest_from(bed, bed.elastic_displacement, parameter)
+    assert rest is not None
+    one = 0
+    other = int(np.flatnonzero(~bed.model.touching(np.arange(len(bed.model.load)) == one))[-1])
+    few = bed.among(np.array([one, other]), rest.at)
+    label = undilated._labels(bed.model, np.isin(np.arange(len(bed.model.load)), [one, other]))
+    assert label.tolist() == [0, 1]
+    goal = rest.at.reshape(-1, 6)[[one, other]]
+    away = np.full((2, 6), 1e-3 * np.abs(goal).max()) * [[1.0], [-1.0]]
+    here = undilated._State.at(few, (goal + away).ravel(), parameter)
+    way = -away * [[1.0], [10.0]]
+    found = undilated._cut_short(few, here, way.ravel(), parameter, label)
+    assert found.displacement.reshape(2, 6) == pytest.approx(goal, abs=1e-12 * np.abs(goal).max())
+    assert found.off(label) == pytest.approx(np.zeros(2), abs=1e-3)
+
+
 def test_where_no_leap_lands_the_way_is_shorter_steps(monkeypatch) -> None:
     """Newton's method and viscous flow come as near, if in more steps."""
     model = model_of_bench(monkeypatch, 1.6)
@@ -138,7 +204,7 @@ def test_where_no_leap_lands_the_way_is_shorter_steps(monkeypatch) -> None:
     stepwise = rests_before(bed_of(model), LIMIT)
     assert [way[0].ended for way in (leapt, stepwise)] == ["rest", "rest"]
     assert max(leapt[1], stepwise[1]) <= JUST
-    assert len(work) == 2
+    assert len(work) == 3  # a hundredth of the gap, a tenth, a third
 
 
 def test_a_rest_of_its_own_near_a_limit_where_no_way_leads_there(monkeypatch) -> None:

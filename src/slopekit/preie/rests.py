@@ -16,8 +16,9 @@ from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 from slopekit.preie.undilated import rest_from, rest_without_dilation
 
 _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
-_LEAP, _CLOSER = 0.1, 0.5  # from one to the next in parts of it, and where they come to rest at none so near
-_THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
+_LEAP, _CLOSER = 0.01, 0.5  # from one to the next in parts of it, and where they come to rest at none so near
+_HUNDREDS = 600  # unknowns in space from which on that first rest is looked for with a viscosity of each block, ...
+_THOUSANDS = 4000  # ... and, where it is not found, by way of joints that dilate
 _OF_NEAR = 0.8  # of how near a rest has to be to be an answer, where one of its own is looked for
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
@@ -58,7 +59,8 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
     many = bed.size > _THOUSANDS
-    at_once = rest_without_dilation(bed, strong) if many else None
+    at_once = rest_from(bed, bed.elastic_displacement, strong) if bed.tangents > 1 and bed.size > _HUNDREDS else None
+    at_once = at_once or (rest_without_dilation(bed, strong) if many else None)
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
