@@ -167,7 +167,7 @@ def test_a_block_out_of_its_place_is_settled_by_itself(monkeypatch) -> None:
     moved = 0
     for block in range(0, len(bed.model.load), 7):
         begun = undilated._State.at(bed, pushed(bed, rest.at, block, 1e-3), parameter)
-        found = undilated._spots_settled(bed, begun, parameter)
+        found = undilated._spots_settled(bed, begun, parameter, 0.05)
         near = bed.model.touching(begun.out > undilated._FAR_OUT)
         stays = (found.displacement == begun.displacement).reshape(-1, 6).all(axis=1)
         assert stays[~near].all()
@@ -175,6 +175,28 @@ def test_a_block_out_of_its_place_is_settled_by_itself(monkeypatch) -> None:
             moved += 1
             assert found.total < 0.5 * begun.total
     assert moved > 3
+
+
+def test_a_place_out_of_balance_is_calmed_by_itself(monkeypatch) -> None:
+    """Two blocks pushed out of their places: they and what is around them come back, all others stay."""
+    bed, parameter = bed_of(model_of_bench(monkeypatch, 1.2)), 1.0 / 0.63
+    rest = rest_from(bed, bed.elastic_displacement, parameter)
+    assert rest is not None
+    last = len(bed.model.load) - 1
+    at = pushed(bed, pushed(bed, rest.at, 3, 1e-4), last, 1e-4)
+    begun = undilated._State.at(bed, at, parameter)
+    monkeypatch.setattr(undilated, "_PLACES", 0.001)
+    assert undilated._parts_calmed(bed, begun, parameter) is begun  # too much of the bench
+    monkeypatch.setattr(undilated, "_PLACES", 0.2)
+    found = undilated._parts_calmed(bed, begun, parameter)
+    assert found.total < 1e-3 * begun.total
+    assert found.out[[3, last]].max() < undilated._NEARLY
+    near = begun.out > undilated._NEARLY
+    for _ in range(undilated._RINGS):
+        near = bed.model.touching(near)
+    stays = (found.displacement == at).reshape(-1, 6).all(axis=1)
+    assert stays[~near].all()
+    assert not stays[[3, last]].any()
 
 
 def test_each_spot_takes_steps_of_its_own_length(monkeypatch) -> None:

@@ -1,4 +1,4 @@
-"""Many blocks in space brought to rest at one strength: from a rest at another, or by way of joints that dilate.
+"""Many blocks in space brought to rest at one strength: from any displacement, or by way of joints that dilate.
 
 Joints that dilate by all of their reduced friction angle have an energy, and it is convex: Newton's method with a line
 search along its slope finds their rest wherever there is one. From there the dilation is taken away, by a tenth a step,
@@ -6,6 +6,10 @@ and a step is one of Newton's with viscosity in its stiffness alone (pseudo-tran
 SIAM J. Numer. Anal. 35, 508). Every block has a viscosity of its own (local time steps): as much as it is out of
 balance, more where that grows, less where it does not, so that the slivers of one place do not hold up all the others.
 The few blocks that are out of balance in the end are settled by themselves, all others held (`preie.flow`).
+
+Without dilation the same steps lead from the joints that stick, or a rest at another strength, if they are cut short
+where more gets out of balance, and if what holds up all others is settled by itself on the way: single blocks, those
+with their neighbours, and places with two rings around them (nonlinear elimination: Cai & Keyes 2002).
 """
 
 import numpy as np
@@ -25,11 +29,14 @@ _LESS, _NONE = 0.9, 2e-3  # dilation from step to step, and what is taken away b
 _WAITS = 3  # steps after which dilation goes on falling in any case
 #: Mean unbalance up to which it falls at once; steps in all, and after it has gone.
 _CALMER = ((0.2, 150, 60), (0.1, 400, 150), (0.05, 600, 200))
-_FROM_REST, _QUICKLY, _THICKER = 90, 0.5, 0.1  # steps to a rest from anywhere, what viscosity falls by, and what it is
-_LENGTHS, _MORE = (1.0, 0.5, 0.25, 0.1), 1.1  # parts of such a step, and how much more may be out of balance after it
+_FROM_REST, _QUICKLY, _THICKER = 250, 0.5, 0.1  # steps to a rest from anywhere; by what viscosity falls, and what it is
+_LESS_OUT, _HOPE, _HOPE_ALONE = 0.8, 40, 20  # of what is out of balance; steps in which it has to fall to that
+_LENGTHS, _MORE = (1.0, 0.5, 0.25, 0.1), 1.1  # parts of a step, and how much more may be out of balance after it
 _CALM = 0.01  # part of the blocks out of balance from which on those are settled by themselves
 _FAR_OUT, _NEARLY = 1e4, 1e2  # what is out of balance of a block that is settled by itself on the way, before and after
-_SPOTS = 0.05  # part of the blocks that these may be
+_SPOTS, _SPOTS_ALONE = 0.05, 0.2  # part of the blocks that these may be, and of those that are calmed by themselves
+_PLACES = 0.02  # part of the blocks out of balance from which on those are
+_EVERY, _RINGS = 5, 2  # steps after which the places that are out of balance are, and how far around them
 _LOST = 0.2  # part of the blocks out of balance: more are not settled by themselves
 _FEW = 0.05  # part of the blocks out of balance from which on they are settled by themselves
 _VISCOUS, _THINNEST, _THICKEST = 0.03, 1e-7, 0.3  # viscosity by what is out of balance, its least, its most
@@ -69,28 +76,59 @@ def rest_from(bed: Bed, at: Floats, parameter: float) -> Flow | None:
     A step is cut short where much more is out of balance after it. The few blocks that are far out of balance are
     settled by themselves between the steps.
     """
-    control, here, few = (
-        _ViscosityControl(bed, _QUICKLY, _THICKER),
-        _State.at(bed, at, parameter),
-        _CALM * len(bed.model.load),
-    )
-    for _ in range(_FROM_REST):
+    here = _calmed(bed, _State.at(bed, at, parameter), parameter)
+    return _settled(bed, here.displacement, parameter) if (here.out > 1.0).mean() <= _FEW else None
+
+
+def _calmed(bed: Bed, here: "_State", parameter: float, alone: bool = False) -> "_State":
+    """From a state to one with few blocks out of balance, or where no step leads on.
+
+    Parameters
+    ----------
+    alone : all others are held: until none is out of balance, with larger parts of the blocks far out of it
+    """
+    spots, few = (_SPOTS_ALONE, 0.0) if alone else (_SPOTS, _CALM * len(here.out))
+    control, least, last = _ViscosityControl(bed, _QUICKLY, _THICKER), here.total, 0
+    for turn in range(1, _FROM_REST + 1):
         if np.count_nonzero(here.out > 1.0) <= (few if control.steady else 0.0):
             break
         way = control.way(bed, here.there, parameter)
         if way is None:
-            return None
-        most, best = _MORE * here.total, None
+            break
+        enough, best = _MORE * here.total, None
         for part in _LENGTHS:
             trial = _State.at(bed, here.displacement + part * way, parameter)
-            if trial.total > most:
-                trial = _spots_settled(bed, trial, parameter)
+            if trial.total > enough:
+                trial = _spots_settled(bed, trial, parameter, spots)
             best = trial if best is None or trial.total < best.total else best
-            if best.total <= most:
+            if best.total <= enough:
                 break
         assert best is not None
-        here = _spots_settled(bed, best, parameter)
-    return _settled(bed, here.displacement, parameter) if (here.out > 1.0).mean() <= _FEW else None
+        here = _spots_settled(bed, best, parameter, spots)
+        if turn % _EVERY == 0 and not alone:
+            here = _parts_calmed(bed, here, parameter)
+        least, last = (here.total, turn) if here.total < _LESS_OUT * least else (least, last)
+        if turn - last > (_HOPE_ALONE if alone else _HOPE):
+            break
+    return here
+
+
+def _parts_calmed(bed: Bed, here: "_State", parameter: float) -> "_State":
+    """With the places out of balance calmed one by one, with blocks around them, where that is better for all."""
+    off, u = here.out > _NEARLY, bed.model.unknowns
+    if not 0.0 < off.mean() < _PLACES:
+        return here
+    for _ in range(_RINGS):
+        off = bed.model.touching(off)
+    at = here.displacement.copy()
+    for blocks in _clusters(bed.model, off):
+        those = (blocks[:, None] * u + np.arange(u)).ravel()
+        few = bed.among(blocks, here.displacement)
+        calm = _calmed(few, _State.at(few, at[those], parameter), parameter, alone=True)
+        if calm.out.max() < _NEARLY:
+            at[those] = calm.displacement
+    trial = _State.at(bed, at, parameter)
+    return trial if trial.total < here.total else here
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +152,7 @@ class _State:
 
     def off(self, label: Ints) -> Floats:
         """What is out of balance of the blocks of each label, (c,), the labels (n,)."""
-        sums: Floats = np.bincount(label, _share(self.out))
+        sums: Floats = np.bincount(label, _share(self.out)).astype(np.float64, copy=False)
         return sums
 
 
@@ -137,15 +175,15 @@ def _cut_short(bed: Bed, here: _State, way: Floats, parameter: float, label: Int
     return trial
 
 
-def _spots_settled(bed: Bed, here: _State, parameter: float) -> _State:
+def _spots_settled(bed: Bed, here: _State, parameter: float, spots: float) -> _State:
     """With blocks far out of balance settled by themselves, then with their neighbours, where that is better for all.
 
-    All such spots at once, each with steps of its own length.
+    All such spots at once, each with steps of its own length; `spots` is the part of the blocks that they may be.
     """
     u = bed.model.unknowns
     for with_neighbours in (False, True):
         far = here.out > _FAR_OUT
-        if not 0.0 < far.mean() < _SPOTS:
+        if not 0.0 < far.mean() < spots:
             break
         if with_neighbours:
             far = bed.model.touching(far)
