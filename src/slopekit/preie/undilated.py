@@ -29,7 +29,12 @@ _LESS, _NONE = 0.9, 2e-3  # dilation from step to step, and what is taken away b
 _WAITS = 3  # steps after which dilation goes on falling in any case
 #: Mean unbalance up to which it falls at once; steps in all, and after it has gone.
 _CALMER = ((0.2, 150, 60), (0.1, 400, 150), (0.05, 600, 200))
-_FROM_REST, _QUICKLY, _THICKER = 250, 0.5, 0.1  # steps to a rest from anywhere; by what viscosity falls, and what it is
+_FROM_NEAR, _SLOWLY = 80, 0.75  # steps from a rest to another, and what viscosity falls by on the way
+_FROM_ANYWHERE, _QUICKLY, _THICKER = (
+    250,
+    0.5,
+    0.1,
+)  # steps to a rest from anywhere; by what viscosity falls, and what it is
 _LESS_OUT, _HOPE, _HOPE_ALONE = 0.8, 40, 20  # of what is out of balance; steps in which it has to fall to that
 _LENGTHS, _MORE = (1.0, 0.5, 0.25, 0.1), 1.1  # parts of a step, and how much more may be out of balance after it
 _CALM = 0.01  # part of the blocks out of balance from which on those are settled by themselves
@@ -71,6 +76,21 @@ def rest_without_dilation(bed: Bed, parameter: float, calmly: bool = False) -> F
 
 
 def rest_from(bed: Bed, at: Floats, parameter: float) -> Flow | None:
+    """All blocks at rest at one strength, from their displacement (N,) at rest at another; None where they are not."""
+    control, out, many = _ViscosityControl(bed, _SLOWLY), 0, _FEW * len(bed.model.load)
+    for _ in range(_FROM_NEAR):
+        there = bed.forces(at, parameter)
+        out = int((_out(bed, there) > 1.0).sum())
+        if out == 0 or (out <= many and control.steady):
+            break
+        trial = control.step(bed, at, there, parameter)
+        if trial is None:
+            return None
+        at = trial
+    return _settled(bed, at, parameter) if out <= many else None
+
+
+def rest_of_hundreds(bed: Bed, at: Floats, parameter: float) -> Flow | None:
     """All blocks at rest at one strength, from a displacement (N,), as that of rest at another; None where they are not
 
     A step is cut short where much more is out of balance after it. The few blocks that are far out of balance are
@@ -89,7 +109,7 @@ def _calmed(bed: Bed, here: "_State", parameter: float, alone: bool = False) -> 
     """
     spots, few = (_SPOTS_ALONE, 0.0) if alone else (_SPOTS, _CALM * len(here.out))
     control, least, last = _ViscosityControl(bed, _QUICKLY, _THICKER), here.total, 0
-    for turn in range(1, _FROM_REST + 1):
+    for turn in range(1, _FROM_ANYWHERE + 1):
         if np.count_nonzero(here.out > 1.0) <= (few if control.steady else 0.0):
             break
         way = control.way(bed, here.there, parameter)
