@@ -11,7 +11,7 @@ from slopekit.preie.bed import Bed, Drive, NewtonStep
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.flow import Flow, relaxed
 from slopekit.preie.rests import JUST, rests_before
-from slopekit.preie.undilated import rest_from, rest_without_dilation
+from slopekit.preie.undilated import rest_from, rest_of_hundreds, rest_without_dilation
 from tests.preie.block_scenes import random_bench
 from tests.preie.test_flow import model_of_bench
 
@@ -128,6 +128,94 @@ def test_from_one_rest_straight_to_another(monkeypatch, spacing) -> None:
     forces = bed.forces(rest.at, 1.0 / factor)
     admissible(model, factor, forces.normal, forces.friction, forces.strength)
     assert rest_from(bed, first.at, 1.0 / (1.01 * LIMIT)) is None
+
+
+@pytest.mark.parametrize("spacing", [1.6, 1.2])
+def test_from_joints_that_stick_straight_to_a_rest(monkeypatch, spacing) -> None:
+    """A hair before the limit at once, and none beyond it."""
+    model = model_of_bench(monkeypatch, spacing)
+    bed, factor = bed_of(model), (1.0 - JUST) * LIMIT
+    rest = rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / factor)
+    assert rest is not None
+    forces = bed.forces(rest.at, 1.0 / factor)
+    admissible(model, factor, forces.normal, forces.friction, forces.strength)
+    assert rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / (1.01 * LIMIT)) is None
+
+
+def test_hundreds_of_blocks_come_to_rest_without_viscous_flow(monkeypatch) -> None:
+    """A tenth before the limit, and from there a thousandth."""
+    bed = bed_of(model_of_bench(monkeypatch, 1.2))
+    for name in ("relaxed", "stepped", "rest_without_dilation"):
+        monkeypatch.setattr(rests, name, lambda *_, **__: pytest.fail("another way"))
+    flow, gap = rests_before(bed, LIMIT)
+    assert flow.ended == "rest"
+    assert gap <= JUST
+
+
+def pushed(bed: Bed, at, block: int, by: float):
+    """A block out of its place by so many of its elastic displacements."""
+    at = at.reshape(-1, 6).copy()
+    at[block, :3] += by * np.abs(bed.elastic_displacement).max()
+    return at.ravel()
+
+
+def test_a_block_out_of_its_place_is_settled_by_itself(monkeypatch) -> None:
+    """The others stay where they are, or, where it takes them, its neighbours settle too; all is better then."""
+    bed, parameter = bed_of(model_of_bench(monkeypatch, 1.6)), 1.0 / 0.63
+    rest = rest_of_hundreds(bed, bed.elastic_displacement, parameter)
+    assert rest is not None
+    moved = 0
+    for block in range(0, len(bed.model.load), 7):
+        begun = undilated._State.at(bed, pushed(bed, rest.at, block, 1e-3), parameter)
+        found = undilated._spots_settled(bed, begun, parameter, 0.05)
+        near = bed.model.touching(begun.out > undilated._FAR_OUT)
+        stays = (found.displacement == begun.displacement).reshape(-1, 6).all(axis=1)
+        assert stays[~near].all()
+        if not stays.all():
+            moved += 1
+            assert found.total < 0.5 * begun.total
+    assert moved > 3
+
+
+def test_a_place_out_of_balance_is_calmed_by_itself(monkeypatch) -> None:
+    """Two blocks pushed out of their places: they and what is around them come back, all others stay."""
+    bed, parameter = bed_of(model_of_bench(monkeypatch, 1.2)), 1.0 / 0.63
+    rest = rest_of_hundreds(bed, bed.elastic_displacement, parameter)
+    assert rest is not None
+    last = len(bed.model.load) - 1
+    at = pushed(bed, pushed(bed, rest.at, 3, 1e-4), last, 1e-4)
+    begun = undilated._State.at(bed, at, parameter)
+    monkeypatch.setattr(undilated, "_PLACES", 0.001)
+    assert undilated._parts_calmed(bed, begun, parameter) is begun  # too much of the bench
+    monkeypatch.setattr(undilated, "_PLACES", 0.2)
+    found = undilated._parts_calmed(bed, begun, parameter)
+    assert found.total < 1e-3 * begun.total
+    assert found.out[[3, last]].max() < undilated._NEARLY
+    near = begun.out > undilated._NEARLY
+    for _ in range(undilated._RINGS):
+        near = bed.model.touching(near)
+    stays = (found.displacement == at).reshape(-1, 6).all(axis=1)
+    assert stays[~near].all()
+    assert not stays[[3, last]].any()
+
+
+def test_each_spot_takes_steps_of_its_own_length(monkeypatch) -> None:
+    """Two blocks that do not touch: a step to their rest is taken whole, one far beyond it is cut; a third is best."""
+    bed, parameter = bed_of(model_of_bench(monkeypatch, 1.6)), 1.0 / 0.63
+    rest = rest_of_hundreds(bed, bed.elastic_displacement, parameter)
+    assert rest is not None
+    one = 0
+    other = int(np.flatnonzero(~bed.model.touching(np.arange(len(bed.model.load)) == one))[-1])
+    few = bed.among(np.array([one, other]), rest.at)
+    label = undilated._labels(bed.model, np.isin(np.arange(len(bed.model.load)), [one, other]))
+    assert label.tolist() == [0, 1]
+    goal = rest.at.reshape(-1, 6)[[one, other]]
+    away = np.full((2, 6), 1e-3 * np.abs(goal).max()) * [[1.0], [-1.0]]
+    here = undilated._State.at(few, (goal + away).ravel(), parameter)
+    way = -away * [[1.0], [10.0]]
+    found = undilated._cut_short(few, here, way.ravel(), parameter, label)
+    assert found.displacement.reshape(2, 6) == pytest.approx(goal, abs=1e-12 * np.abs(goal).max())
+    assert found.off(label) == pytest.approx(np.zeros(2), abs=1e-3)
 
 
 def test_where_no_leap_lands_the_way_is_shorter_steps(monkeypatch) -> None:

@@ -165,12 +165,12 @@ class Bed:
         own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
         own = np.maximum(own, LIGHTEST_ON_BED * float(own.max(initial=0.0)))
         self.unbalanced_at_most = EACH_BALANCED * np.repeat(own, model.unknowns)
-        self.elastic_solver = self.factored(self.elastic)
-        self.elastic_displacement: Floats = self.elastic_solver(drive.load)
+        elastic = self.factored(self.elastic)  # not kept: of thousands of blocks it is 200 MB
+        self.elastic_displacement: Floats = elastic(drive.load)
         self.working = self._working()
         self.elastic_work = abs(float(self.working @ self.elastic_displacement))
         if drive.ramp is not None:
-            self.elastic_work = abs(float(self.working @ self.elastic_solver(drive.working)))
+            self.elastic_work = abs(float(self.working @ elastic(drive.working)))
 
     def _working(self) -> Floats:
         """What the work of the path is measured with, (N,): the load that drives.

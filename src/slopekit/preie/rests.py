@@ -13,11 +13,16 @@ from slopekit.preie.effort import EffortSpentError, part
 from slopekit.preie.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import PathLimit
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
-from slopekit.preie.undilated import rest_from, rest_without_dilation
+from slopekit.preie.undilated import rest_from, rest_of_hundreds, rest_without_dilation
 
 _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
-_LEAP, _CLOSER = 0.1, 0.5  # from one to the next in parts of it, and where they come to rest at none so near
-_THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
+_LEAP, _LEAP_OF_HUNDREDS, _CLOSER = (
+    0.1,
+    0.01,
+    0.5,
+)  # from one to the next in parts of it, and where they come to rest at none so near
+_HUNDREDS = 600  # unknowns in space from which on that first rest is looked for with a viscosity of each block, ...
+_THOUSANDS = 4000  # ... and, where it is not found, by way of joints that dilate
 _OF_NEAR = 0.8  # of how near a rest has to be to be an answer, where one of its own is looked for
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
@@ -58,14 +63,16 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
     many = bed.size > _THOUSANDS
-    at_once = rest_without_dilation(bed, strong) if many else None
+    hundreds = bed.tangents > 1 and bed.size > _HUNDREDS
+    at_once = rest_of_hundreds(bed, bed.elastic_displacement, strong) if hundreds else None
+    at_once = at_once or (rest_without_dilation(bed, strong) if many else None)
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
-    leap = _LEAP
+    leap = _LEAP_OF_HUNDREDS if hundreds else _LEAP
     while flow.ended == "rest" and gap > JUST and leap < _CLOSER:
         trial = max(leap * gap, JUST)
-        ahead_of_it = rest_from(bed, flow.at, 1.0 / (factor * (1.0 - trial)))
+        ahead_of_it = (rest_of_hundreds if hundreds else rest_from)(bed, flow.at, 1.0 / (factor * (1.0 - trial)))
         if ahead_of_it is None or not _near(bed, flow, ahead_of_it):
             leap = math.sqrt(leap)
             continue
