@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks.fuzz_seeds import EXTREMES, FRAGMENTS, SEEDS, SPICES, WRONG
 from slopekit.design.nodes import Node
-from slopekit.design.yaml import Source, TreeBuilder, composed
+from slopekit.design.yaml import SourceLines, TreeBuilder, composed
 
 _PLAIN = re.compile(r"[A-Za-z0-9_.+/-][A-Za-z0-9_.+/ °%<>=@-]*[A-Za-z0-9_.+/°%-]|[A-Za-z0-9]")
 
@@ -39,7 +39,7 @@ def _tree(node: Node) -> Any:
 
 
 def _parsed(text: str) -> Any:
-    source = Source("seed", text)
+    source = SourceLines("seed", text)
     return _tree(TreeBuilder(source.place).build(composed(text, source), ""))
 
 

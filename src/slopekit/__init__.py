@@ -71,8 +71,8 @@ globals().update({one.__name__: checked(one) for one in (analyse, load, plot, re
 
 def __getattr__(name: str) -> Any:
     if name in _LATER:
-        found = getattr(import_module(f"slopekit.{_LATER[name]}"), name)
-        return found if isinstance(found, type) else checked(found)
+        attribute = getattr(import_module(f"slopekit.{_LATER[name]}"), name)
+        return attribute if isinstance(attribute, type) else checked(attribute)
     from slopekit.studies.protocol import STUDIES, VARIANTS, function_of
 
     command = name.replace("_", "-")

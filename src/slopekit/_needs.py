@@ -27,11 +27,11 @@ def wanted() -> dict[str, str]:
         lines = metadata.requires("slopekit") or []
     except metadata.PackageNotFoundError:
         return {}
-    found: dict[str, str] = {}
+    versions: dict[str, str] = {}
     for line in lines:
         name, bounds = re.split(r"(?=[<>=!~])|$", line.partition(";")[0].strip(), maxsplit=1)
-        found.setdefault(plain(name), bounds.strip())
-    return found
+        versions.setdefault(plain(name), bounds.strip())
+    return versions
 
 
 def plain(name: str) -> str:

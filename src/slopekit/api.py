@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, overload
 
 from slopekit.core.errors import DesignError, Fault, Notice
-from slopekit.core.options import DESIGN, DESK, Desk, Option, documented
+from slopekit.core.options import DESIGN, DESK, Option, Workplace, documented
 from slopekit.core.taken import wrong_kind
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def wedge(
     bedrock: Annotated[Any, Option("rigid, or elastic as the wedge [rigid].")] = None,
     elastic: Annotated[bool, ELASTIC] = False,
     elastic_bracket: Annotated[bool, BRACKET] = False,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
     **unknown: Any,
 ) -> "Result":
     """One wedge of two joints. What is left out takes the paper's wedge (Sheng et al. 2023, §4.1): the sheet says so.
@@ -396,7 +396,7 @@ def plot(
         message = "these are load cases: a picture is of one of them"
         advice = f"Give its result, .cases[{next(iter(plots.by_case(document)))!r}]."
         raise DesignError([Fault("E477", message, what, advice)])
-    options = plots.Options(show, "angle" if equal_angle else "area", test, explode, magnify, step)
+    options = plots.PlotOptions(show, "angle" if equal_angle else "area", test, explode, magnify, step)
     plots.draw(document, what, None if show else target, options, name)
     return None if show else Drawing(target)
 
@@ -455,8 +455,8 @@ def _document(source: Any) -> Mapping[str, Any]:
     if isinstance(source, Mapping):
         return source
     if callable(own := getattr(source, "to_dict", None)):
-        found: Mapping[str, Any] = own()
-        return found
+        document: Mapping[str, Any] = own()
+        return document
     if not isinstance(source, str | os.PathLike):
         raise wrong_kind("report", "results", "results, studies, or paths of their JSON", source)
     return read_document(document_file(Path(source)))

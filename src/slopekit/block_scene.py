@@ -213,8 +213,8 @@ class BlockScene:
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as JSON values, arrays packed; `bolts` only where there are any."""
-        found: dict[str, Any] = _packed(self)
-        return found if self.bolts is not None else {key: part for key, part in found.items() if key != "bolts"}
+        document: dict[str, Any] = _packed(self)
+        return document if self.bolts is not None else {key: part for key, part in document.items() if key != "bolts"}
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> "BlockScene":
@@ -283,13 +283,15 @@ def _packed(value: Any) -> Any:
 
 def _read(kind: Any, document: Mapping[str, Any]) -> Any:
     """A dataclass of arrays and tuples of names."""
-    found = {part.name: document[part.name] for part in fields(kind)}
-    return kind(**{name: tuple(value) if isinstance(value, list) else unpacked(value) for name, value in found.items()})
+    entries = {part.name: document[part.name] for part in fields(kind)}
+    return kind(
+        **{name: tuple(value) if isinstance(value, list) else unpacked(value) for name, value in entries.items()}
+    )
 
 
 def _bolts(document: Mapping[str, Any]) -> Bolts:
-    found: Bolts = _read(Bolts, document)
-    return replace(found, passive=found.passive.astype(bool))
+    bolts: Bolts = _read(Bolts, document)
+    return replace(bolts, passive=bolts.passive.astype(bool))
 
 
 # -- making shapes ----------------------------------------------------------------------------------------------------

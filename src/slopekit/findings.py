@@ -84,7 +84,7 @@ class Mechanism:
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class ToppleColumn:
     """A row of Goodman & Bray's table: column n from the toe, with the mode that PRE-IE gives it beside theirs.
 
     y height (m); M, L arms of the forces on its upper and lower side (m); the rest in kN.
@@ -126,7 +126,7 @@ class Findings:
     contacts: int
     components: int
     checks: Mapping[str, float]
-    table: tuple[Column, ...] = ()
+    table: tuple[ToppleColumn, ...] = ()
     shear_to_normal: float | None = None
 
 

@@ -204,8 +204,8 @@ class Result(Shown):
             return self.criterion_fos
         if name == "residual":
             return None if self.residual is None else self.residual.limit
-        found: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
-        return found
+        value: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
+        return value
 
     @property
     def accepted(self) -> bool | None:
@@ -272,15 +272,15 @@ class Result(Shown):
     @property
     def line(self) -> str:
         """Status, factor, what governs and the check: never a bare factor of safety."""
-        found: str = import_module("slopekit.kinds.sheets.line").line_of(self)  # as the sheet
-        return found
+        text: str = import_module("slopekit.kinds.sheets.line").line_of(self)  # as the sheet
+        return text
 
     @property
     def sheet(self) -> "Sheet":
         """One design on one screen, made when it is asked for."""
         # kinds, which know how each says what it is, are a floor above; asked for by name, and only here
-        found: Sheet = import_module("slopekit.kinds.sheets.result").sheet_of(self)
-        return found
+        result_sheet: Sheet = import_module("slopekit.kinds.sheets.result").sheet_of(self)
+        return result_sheet
 
     def view(self) -> Any:
         """The scene as a widget of a notebook that turns (extra: notebook).

@@ -12,7 +12,7 @@ from slopekit.core.orientation import Line, Plane
 from slopekit.core.units import quantity
 from slopekit.design.parts import Strength, Water
 from slopekit.design.templates import path_of
-from slopekit.design.yaml import Source, TreeBuilder, _composed, composed
+from slopekit.design.yaml import SourceLines, TreeBuilder, _composed, composed
 from slopekit.geometry.polygons import fault_of_polygon
 from slopekit.kinds.bench import BenchDesign, JointSetInput
 from slopekit.kinds.blocks import BlocksDesign
@@ -440,7 +440,7 @@ def _large(count: int) -> str:
 def test_large_files_give_the_tree_of_small_ones(old, new) -> None:
     """Lists of numbers go through ruamel as one word each; the tree, its places and its faults stay the same."""
     text = _large(50).replace(old, new, 1) + f"# {20_000 * 'x'}\n"  # more than 20,000 characters are large
-    source = Source("wall.yaml", text)
+    source = SourceLines("wall.yaml", text)
     trees = []
     for top in (composed(text, source), _composed(text, source)):
         builder = TreeBuilder(source.place)

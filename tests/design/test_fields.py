@@ -8,7 +8,7 @@ from slopekit.core.errors import DesignError
 from slopekit.design.fields import every_field, field_at, structure_of, words_of
 from slopekit.design.files import load
 from slopekit.design.registry import KINDS, record_of
-from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section
+from slopekit.design.structure import AnyOf, KeyGroup, Leaf, ListOf, Named
 from slopekit.design.templates import names, path_of
 from slopekit.studies.keys import keys_of
 
@@ -145,7 +145,7 @@ def test_every_field_that_may_scatter_is_looked_at() -> None:
 
 def _leaves(spec: object, path: str) -> Iterator[str]:
     """The paths of all numbers that may scatter, X for a name of the user's."""
-    if isinstance(spec, Section):
+    if isinstance(spec, KeyGroup):
         for key, below in spec.keys.items():
             yield from _leaves(below, f"{path}.{key}" if path else key)
     elif isinstance(spec, Named):

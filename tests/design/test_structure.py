@@ -4,15 +4,15 @@ import pytest
 
 from slopekit.design.document import load_document
 from slopekit.design.nodes import document_from
-from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section, check_structure
+from slopekit.design.structure import AnyOf, KeyGroup, Leaf, ListOf, Named, check_structure
 
 NUMBER = Leaf(number=True)
-STRENGTH = Section({"c": NUMBER, "phi": Leaf(number=True, example="20"), "dilation": NUMBER})
-WEDGE = Section(
+STRENGTH = KeyGroup({"c": NUMBER, "phi": Leaf(number=True, example="20"), "dilation": NUMBER})
+WEDGE = KeyGroup(
     {
         "slopekit": Leaf(),
         "kind": Leaf(),
-        "slope": Section(
+        "slope": KeyGroup(
             {
                 "face": Leaf(orientation=True),
                 "height": Leaf(number=True, example="64.89 m"),
@@ -21,18 +21,18 @@ WEDGE = Section(
             required=("height",),
         ),
         "joints": Named(
-            Section({"plane": Leaf(orientation=True, example="45/115"), "strength": Leaf()}, required=("plane",)),
+            KeyGroup({"plane": Leaf(orientation=True, example="45/115"), "strength": Leaf()}, required=("plane",)),
             at_least=2,
             example="{J1: {plane: 45/115}, J2: {plane: 45/245}}",
         ),
         "strength": Named(STRENGTH),
-        "loads": Section({"forces": ListOf(AnyOf((Leaf(), ListOf(NUMBER, at_least=3, at_most=3))))}),
-        "slip": AnyOf((Section({"shape": Leaf(), "radius": NUMBER}, required=("shape",)), Section({"mesh": Leaf()}))),
+        "loads": KeyGroup({"forces": ListOf(AnyOf((Leaf(), ListOf(NUMBER, at_least=3, at_most=3))))}),
+        "slip": AnyOf((KeyGroup({"shape": Leaf(), "radius": NUMBER}, required=("shape",)), KeyGroup({"mesh": Leaf()}))),
         "interfaces": Named(Leaf(), pairs=True),
     },
     required=("slope", "joints"),
 )
-PLANE = Section({"weak_plane": Section({"dip": NUMBER})})
+PLANE = KeyGroup({"weak_plane": KeyGroup({"dip": NUMBER})})
 GOOD = {
     "kind": "wedge",
     "slope": {"height": "64.89 m", "face": "60/180"},

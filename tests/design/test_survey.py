@@ -6,7 +6,7 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
-from slopekit.design.survey import Joint, read_joints
+from slopekit.design.survey import MeasuredJoint, read_joints
 
 PLAIN = "name,dip,dip_direction\nA,45,115\nB,60.5,245\n"
 WANTED = [("A", Plane(45, 115)), ("B", Plane(60.5, 245))]
@@ -54,7 +54,7 @@ def test_the_same_list_in_many_dresses(content, tmp_path) -> None:
 
 def test_two_columns_without_a_header(tmp_path) -> None:
     survey = read_joints(written(tmp_path, "# dip, dd\n45,115\n60.5,245\n"))
-    assert survey.joints == (Joint("J1", Plane(45, 115), 2), Joint("J2", Plane(60.5, 245), 3))
+    assert survey.joints == (MeasuredJoint("J1", Plane(45, 115), 2), MeasuredJoint("J2", Plane(60.5, 245), 3))
 
 
 def test_strength_columns_and_what_is_left_out(tmp_path) -> None:
@@ -62,8 +62,8 @@ def test_strength_columns_and_what_is_left_out(tmp_path) -> None:
         "id,set,dip,dd,strike,c (MPa),phi,remark,empty\nA,1,45,115,25,0.05,20,rough,\n,,,,,,,,\nB,1,60.5,245,0,5 kPa,,,"
     )
     survey = read_joints(written(tmp_path, content))
-    assert survey.joints[0] == Joint("A", Plane(45, 115), 2, 50.0, 20.0, "1")
-    assert survey.joints[1] == Joint("B", Plane(60.5, 245), 4, 5.0, None, "1")
+    assert survey.joints[0] == MeasuredJoint("A", Plane(45, 115), 2, 50.0, 20.0, "1")
+    assert survey.joints[1] == MeasuredJoint("B", Plane(60.5, 245), 4, 5.0, None, "1")
     assert survey.left_out == (
         "column remark", "column strike (the dip direction is given)", "line 3 (empty cells)",
     )  # fmt: skip

@@ -13,7 +13,7 @@ from slopekit.elastic.bedrock import _far, bedrock, box_around, box_of, cut_cell
 from slopekit.elastic.flexibility import Elements, Rock
 from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_evenly
 from slopekit.elastic.model import on_bedrock
-from slopekit.elastic.rest import Search
+from slopekit.elastic.rest import RestSearch
 from slopekit.preie.contact import JointStiffness, tractions
 from slopekit.preie.model import local_axes
 
@@ -156,7 +156,7 @@ def test_displacements_on_nodes_of_both_bodies_give_the_same_forces() -> None:
     ))  # fmt: skip
     model = on_bedrock(model, bedrock(box, mesh, rock, points, axes).by_force)
     stiffness = JointStiffness(normal=1e6, tangential=1e5, debonded=1e-3)
-    found = Search(model, stiffness).rest(1.0)
+    found = RestSearch(model, stiffness).rest(1.0)
     assert found.stands
     assert found.parted.any()
     ground = Elements(mesh, rock)

@@ -9,7 +9,7 @@ import slopekit as sk
 from slopekit.elastic.flexibility import Elements, Rock, flexibility
 from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_evenly
 from slopekit.elastic.model import ElasticModel, on_bedrock, with_blocks
-from slopekit.elastic.rest import Search
+from slopekit.elastic.rest import RestSearch
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.model import local_axes
@@ -47,7 +47,7 @@ def test_the_cells_of_a_box_fill_it() -> None:
 def test_a_column_settles_as_strength_of_materials_says(edge: float) -> None:
     top = np.array([[0.3, 0.4, H], [1.7, 0.9, H], [1.0, 0.5, 4.0]])
     model = on_its_base(Elements(box_mesh(edge), Rock(E, NU)), node_pairs({0: BOX[[0, 3, 2, 1]]}, 2), top)
-    found = Search(model, JointStiffness(normal=K_N, tangential=1e5)).rest(1.0)
+    found = RestSearch(model, JointStiffness(normal=K_N, tangential=1e5)).rest(1.0)
     assert found.stands
     exact = [-(GAMMA * (H * z - z * z / 2.0) / E + GAMMA * H / K_N) for z in top[:, 2]]
     mean = -(GAMMA * H * H / 3.0 / E + GAMMA * H / K_N)
@@ -70,7 +70,7 @@ def test_a_column_on_elastic_rock_with_meshes_that_do_not_match() -> None:
     assert {len(np.unique(one.mesh.p[0, np.abs(one.mesh.p[2]) < 1e-9])) for one in (shaft, column)} == {2, 5}
     by_force = shaft.held_at((3 * nodes[:, None] + np.arange(3)).ravel(), pairs.points, local_axes(pairs.normals))
     model = on_bedrock(on_its_base(column, pairs), by_force)
-    found = Search(model, JointStiffness(normal=K_N, tangential=1e5)).rest(1.0)
+    found = RestSearch(model, JointStiffness(normal=K_N, tangential=1e5)).rest(1.0)
     assert found.stands
     exact = -(GAMMA * H * H / 3.0 / E + GAMMA * H / K_N + GAMMA * H * depth / E)
     seen = found.motion[2] + model.seen_of(0, found.forces, found.motion, 1.0)[0, 2]
@@ -87,7 +87,7 @@ def test_a_block_that_overhangs_does_not_hang_on_open_pairs(elastic: bool) -> No
     weight = -model.load[2]
     for beyond, stands in ((-1e-2, True), (1e-6, False)):
         turned = replace(model, load=model.load + weight * (1.0 + beyond) * np.eye(6)[4])
-        search = Search(turned, JointStiffness(normal=K_N, tangential=1e5))
+        search = RestSearch(turned, JointStiffness(normal=K_N, tangential=1e5))
         assert search.rest(0.01).stands is stands
     search.bare = search.stiffness
     hanging = search.rest(0.01)

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 import slopekit as sk
 from slopekit.elastic import rest
 from slopekit.elastic.condensed import Condensed
-from slopekit.elastic.rest import Search
+from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic import _many_blocks
 
@@ -83,7 +83,7 @@ def test_the_condensed_step_is_the_step(scenes, rigid: bool, pulling: int) -> No
 
 def test_a_wall_rests_as_with_all_its_flexibilities(scenes) -> None:
     """Two ways to the same rest: bodies condensed to nodes, and a flexibility of all pairs."""
-    condensed, dense = (Search(one.model, one.stiffness) for one in scenes)
+    condensed, dense = (RestSearch(one.model, one.stiffness) for one in scenes)
     start = {True: [], False: []}
     for search in (condensed, dense):
         fresh = rest.Rest(
@@ -108,11 +108,11 @@ def test_what_still_parts_is_not_at_rest() -> None:
     """Rounds or steps that run out leave bonds in tension: that is no rest."""
     design = sk.load(wall(cohesion=1.0))
     scene = _many_blocks(design, cut(design), sk.analyse(design))
-    assert Search(scene.model, scene.stiffness).rest(1.0).parted.any()
-    search = Search(scene.model, scene.stiffness)
+    assert RestSearch(scene.model, scene.stiffness).rest(1.0).parted.any()
+    search = RestSearch(scene.model, scene.stiffness)
     search.releases = 2
     assert not search.rest(1.0).stands
-    short = Search(scene.model, scene.stiffness)
+    short = RestSearch(scene.model, scene.stiffness)
     short.most = 5
     found = short.rest(1.0)
     assert short.spent

@@ -8,7 +8,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
-from slopekit.elastic.rest import Search
+from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic import _many_blocks
 from slopekit.preie.contact import ContactMode
@@ -100,7 +100,7 @@ def test_columns_do_not_hang_on_what_is_open() -> None:
 def test_open_pairs_carry_nothing() -> None:
     design = sk.load(columns(0))
     scene = _many_blocks(design, cut(design), sk.analyse(design))
-    found = Search(scene.model, scene.stiffness).rest(1.0)
+    found = RestSearch(scene.model, scene.stiffness).rest(1.0)
     assert found.stands
     open_ = found.modes == ContactMode.DEBOND
     assert open_.sum() > 10

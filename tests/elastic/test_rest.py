@@ -10,7 +10,7 @@ from slopekit.elastic import rest
 from slopekit.elastic.flexibility import Elements, Rock, flexibility
 from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_evenly
 from slopekit.elastic.model import with_blocks
-from slopekit.elastic.rest import Search
+from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic import _of_model
 from slopekit.kinds.wedge.design import wedge_design
@@ -43,7 +43,7 @@ def blocks(modulus: float, order: int = 2, **more):
 @pytest.mark.parametrize("more", [{}, {"water": "50%", "bolts": ["3000@5/-10,passive"], "crack": "80/180@8"}])
 def test_rock_that_does_not_give_is_rigid(more) -> None:
     model, _, scene, rigid = blocks(1e16, **more)
-    found, exact = Search(model, STIFFNESS).rest(1.0), equilibrium(rigid, 1.0, STIFFNESS)
+    found, exact = RestSearch(model, STIFFNESS).rest(1.0), equilibrium(rigid, 1.0, STIFFNESS)
     assert found.stands
     assert exact.stands
     assert found.forces.reshape(-1, 3) == pytest.approx(exact.forces, abs=1e-6 * float(np.abs(exact.forces).max()))
@@ -55,7 +55,7 @@ def test_rock_that_does_not_give_is_rigid(more) -> None:
 def test_displacements_on_nodes_give_the_same_forces() -> None:
     """The same rest by Newton's method on all displacements of the elements: no D, no γ, nothing condensed."""
     model, elements, scene, rigid = blocks(2e6)
-    found = Search(model, STIFFNESS).rest(1.0)
+    found = RestSearch(model, STIFFNESS).rest(1.0)
     assert found.stands
     assert found.parted.any()
     axes = sparse.block_diag(list(local_axes(scene.pairs.normals)), format="csr")

@@ -11,7 +11,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.elastic.flexibility import body
 from slopekit.elastic.model import with_blocks
-from slopekit.elastic.rest import Search
+from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut, elastic
 from slopekit.kinds.elastic import _many_blocks
 from slopekit.preie.contact import ContactMode
@@ -64,7 +64,7 @@ def test_one_wedge_as_one_of_many() -> None:
     plain = replace(dense, give=None, give_load=None, rows=sparse.csr_matrix(dense.rows), seen=(), bends=False)
     given = with_blocks(plain, ((one, np.arange(3 * n), np.arange(6)),))
     assert not given.is_dense
-    found, exact = Search(given, STIFFNESS).rest(1.0), Search(dense, STIFFNESS).rest(1.0)
+    found, exact = RestSearch(given, STIFFNESS).rest(1.0), RestSearch(dense, STIFFNESS).rest(1.0)
     assert found.stands
     assert exact.stands
     assert exact.parted.any()
@@ -121,7 +121,7 @@ def test_blocks_of_a_bench_balance(bench) -> None:
     scene = _many_blocks(design, cut(design), answer)
     model = scene.model
     assert not model.is_dense
-    found = Search(model, scene.stiffness).rest(1.0)
+    found = RestSearch(model, scene.stiffness).rest(1.0)
     assert found.stands
     unbalanced = (model.rows.T @ found.forces + model.load).reshape(-1, 6)
     assert np.abs(unbalanced).max() < 1e-8 * np.abs(model.load).max()
@@ -139,17 +139,17 @@ def test_lighter_dashpots_lead_to_rest_where_the_others_give_up(bench, monkeypat
     """With no rounds of the heavy ones: another way, to forces within 5 % of the largest, in balance."""
     design, answer = bench
     scene = _many_blocks(design, cut(design), answer)
-    usual = Search(scene.model, scene.stiffness).rest(1.0)
-    left, lightened = list[float](), Search._lightened
+    usual = RestSearch(scene.model, scene.stiffness).rest(1.0)
+    left, lightened = list[float](), RestSearch._lightened
 
-    def seen(self: Search, *given):
+    def seen(self: RestSearch, *given):
         best = lightened(self, *given)
         left.append(best.size)
         return best
 
     monkeypatch.setattr("slopekit.elastic.rest._ROUNDS", 0)
-    monkeypatch.setattr(Search, "_lightened", seen)
-    found = Search(scene.model, scene.stiffness).rest(1.0)
+    monkeypatch.setattr(RestSearch, "_lightened", seen)
+    found = RestSearch(scene.model, scene.stiffness).rest(1.0)
     assert len(left) == 1
     assert left[0] < 1e-8
     assert found.stands
@@ -163,8 +163,8 @@ def test_stiff_rock_is_rigid_in_space(bench) -> None:
     design, answer = bench
     stiff = replace(design, modulus_kpa=1e14)
     scene = _many_blocks(stiff, cut(stiff), answer)
-    found = Search(scene.model, scene.stiffness).rest(1.0)
-    exact = Search(scene.model.rigid(), scene.stiffness).rest(1.0)
+    found = RestSearch(scene.model, scene.stiffness).rest(1.0)
+    exact = RestSearch(scene.model.rigid(), scene.stiffness).rest(1.0)
     assert found.stands
     assert exact.stands
     assert found.forces == pytest.approx(exact.forces, abs=1e-6 * np.abs(exact.forces).max())
@@ -184,7 +184,7 @@ def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> No
     scene = _many_blocks(design, cut(design), found)
     monkeypatch.setattr("slopekit.elastic.condensed._MOST_BYTES", 1e3)
     with pytest.raises(DesignError) as caught:
-        Search(scene.model, scene.stiffness)
+        RestSearch(scene.model, scene.stiffness)
     assert [fault.code for fault in caught.value.faults] == ["E290"]
     monkeypatch.setattr(elastic, "_MOST_OF_MANY", 50)
     with pytest.raises(DesignError) as caught:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.exchange.picking import Body
+from slopekit.exchange.picking import WrittenBlock
 from slopekit.exchange.source import joints_of, pairs_of, source_of
 from slopekit.exchange.split import _slab
 from tests.commands import slopekit
@@ -351,7 +351,7 @@ def test_slabs_of_bedrock_lie_behind_their_joint(turn) -> None:
     """Either way round the joint's corners: 0.25 of 2 m thick, outside the block, not inside out."""
     box = np.array([[x, y, z] for x in (0.0, 2.0) for y in (0.0, 2.0) for z in (0.0, 2.0)])
     floor = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])[::turn]
-    slab = _slab(floor, Body(0, "box", box, np.zeros((0, 3), dtype=np.int64)), "bedrock")
+    slab = _slab(floor, WrittenBlock(0, "box", box, np.zeros((0, 3), dtype=np.int64)), "bedrock")
     assert slab.volume == pytest.approx(2.0, rel=1e-12)
     assert (slab.vertices[:, 2].min(), slab.vertices[:, 2].max()) == (-0.5, 0.0)
 

@@ -21,7 +21,7 @@ from slopekit.design.joint_lists import joint_list
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.studies.bench_design import confirmed
-from slopekit.studies.bench_design.bench import Ground, bench_of
+from slopekit.studies.bench_design.bench import BenchSite, bench_of
 from slopekit.studies.bench_design.outcomes import along, quantiles, steps_of
 from slopekit.studies.bench_design.run import accepted
 from slopekit.studies.bench_design.said import notices_of
@@ -41,7 +41,7 @@ JOINTS = (
 WEIGHTS = np.array([1, 3, 1, 2, 1, 1, 2, 1, 1, 2, 1, 4, 1, 1], dtype=float)
 
 
-def ground(planes: Any = JOINTS, **other: Any) -> Ground:
+def ground(planes: Any = JOINTS, **other: Any) -> BenchSite:
     """What all benches share, with the values above."""
     joints = joint_list(list(planes))
     n = len(joints)
@@ -52,7 +52,7 @@ def ground(planes: Any = JOINTS, **other: Any) -> Ground:
         "water_unit_weight_kn_m3": 9.81, "fill": 0.0, "pressure_kpa": None, "seismic": 0.0, "lateral_deg": 20.0,
         "lateral_toppling_deg": 30.0, "target": 1.0, "largest": True, "every_m": 5.0, "swell": 1.4, "repose_deg": 37.0,
     }  # fmt: skip
-    return Ground(**(values | other))
+    return BenchSite(**(values | other))
 
 
 def every_pair(n: int) -> Iterator[tuple[int, int]]:

@@ -19,7 +19,7 @@ from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.studies.combos import Combos, combos
 from slopekit.studies.combos import pairs as room
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
-from slopekit.studies.protocol import Desk
+from slopekit.studies.protocol import Workplace
 from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
 from tests.commands import slopekit
 
@@ -333,7 +333,7 @@ def test_all_pairs_are_judged_by_pre_ie(tmp_path) -> None:
 
     slope = {"face": "65/180", "c": 10, "phi": 30, "fos": 1.3}
     some = combos(TURNS, **slope, top=1)
-    every = combos(TURNS, **slope, top="all", desk=Desk(tmp_path, bar))
+    every = combos(TURNS, **slope, top="all", desk=Workplace(tmp_path, bar))
     assert every.removable == len(every.worst) > 3
     assert bars == [("PRE-IE", every.removable, [0] + [1] * every.removable)]
     assert list(tmp_path.iterdir()) == []  # the journal goes when all is done

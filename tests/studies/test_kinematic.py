@@ -190,10 +190,10 @@ def test_wedges_against_the_rock_mass_and_the_closed_form(face) -> None:
 
 def measured(joints, phi, face) -> Kinematic:
     """A survey whose joints have friction angles of their own."""
-    from slopekit.design.survey import Joint
+    from slopekit.design.survey import MeasuredJoint
 
     listed = [
-        Joint(f"J{k}", Plane(*plane), k, None, float(angle))
+        MeasuredJoint(f"J{k}", Plane(*plane), k, None, float(angle))
         for k, (plane, angle) in enumerate(zip(joints, phi, strict=True))
     ]
     return kinematic(listed, face=face)

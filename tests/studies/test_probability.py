@@ -18,7 +18,7 @@ from slopekit.studies import running
 from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.estimates import clopper_pearson, share_of, summary_of
-from slopekit.studies.protocol import Desk
+from slopekit.studies.protocol import Workplace
 from slopekit.studies.running import Interrupted
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
@@ -445,7 +445,7 @@ def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
 
 def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:
     """With a folder the study leaves it to whoever writes its results; `done` removes it."""
-    study = prob(load(default_wedge()), 6, by="pre-ie", desk=Desk(tmp_path))
+    study = prob(load(default_wedge()), 6, by="pre-ie", desk=Workplace(tmp_path))
     assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]
     study.done()
     assert not list(tmp_path.iterdir())

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from slopekit.studies.solve.roots import Sample, Search, near_by, places
+from slopekit.studies.solve.roots import RootSearch, Sample, near_by, places
 
 
 def search(function, low, high, count=30, labels=None, **options):
@@ -16,7 +16,7 @@ def search(function, low, high, count=30, labels=None, **options):
         calls.extend(at)
         return [Sample(x, function(x), labels(x) if labels else "", None) for x in at]
 
-    found = Search(sample, high - low, **options)
+    found = RootSearch(sample, high - low, **options)
     found.add(low + (high - low) * k / (count - 1) for k in range(count))
     return found, calls
 

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from scipy.special import ellipe
 
 import slopekit as sk
-from slopekit.studies.protocol import Desk
+from slopekit.studies.protocol import Workplace
 from slopekit.studies.suite import Verification, references
 from slopekit.studies.suite import run as suite_module
 from slopekit.studies.suite import suite as verify
@@ -46,7 +46,7 @@ def verification(tmp_path_factory: pytest.TempPathFactory) -> Verification:
     return the_suite(tmp_path_factory.getbasetemp())
 
 
-def listed() -> list[references.Case]:
+def listed() -> list[references.ReferenceCase]:
     return list(references.document()[1])
 
 
@@ -312,7 +312,7 @@ def test_progress_and_designs_that_are_analysed_once(monkeypatch) -> None:
     calls = []
     honest = suite_module.analyse
     monkeypatch.setattr(suite_module, "analyse", lambda design: calls.append(1) or honest(design))
-    desk = Desk(bar=lambda label, total: bars.append((label, total)) or nullcontext(seen.append))
+    desk = Workplace(bar=lambda label, total: bars.append((label, total)) or nullcontext(seen.append))
     found = verify("geostru", desk=desk)
     assert (bars, seen) == ([("cases", 5)], [1] * 5)
     assert len(calls) == 5 < len(found.rows)

@@ -450,7 +450,7 @@ def test_where_the_target_is_not_reached_there_is_nothing_to_paste(monkeypatch) 
     assert max(map(len, str(short).splitlines())) <= 100
     reached = sk.support(loaded(PLANE), 2, acts="active")
     assert [one[:8] for one in reached.files().values()] == ["support:"]
-    monkeypatch.setattr(module._Search, "_with_heads", lambda self, *_: lambda _force: self.site.design)
+    monkeypatch.setattr(module._SupportSearch, "_with_heads", lambda self, *_: lambda _force: self.site.design)
     none = sk.support(loaded(PLANE), 2, acts="active")  # bolts that hold nothing
     assert none.files() == {}
     assert f"NOT REACHED, FoS 2: bolts on the face give FoS {bare:.4f} at best (E329)" in " ".join(str(none).split())

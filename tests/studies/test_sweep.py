@@ -12,7 +12,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
 from slopekit.studies.points import Point
-from slopekit.studies.protocol import Desk
+from slopekit.studies.protocol import Workplace
 from slopekit.studies.sweep import sweep
 
 WEDGE = str(path_of("wedge"))
@@ -175,7 +175,7 @@ def test_workers_give_the_same_points(tmp_path) -> None:
     """Two processes, out of order, and what a journal keeps."""
     design, values = sk.load(WEDGE), {"slope.face.dip": [50, 60, 70]}
     serial = sweep(design, values)
-    two = sweep(design, values, jobs=2, desk=Desk(tmp_path))
+    two = sweep(design, values, jobs=2, desk=Workplace(tmp_path))
     assert two.points == serial.points
     assert list(tmp_path.iterdir()) == []  # a journal goes when its run is complete
 

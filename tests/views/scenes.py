@@ -11,7 +11,7 @@ from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety, Forces, ModelSize
-from slopekit.findings import AssemblyGeometry, BlockMotion, Column, Findings, GoverningInterface, Mechanism
+from slopekit.findings import AssemblyGeometry, BlockMotion, Findings, GoverningInterface, Mechanism, ToppleColumn
 from slopekit.kinds import kind_of
 from slopekit.result import Result
 
@@ -84,7 +84,7 @@ def goodman_bray(heights: list[float] | None = None) -> Result:
         return None if math.isnan(value) else float(value)
 
     columns = [
-        Column(
+        ToppleColumn(
             k + 1, float(table.heights_m[k]), number(table.upper_contact_m[k]), number(table.lower_contact_m[k]),
             number(table.topple_force_kn[k]), number(table.slide_force_kn[k]), float(table.force_kn[k]),
             float(table.normal_kn[k]), float(table.shear_kn[k]), table.modes[k],

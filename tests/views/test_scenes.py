@@ -17,7 +17,7 @@ from slopekit.views import rendering
 from slopekit.views.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
 from slopekit.views.rendering import Camera
 from slopekit.views.scene_parts import balanced, resultants
-from slopekit.views.scenes import SCENES, Asked, compose, draw
+from slopekit.views.scenes import SCENES, SceneOptions, compose, draw
 from slopekit.views.stage import Stage
 
 KINDS = ("wedge", "plane", "footing", "cylinder", "blocks", "goodman-bray", "wall")
@@ -30,7 +30,7 @@ def document(name: str) -> dict[str, Any]:
 
 
 def made(name: str, what: str, **asked: Any) -> Picture:
-    return compose(document(name), what, Asked(**asked))
+    return compose(document(name), what, SceneOptions(**asked))
 
 
 def part(picture: Picture, name: str) -> Floats:
@@ -240,7 +240,7 @@ def test_a_mechanism_that_did_not_settle_is_not_shown_as_fact() -> None:
 def test_a_later_mechanism_has_its_own_factor() -> None:
     result = sk.run(path_of("goodman-bray"), set={"analysis.mechanisms": 2})
     later = result.findings.mechanisms[1].fos
-    picture = compose(result.to_dict(), "mechanism", Asked(step=2))
+    picture = compose(result.to_dict(), "mechanism", SceneOptions(step=2))
     factor = "no factor of safety" if later is None else f"FoS {later:.4f}"
     assert factor in picture.subtitle
     assert picture.subtitle.startswith("mechanism 2: ")

@@ -100,12 +100,12 @@ def waiting(moment: Moment, final: bool, last: Answer | None) -> Answer:
 
 def scene_of(result: Result) -> dict[str, Any]:
     """What the view draws of a result."""
-    found = result.findings
+    findings = result.findings
     document = {
         "kind": result.kind, "inputs": result.design.inputs(),
         "geometry": {"thickness_m": getattr(result.geometry, "thickness_m", None)},
-        "assembly": None if found is None else {
-            "mechanisms": [{"fos": one.fos, "status": one.status} for one in found.mechanisms]
+        "assembly": None if findings is None else {
+            "mechanisms": [{"fos": one.fos, "status": one.status} for one in findings.mechanisms]
         },
     }  # fmt: skip
     return data_of(Stage(document, result.scene))
@@ -245,8 +245,8 @@ def net_of(moment: Moment, result: Result | None) -> dict[str, Any]:
     return {
         "face": _plane(inputs.get("face")), "upper": _plane(inputs.get("upper")),
         "planes": [
-            {"name": name, **found, "path": _prefix(root, path)}
-            for name, text, path in planes if (found := _plane(text)) is not None
+            {"name": name, **plane, "path": _prefix(root, path)}
+            for name, text, path in planes if (plane := _plane(text)) is not None
         ],
         "line": _line(result), "friction": _friction(design),
     }  # fmt: skip

@@ -59,12 +59,12 @@ _LAST: list[tuple[tuple[Design, Mapping[str, Key]], ...]] = [()]
 def groups_of(design: Design, opened: Design) -> list[dict[str, Any]]:
     """The controls in the groups of the file: `{"name", "label", "controls"}` each."""
     before = values_of(opened)
-    found: dict[str, list[Control]] = {}
+    by_group: dict[str, list[Control]] = {}
     for control in (*_words(design, opened), *_numbers(design, opened, before)):
-        found.setdefault(control["path"].partition(".")[0], []).append(control)
-    names = [*(name for name in _ORDER if name in found), *(name for name in found if name not in _ORDER)]
+        by_group.setdefault(control["path"].partition(".")[0], []).append(control)
+    names = [*(name for name in _ORDER if name in by_group), *(name for name in by_group if name not in _ORDER)]
     return [
-        {"name": name, "label": name.replace("_", " "), "controls": _in_order(design, found[name])} for name in names
+        {"name": name, "label": name.replace("_", " "), "controls": _in_order(design, by_group[name])} for name in names
     ]
 
 
@@ -73,16 +73,16 @@ def values_of(design: Design) -> Mapping[str, Key]:
 
     Those of the last designs are kept: what is set asks three times, and hundreds of bolts have thousands of numbers.
     """
-    for one, found in _LAST[0]:
+    for one, numbers in _LAST[0]:
         if one is design:
-            return found
+            return numbers
     known = {key.path: key for key in keys_of(design)}
-    found = {
+    numbers = {
         path: key for path, key in known.items()
         if f"{path}.mean" not in known and not path.startswith("correlation.")
     }  # fmt: skip
-    _LAST[0] = ((design, found), *_LAST[0][:2])
-    return found
+    _LAST[0] = ((design, numbers), *_LAST[0][:2])
+    return numbers
 
 
 def text_at(document: Document, path: str) -> str | None:

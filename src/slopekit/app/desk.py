@@ -157,8 +157,8 @@ class Desk:
     async def aside(self, link: "Link", message: Message, work: Callable[[], Message]) -> None:
         """Do something that takes a while beside the messages, and answer with what it returns."""
         try:
-            found = await asyncio.get_running_loop().run_in_executor(self.slow, work)
-            link.answer(message, found)
+            answer = await asyncio.get_running_loop().run_in_executor(self.slow, work)
+            link.answer(message, answer)
         except SlopekitError as error:
             link.refuse(message, error.faults)
         except Exception as error:  # a bug of ours: the page goes on
@@ -238,8 +238,8 @@ def _analysed(moment: Moment, final: bool) -> tuple[answers.Answer, Result | Non
 
 def jobs_of(kind: str) -> list[str]:
     """The jobs that can be started with a kind of design."""
-    found = ["analyse", "curve", "probability"]
-    return [*found, "support"] if kind_named(kind).takes_support else found
+    job_names = ["analyse", "curve", "probability"]
+    return [*job_names, "support"] if kind_named(kind).takes_support else job_names
 
 
 def _kind_of_template(name: str) -> str:
@@ -260,10 +260,10 @@ class Link:
         """Send a message, after those before it."""
         self.out.put_nowait(written(message))
 
-    def answer(self, message: Message, found: Mapping[str, Any]) -> None:
+    def answer(self, message: Message, body: Mapping[str, Any]) -> None:
         """Send what came of a message; without an id it is an event."""
         head = {"id": message["id"], "of": message.get("do")} if message.get("id") is not None else {"of": "answer"}
-        self.send({**found, **head})
+        self.send({**body, **head})
 
     def refuse(self, message: Message, faults: tuple[Fault, ...]) -> None:
         """Say what is wrong with a message."""

@@ -21,7 +21,7 @@ from slopekit.app.messages import bug, of_numpy
 from slopekit.app.session import Moment
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.onlooker import onlooker
-from slopekit.core.options import Advance, Desk
+from slopekit.core.options import Advance, Workplace
 from slopekit.core.records import dataclass
 from slopekit.design.fields import words_of
 from slopekit.design.files import with_values
@@ -77,7 +77,7 @@ def _analyse(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     return {"answer": answer, "document": document}
 
 
-def _desk(tell: Tell) -> Desk:
+def _desk(tell: Tell) -> Workplace:
     """Where a study shows its progress."""
 
     @contextlib.contextmanager
@@ -92,7 +92,7 @@ def _desk(tell: Tell) -> Desk:
         tell(0, total, label)
         yield advance
 
-    return Desk(bar=bar)
+    return Workplace(bar=bar)
 
 
 def number_in(options: Mapping[str, Any], name: str, default: float | None) -> float | None:
@@ -131,15 +131,15 @@ def _curve(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     values = [float(f"{step:.10g}") for step in steps]
     if key.whole:
         values = sorted({float(round(value)) for value in values})
-    found = sweep(moment.design, {path: values}, desk=_desk(tell))
-    assert isinstance(found, Sweep)
-    factors = [point.factors for point in found.points]
+    curve = sweep(moment.design, {path: values}, desk=_desk(tell))
+    assert isinstance(curve, Sweep)
+    factors = [point.factors for point in curve.points]
     return {
-        "path": path, "label": words_of(type(moment.design), path), "unit": key.unit, "x": list(found.values[0]),
+        "path": path, "label": words_of(type(moment.design), path), "unit": key.unit, "x": list(curve.values[0]),
         "limit": [None if one is None else one.limit for one in factors],
         "closed_form": [None if one is None else one.closed_form for one in factors],
-        "status": [point.code if one is None else one.status for one, point in zip(factors, found.points, strict=True)],
-        "now": key.value, "notices": [answers.notice_of(one) for one in found.warnings], "line": found.line,
+        "status": [point.code if one is None else one.status for one, point in zip(factors, curve.points, strict=True)],
+        "now": key.value, "notices": [answers.notice_of(one) for one in curve.warnings], "line": curve.line,
     }  # fmt: skip
 
 
@@ -148,12 +148,12 @@ def _scattered(moment: Moment, options: Mapping[str, Any]) -> dict[str, object]:
     given = options.get("scatter") or {}
     if not isinstance(given, Mapping):
         raise _wrong("scatter is {path: {dist: normal, sd: 2}}")
-    found: dict[str, object] = {}
+    scatter: dict[str, object] = {}
     for called, how in given.items():
         path = str(called).removesuffix(".mean")
         if how is None:
             key = key_of(moment.design, path)
-            found |= values_of(moment.design, [key], [key.value or 0.0])
+            scatter |= values_of(moment.design, [key], [key.value or 0.0])
             continue
         if not isinstance(how, Mapping) or not set(how) <= set(_DISTRIBUTION_KEYS):
             raise _wrong(f"the scatter of {path} has other keys than {', '.join(_DISTRIBUTION_KEYS)}")
@@ -161,9 +161,9 @@ def _scattered(moment: Moment, options: Mapping[str, Any]) -> dict[str, object]:
         made = {name: value for name, value in how.items() if value is not None}
         if made.get("dist") in ("normal", "lognormal") and "mean" not in made and key.value is not None:
             made["mean"] = key.value
-        found |= dict(key.written_out)
-        found[path] = made
-    return found
+        scatter |= dict(key.written_out)
+        scatter[path] = made
+    return scatter
 
 
 def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
@@ -179,17 +179,17 @@ def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Resu
     assert target is not None
     given: dict[str, Any] = {"confirm": min(confirm, count)} if has_form else {}
     tell(0, None, "samples")
-    found = prob(design, count, seed=seed, fos=target, desk=_desk(tell), **given)
-    assert isinstance(found, Probability)
-    leading, by = found.leading, found.asked.by
-    histogram = found.to_dict()["histogram"]
+    study = prob(design, count, seed=seed, fos=target, desk=_desk(tell), **given)
+    assert isinstance(study, Probability)
+    leading, by = study.leading, study.asked.by
+    histogram = study.to_dict()["histogram"]
     if histogram is not None:
         histogram[{"pre-ie": "limit"}.get(by, "closed_form")] = histogram["counts"]
     return {
         "samples": count, "pf": leading.probability, "low": leading.low, "high": leading.high, "pf_of": leading.by,
-        "confidence": found.asked.confidence, "target": target, "histogram": histogram, "outcomes": found.counts,
-        "sensitivity": [{"label": name, "rank_correlation": value} for name, value in found.sensitivities],
-        "notices": [answers.notice_of(one) for one in found.warnings], "line": found.line,
+        "confidence": study.asked.confidence, "target": target, "histogram": histogram, "outcomes": study.counts,
+        "sensitivity": [{"label": name, "rank_correlation": value} for name, value in study.sensitivities],
+        "notices": [answers.notice_of(one) for one in study.warnings], "line": study.line,
     }  # fmt: skip
 
 
@@ -204,24 +204,24 @@ def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
         if isinstance(options.get(name), int | float | str)
     }  # fmt: skip
     tell(0, None, "force and direction")
-    found: Any = support(moment.design, target, acts=acts, desk=_desk(tell), **given)
+    study: Any = support(moment.design, target, acts=acts, desk=_desk(tell), **given)
     words = [
-        entry for section in found.sheet.sections if section.label not in ("PASTE", "TIME")
+        entry for section in study.sheet.sections if section.label not in ("PASTE", "TIME")
         for entry in section.entries if isinstance(entry, str) and not isinstance(entry, Verbatim)
     ]  # fmt: skip
-    built = next((case for case in getattr(found, "built", ()) if case.bolts), None)
+    built = next((case for case in getattr(study, "built", ()) if case.bolts), None)
     if built is None:
-        built = next(iter(getattr(found, "built", ())), None)
+        built = next(iter(getattr(study, "built", ())), None)
     pattern = getattr(built, "pattern", None)
     toward = getattr(built, "toward", None)
     return {
-        "words": words, "line": found.line, "reached": bool(getattr(found, "reached", False)),
-        "stands": bool(getattr(found, "stands", False)), "target": target,
-        "force": getattr(built, "force", None), "unit": getattr(found, "unit", "kN"),
+        "words": words, "line": study.line, "reached": bool(getattr(study, "reached", False)),
+        "stands": bool(getattr(study, "stands", False)), "target": target,
+        "force": getattr(built, "force", None), "unit": getattr(study, "unit", "kN"),
         "direction": None if toward is None else {"trend": toward.trend_deg, "plunge": toward.plunge_deg},
         "pattern": None if pattern is None else pattern.to_dict(),
         "bolts": None if built is None or built.support is None else built.support["bolts"],
-        "notices": [answers.notice_of(one) for one in getattr(found, "warnings", ())],
+        "notices": [answers.notice_of(one) for one in getattr(study, "warnings", ())],
     }  # fmt: skip
 
 
@@ -252,12 +252,12 @@ def _done(what: str, moment: Moment, options: Mapping[str, Any], pipe: Connectio
             pipe.send_bytes(json.dumps({"done": done, "total": total, "words": words}).encode())
 
     try:
-        found: dict[str, Any] = {"result": run_job(what, moment, options, tell)}
+        end: dict[str, Any] = {"result": run_job(what, moment, options, tell)}
     except SlopekitError as error:
-        found = {"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]}
+        end = {"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]}
     except Exception as error:  # a bug of ours: the page says so
-        found = {"faults": [answers.fault_of(bug(error))]}
-    return json.dumps({"end": found}, default=of_numpy, allow_nan=False).encode()
+        end = {"faults": [answers.fault_of(bug(error))]}
+    return json.dumps({"end": end}, default=of_numpy, allow_nan=False).encode()
 
 
 # -- here -------------------------------------------------------------------------------------------------------------
@@ -374,10 +374,10 @@ class Jobs:
         end: dict[str, Any] | None = None
         try:
             while end is None:
-                found = json.loads(helper.pipe.recv_bytes())
-                end = found.get("end")
+                report = json.loads(helper.pipe.recv_bytes())
+                end = report.get("end")
                 if end is None:
-                    heard({"of": "progress", "job": number, **found})
+                    heard({"of": "progress", "job": number, **report})
         except (EOFError, OSError):
             message = "the process that did the job ended before it was done"
             end = {"faults": [answers.fault_of(Fault("E544", message, "", "Start it again; has memory run out?"))]}

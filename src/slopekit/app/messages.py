@@ -29,17 +29,17 @@ def parsed(text: str) -> Message:
     if len(text) > LARGEST_SURVEY or (len(text) > LARGEST and '"survey"' not in text[:400]):
         raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E543")
     try:
-        found = json.loads(text, parse_constant=_no_constant)
+        message = json.loads(text, parse_constant=_no_constant)
     except RecursionError:
         raise wrong("the message is nested too deep", "", "E543") from None
     except ValueError as error:
         raise wrong(f"the message is no JSON: {cut(printable(str(error)))}") from None
-    if not isinstance(found, dict):
+    if not isinstance(message, dict):
         raise wrong("the message is no JSON object", 'Send {"id": 1, "do": "set", ...}.')
-    _check_depth(found)
-    if len(text) > LARGEST and found.get("do") != "survey":
+    _check_depth(message)
+    if len(text) > LARGEST and message.get("do") != "survey":
         raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E543")
-    return found
+    return message
 
 
 def _no_constant(name: str) -> float:
@@ -60,10 +60,10 @@ def _check_depth(value: Any) -> None:
 
 def text_of(message: Mapping[str, Any], key: str, default: str | None = None) -> str:
     """A text of a message. Raises DesignError E541 where there is none."""
-    found = message.get(key, default)
-    if not isinstance(found, str):
+    text = message.get(key, default)
+    if not isinstance(text, str):
         raise wrong(f"{message.get('do')} needs the text {key}")
-    return found
+    return text
 
 
 def values_of(message: Mapping[str, Any]) -> dict[str, Any]:

@@ -117,13 +117,13 @@ class Explorer:
 
     def _groups(self) -> list[dict[str, Any]]:
         groups = groups_of(self._session.design, self._session.opened.design)
-        found = []
+        visible = []
         for group in groups:
             controls = [one for one in group["controls"] if self._is_shown(one["path"])]
             is_open = self._keys is not None or group["name"] in _OPEN
             if controls:
-                found.append({**group, "controls": controls, "open": is_open})
-        return found
+                visible.append({**group, "controls": controls, "open": is_open})
+        return visible
 
     def _is_shown(self, path: str) -> bool:
         if self._keys is None:

@@ -87,9 +87,9 @@ class _Text:
 
     def end_of_line(self, at: int) -> int:
         """Of the line that a place is in, without its line end."""
-        found = re.compile(r"\r?\n|\Z").search(self.text, at)
-        assert found is not None
-        return found.start()
+        line_end = re.compile(r"\r?\n|\Z").search(self.text, at)
+        assert line_end is not None
+        return line_end.start()
 
 
 def _edits(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
@@ -208,7 +208,7 @@ def _applied(text: str, edits: list[_Edit]) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class SavedChange:
     """What a save would write: where to, the text, the difference from what was opened, how many lines are new."""
 
     target: Path | None
@@ -218,7 +218,7 @@ class Change:
     changed_on_disk: bool
 
 
-def change_of(session: Session, file: str | None = None) -> Change:
+def change_of(session: Session, file: str | None = None) -> SavedChange:
     """What a save of a session would write.
 
     Parameters
@@ -240,7 +240,7 @@ def change_of(session: Session, file: str | None = None) -> Change:
     lines = list(difflib.unified_diff(_lines(opened.text), _lines(text), opened.name, name, n=2, lineterm=""))
     new = sum(line.startswith("+") for line in lines[2:])
     moved = target is not None and _same(target, opened.path) and digest_of_file(target) != opened.digest
-    return Change(target, text, "\n".join(lines), new, moved)
+    return SavedChange(target, text, "\n".join(lines), new, moved)
 
 
 def _lines(text: str) -> list[str]:

@@ -97,17 +97,17 @@ def application(desk: Desk) -> Guard:
         return Response(_page(), media_type="text/html", headers=HEADERS)
 
     async def asset(request: Request) -> Response:
-        found = _asset(request.path_params["name"])
-        if found is None:
+        path = _asset(request.path_params["name"])
+        if path is None:
             return PlainTextResponse("there is no such file", 404, HEADERS)
-        return Response(found.read_bytes(), media_type=_TYPES[found.suffix], headers=HEADERS)
+        return Response(path.read_bytes(), media_type=_TYPES[path.suffix], headers=HEADERS)
 
     async def get(request: Request) -> Response:
-        found = desk.files.get(request.path_params["number"])
-        if found is None:
+        file = desk.files.get(request.path_params["number"])
+        if file is None:
             return PlainTextResponse("it is there no more", 404, HEADERS)
-        named = {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(found.name, safe='')}"}
-        return Response(found.content, media_type=found.kind, headers=HEADERS | named)
+        named = {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(file.name, safe='')}"}
+        return Response(file.content, media_type=file.kind, headers=HEADERS | named)
 
     async def socket(websocket: WebSocket) -> None:
         if len(desk.links) >= _MOST_LINKS:

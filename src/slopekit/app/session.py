@@ -142,8 +142,8 @@ class Session:
     @property
     def live(self) -> str:
         """When it is answered: drag, release or button."""
-        found = kind_of(self.design).answered
-        return "release" if found == "drag" and self.design.criterion != "limit" else found
+        answered = kind_of(self.design).answered
+        return "release" if answered == "drag" and self.design.criterion != "limit" else answered
 
     @property
     def can_undo(self) -> bool:
@@ -184,11 +184,11 @@ class Session:
         if self.now.document is self.opened.document:
             return []
         now = self.numbers
-        found = [path for path, key in now.items() if controls.is_changed(key, self.before.get(path))]
+        changed_numbers = [path for path, key in now.items() if controls.is_changed(key, self.before.get(path))]
         words = (path for path in different(self.opened.document.root, self.now.document.root) if path not in now)
         return [
-            *found,
-            *(path for path in words if not any(f"{one}.".startswith(f"{path}.") for one in (*found, *now))),
+            *changed_numbers,
+            *(path for path in words if not any(f"{one}.".startswith(f"{path}.") for one in (*changed_numbers, *now))),
         ]
 
     @property

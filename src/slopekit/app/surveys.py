@@ -28,7 +28,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.joint_lists import JointList
 from slopekit.design.nodes import as_text
-from slopekit.design.survey import Joint, read_joints_text
+from slopekit.design.survey import MeasuredJoint, read_joints_text
 from slopekit.kinds import kind_of, status_text
 from slopekit.studies.combos import Combos, combos
 from slopekit.studies.combos.pairs import PAIR_OUTCOMES
@@ -79,7 +79,7 @@ class Dropped:
         return "\n".join(lines) + "\n"
 
 
-def _names(joints: Sequence[Joint]) -> list[str]:
+def _names(joints: Sequence[MeasuredJoint]) -> list[str]:
     """Names that a design file takes: the survey's own where they are such."""
     own = [joint.name for joint in joints]
     sound = all(_NAME.fullmatch(name) for name in own) and len({name.casefold() for name in own}) == len(own)
@@ -123,7 +123,7 @@ def dropped(
     own = _strength(design)
     upper, height = getattr(design, "upper", None), getattr(design, "height_m", None)
     try:
-        found = combos(
+        combinations = combos(
             list(joints.joints), face=face, upper=upper if isinstance(upper, Plane) else None, height=height,
             c=own[0] if c is None else c, phi=own[1] if phi is None else phi,
             unit_weight=design.unit_weight_kn_m3 or None, top=_TOP,
@@ -131,10 +131,10 @@ def dropped(
     except DesignError as error:
         said["faults"] = [answers.fault_of(fault) for fault in error.faults]
         return Dropped(joints, None, said)
-    said["pairs"] = _pairs(found)
-    said["counts"] = found.counts
-    said["notices"] += [answers.notice_of(one) for one in found.warnings]
-    return Dropped(joints, found, said)
+    said["pairs"] = _pairs(combinations)
+    said["counts"] = combinations.counts
+    said["notices"] += [answers.notice_of(one) for one in combinations.warnings]
+    return Dropped(joints, combinations, said)
 
 
 def _strength(design: Design) -> tuple[float, float]:
@@ -148,7 +148,7 @@ def _strength(design: Design) -> tuple[float, float]:
 
 def _sets(joints: JointList) -> list[dict[str, Any]]:
     """The sets that the survey names, each by the mean of its normals."""
-    found = []
+    sets = []
     for name in joints.sets():
         own = [joint.plane for joint in joints.joints if joint.set_name == name]
         poles = normals(np.array([one.dip_deg for one in own]), np.array([one.dip_direction_deg for one in own]))
@@ -156,14 +156,14 @@ def _sets(joints: JointList) -> list[dict[str, Any]]:
         mean = poles.sum(axis=0)
         east, north, up = (mean if mean[2] >= 0.0 else -mean).tolist()
         dip, way = math.degrees(math.atan2(math.hypot(east, north), up)), math.degrees(math.atan2(east, north))
-        found.append({"name": name, "dip": dip, "dip_direction": way % 360.0, "count": len(own)})
-    return found
+        sets.append({"name": name, "dip": dip, "dip_direction": way % 360.0, "count": len(own)})
+    return sets
 
 
-def _pairs(found: Combos) -> list[dict[str, Any]]:
+def _pairs(combinations: Combos) -> list[dict[str, Any]]:
     """The pairs that form a wedge, the worst first; those that PRE-IE has looked at by its factor."""
-    looked = {pair.index: pair for pair in found.worst}
-    pairs, joints = found.pairs, found.joints.joints
+    looked = {pair.index: pair for pair in combinations.worst}
+    pairs, joints = combinations.pairs, combinations.joints.joints
     said = []
     for number in pairs.ranked()[:_MOST_PAIRS].tolist():
         one, two = (joints[int(of[number])] for of in (pairs.shapes.first, pairs.shapes.second))

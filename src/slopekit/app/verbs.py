@@ -119,15 +119,15 @@ def _analyse(link: Link, message: Message) -> None:
 def _of_job(link: Link, what: str, moment: Moment, event: Message) -> None:
     """Pass on what a job says; an analysis is the answer from now on."""
     desk = link.desk
-    if what == "analyse" and (found := event.get("result")) is not None:
-        answer = found.pop("answer")
-        if found["document"] is not None and answer["rev"] >= desk.opened_rev:
-            desk.last, desk.result, desk.document, desk.last_moment = answer, None, found["document"], moment
+    if what == "analyse" and (job_result := event.get("result")) is not None:
+        answer = job_result.pop("answer")
+        if job_result["document"] is not None and answer["rev"] >= desk.opened_rev:
+            desk.last, desk.result, desk.document, desk.last_moment = answer, None, job_result["document"], moment
         answer["stale"] = desk.session.now.document is not moment.document
         desk.also_send(link, desk.also(answer) | {"of": "answer"})
         event = event | {"result": desk.also(answer)}
-    if what == "support" and (found := event.get("result")) is not None:
-        desk.bolts = (moment, found["bolts"]) if found["bolts"] else None
+    if what == "support" and (job_result := event.get("result")) is not None:
+        desk.bolts = (moment, job_result["bolts"]) if job_result["bolts"] else None
     link.send(event)
     if event["of"] == "done" and event.get("cancelled"):
         desk.warm_up()
@@ -206,12 +206,12 @@ def _handover(link: Link, message: Message) -> None:
         return
 
     def work() -> Message:
-        found = handover.handed(what, desk.session, None if what == "yaml" else desk.result_document())
+        file = handover.handed(what, desk.session, None if what == "yaml" else desk.result_document())
         number = secrets.token_urlsafe(9)
-        desk.files[number] = found
+        desk.files[number] = file
         for old in list(desk.files)[:-_MOST_FILES]:
             del desk.files[old]
-        return {"address": f"/{desk.token}/get/{number}", "name": found.name}
+        return {"address": f"/{desk.token}/get/{number}", "name": file.name}
 
     desk.later(link, message, work)
 

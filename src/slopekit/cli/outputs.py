@@ -59,7 +59,7 @@ def plot(
         cases = ", ".join(documents)
         typer.echo(_listed(path, given, f"{path.name}, load cases {cases}," if cases else path.name))
         return
-    options = plots.Options(
+    options = plots.PlotOptions(
         show=show, net="angle" if equal_angle else "area", test=test,
         explode=None if explode is None else number_of(explode, "--explode"),
         magnify=None if magnify is None else number_of(magnify, "--magnify"), step=whole_number(step, "--step"),
@@ -208,10 +208,10 @@ def report(
 
 
 def _project(texts: list[str]) -> dict[str, str]:
-    found = dict[str, str]()
+    project = dict[str, str]()
     for text in texts:
         key, equals, value = text.partition("=")
         if not equals:
             raise DesignError([Fault("E376", f"{text} gives the project no value", text, "--project client=NAME")])
-        found[key.strip()] = value.strip()
-    return found
+        project[key.strip()] = value.strip()
+    return project

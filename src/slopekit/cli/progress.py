@@ -20,7 +20,7 @@ _WIDE, _BESIDE = 24, 28  # columns of a bar, and of brackets, part, time to come
 _LINES: list["_Line"] = []  # that have the terminal; the last is the one that writes
 
 
-class _Bar:
+class _ProgressBar:
     """A bar that also moves between two steps: who draws it holds the lock."""
 
     def __init__(self, bar: Any, others: int) -> None:
@@ -41,7 +41,7 @@ class _Bar:
                 self.bar.render_progress()
 
 
-_BARS: list[_Bar] = []  # the last has the line of the terminal
+_BARS: list[_ProgressBar] = []  # the last has the line of the terminal
 
 
 @contextmanager
@@ -53,7 +53,7 @@ def progress(label: str, total: int) -> Iterator[Advance]:
     with typer.progressbar(
         length=total, label=label, file=sys.stderr, width=_WIDE, item_show_func=lambda text: text
     ) as bar:
-        _BARS.append(_Bar(bar, len(label) + _WIDE + _BESIDE))
+        _BARS.append(_ProgressBar(bar, len(label) + _WIDE + _BESIDE))
         try:
             yield _BARS[-1].advance
         finally:

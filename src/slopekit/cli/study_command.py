@@ -24,9 +24,9 @@ from slopekit.cli.common import (
 from slopekit.cli.progress import aside, progress, watched
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.onlooker import say
-from slopekit.core.options import DESIGN, Argument, Desk, Option, given_by
+from slopekit.core.options import DESIGN, Argument, Option, Workplace, given_by
 from slopekit.core.shown import Shown
-from slopekit.studies.protocol import VARIANTS, Outcome, function_of
+from slopekit.studies.protocol import VARIANTS, StudyOutcome, function_of
 
 #: The functions that give a result; all other commands that are made so are studies.
 _RESULTS: Mapping[str, Callable[..., Any]] = {"wedge": api.wedge, "run": api.run}
@@ -106,14 +106,14 @@ def _on_command_line(key: str, parameter: inspect.Parameter, always: bool) -> li
     return [_parameter(key, of if needed else of | None, option, ... if needed else None)]
 
 
-def _takes_design(function: Callable[..., Outcome]) -> bool:
+def _takes_design(function: Callable[..., StudyOutcome]) -> bool:
     return any(given_by(parameter) == DESIGN for parameter in inspect.signature(function).parameters.values())
 
 
-def _draws(function: Callable[..., Outcome]) -> bool:
+def _draws(function: Callable[..., StudyOutcome]) -> bool:
     """Whether there are pictures of what a study comes to."""
     outcome = get_type_hints(function)["return"]
-    return any(kind.charts is not Outcome.charts for kind in get_args(outcome) or (outcome,))
+    return any(kind.charts is not StudyOutcome.charts for kind in get_args(outcome) or (outcome,))
 
 
 def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Parameter:
@@ -160,7 +160,7 @@ def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str)
             raise DesignError([Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out.")])
     if "desk" in parameters:
         flags = {key: _flag(key, how) for key, one in parameters.items() if isinstance(how := given_by(one), Option)}
-        values["desk"] = Desk(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
+        values["desk"] = Workplace(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
     with watched():
         outcome = function(**values)
         _deliver(outcome, folder, image, given)
@@ -169,7 +169,7 @@ def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str)
 
 
 def _check_design(
-    name: str, variants: Mapping[str, Callable[..., Outcome]], chosen: str, given: Mapping[str, Any]
+    name: str, variants: Mapping[str, Callable[..., StudyOutcome]], chosen: str, given: Mapping[str, Any]
 ) -> None:
     """Refuse a design and a variant without one (E270), neither of both, and what belongs to a design (E271)."""
     alone = [f"--{flag}" for flag, function in variants.items() if not _takes_design(function)]
@@ -251,7 +251,7 @@ def _draw(
     outcome: Shown, record: dict[str, Any], folder: Path | None, image: Path | None, given: Mapping[str, Any]
 ) -> None:  # fmt: skip
     """The pictures of what a function came to."""
-    if not isinstance(outcome, Outcome):
+    if not isinstance(outcome, StudyOutcome):
         results.finish(record, folder, image, given["no_pictures"])
         return
     if image is not None and not outcome.charts:

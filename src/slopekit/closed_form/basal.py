@@ -30,8 +30,8 @@ from slopekit.closed_form.wedge_sliding import (
     STATUSES,
     STILL,
     Bolt,
-    Slide,
     Vector,
+    WedgeSlide,
     cross,
     dot,
     length,
@@ -125,8 +125,8 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
     with np.errstate(all="ignore"):
         for first in range(0, count, _CHUNK):
             part = slice(first, first + _CHUNK)
-            outcome[part], found = _solved(of_chunk(columns, part), outcome[part].size, bolts)
-            for row, values in zip(numbers, found, strict=True):
+            outcome[part], chunk_numbers = _solved(of_chunk(columns, part), outcome[part].size, bolts)
+            for row, values in zip(numbers, chunk_numbers, strict=True):
                 row[part] = values
     numbers[:, outcome >= _REFUSED] = np.nan
     statuses = outcome < _REFUSED
@@ -139,7 +139,7 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
 # -- the block --------------------------------------------------------------------------------------------------------
 
 
-class _Block(NamedTuple):
+class _ConvexBlock(NamedTuple):
     """The planes' inward normals, three of (k, m), and of the block areas (k, m), volume, height, depth of the crack;
     code: why there is none, else 0.
     """
@@ -152,7 +152,7 @@ class _Block(NamedTuple):
     code: Codes
 
 
-def _block(columns: Columns, count: int) -> _Block:
+def _block(columns: Columns, count: int) -> _ConvexBlock:
     names = _PLANES if "crack_dip_deg" in columns else _PLANES[:_CRACK]
     angles = np.empty((2, len(names), count))
     for plane, name in enumerate(names):
@@ -206,17 +206,17 @@ def _block(columns: Columns, count: int) -> _Block:
         deep = [(offsets[_UPPER] - dot(upper, end)) / upper[2] for end in edges.ends]
         depth = np.where(on, np.maximum(*deep), 0.0).max(axis=0)
     none = areas <= _NONE * areas.sum(axis=0)
-    found = np.zeros(count, dtype=np.int8)
+    block_code = np.zeros(count, dtype=np.int8)
     for where, name in (
         (none[_CRACK] if len(names) > _CRACK else np.zeros(count, dtype=np.bool_), "E207"),
         (none[_J1] | none[_J2], "E444"), (none[_BASAL], "E440"), (none[_FACE], "E442"), (edges.endless, "E443"),
         (~edges.endless & ~(volume > 0.0), "E441"),
     ):  # fmt: skip
-        found[where] = _NUMBER[name]
-    return _Block(inward, areas, volume, height, depth, np.where(code, code, found))
+        block_code[where] = _NUMBER[name]
+    return _ConvexBlock(inward, areas, volume, height, depth, np.where(code, code, block_code))
 
 
-class _Edges(NamedTuple):
+class _BodyEdges(NamedTuple):
     """The edges of a convex body: planes (e, 2), two ends of three (e, m), which there are, what follows of them."""
 
     planes: Any
@@ -228,7 +228,7 @@ class _Edges(NamedTuple):
     height: Floats
 
 
-def _edges(inward: Vector, offsets: Floats) -> _Edges:
+def _edges(inward: Vector, offsets: Floats) -> _BodyEdges:
     """The body n·x >= offset of k planes (k, m), by the lines in which they meet."""
     count = len(offsets)
     planes = np.array([(i, j) for i in range(count) for j in range(i)])
@@ -265,7 +265,7 @@ def _edges(inward: Vector, offsets: Floats) -> _Edges:
     top = np.where(has, heights, -np.inf).max(axis=(0, 1))
     bottom = np.where(has, heights, np.inf).min(axis=(0, 1))
     volume = -(offsets * areas).sum(axis=0) / 3.0
-    return _Edges(planes, (ends[0], ends[1]), has, endless, areas, volume, top - bottom)
+    return _BodyEdges(planes, (ends[0], ends[1]), has, endless, areas, volume, top - bottom)
 
 
 # -- how it moves -----------------------------------------------------------------------------------------------------
@@ -284,7 +284,7 @@ class JointTriple(NamedTuple):
         """One wedge's, (3, 1): for any number of loads."""
         return JointTriple(*(of_one(values, one) for values in self))
 
-    def slide(self, load: Vector) -> Slide:
+    def slide(self, load: Vector) -> WedgeSlide:
         """The one mode in which no plane pulls and none is entered: off all, on one, on two, or held by three."""
         on = dot(load, self.inward)
         count = on.shape[-1]
@@ -327,7 +327,7 @@ class JointTriple(NamedTuple):
         highest = np.broadcast_to(np.maximum.reduce(self.inward[2]), off.shape)
         outcome = np.where(off & (highest <= 0.0), FALLS, outcome)
         outcome = np.where(driving <= SMALL * self.size, STILL, outcome).astype(np.int8)
-        return Slide(outcome, normal, driving, resisting, (east, north, up))
+        return WedgeSlide(outcome, normal, driving, resisting, (east, north, up))
 
     def _held(self, load: Vector) -> Floats:
         """Normal forces (3, m) on all three planes that balance the load: by Cramer's rule."""
@@ -365,7 +365,7 @@ def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes,
                      block.height]  # fmt: skip
 
 
-def _load(columns: Columns, block: _Block, weight: Floats, pressures: list[Any]) -> tuple[Vector, Floats]:
+def _load(columns: Columns, block: _ConvexBlock, weight: Floats, pressures: list[Any]) -> tuple[Vector, Floats]:
     """The resultant of all loads (m,), and the sum of their sizes."""
     trend = np.radians(columns["seismic_trend_deg" if "seismic_trend_deg" in columns else "face_dip_direction_deg"])
     push = weight * columns["seismic"]

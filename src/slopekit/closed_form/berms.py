@@ -28,8 +28,8 @@ def catch_width(height_m: ArrayLike) -> Floats:
     >>> catch_width([5.0, 10.0, 15.0]).tolist()
     [5.5, 6.5, 7.5]
     """
-    found: Floats = RITCHIE[0] * np.asarray(height_m, dtype=np.float64) + RITCHIE[1]
-    return found
+    width_m: Floats = RITCHIE[0] * np.asarray(height_m, dtype=np.float64) + RITCHIE[1]
+    return width_m
 
 
 def inter_ramp_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, berm_m: ArrayLike) -> Floats:
@@ -43,8 +43,8 @@ def inter_ramp_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, berm_m: Array
     height = np.asarray(height_m, dtype=np.float64)
     face, berm = (np.asarray(value, dtype=np.float64) for value in (face_dip_deg, berm_m))
     run = height / np.tan(face * _RADIAN) + berm
-    found: Floats = np.arctan2(height, run) / _RADIAN
-    return found
+    angle_deg: Floats = np.arctan2(height, run) / _RADIAN
+    return angle_deg
 
 
 def effective_face_angle(height_m: ArrayLike, face_dip_deg: ArrayLike, setback_m: ArrayLike) -> Floats:
@@ -80,8 +80,8 @@ def cone_spill_width(
         share = np.clip(back / flat, 0.0, 1.0)
         room = flat**2 * np.arccos(share) - back * np.sqrt(np.maximum(0.0, flat**2 - back**2))
         tip = np.cbrt(3.0 * _product(volume_m3, swell) / room)
-        found: Floats = np.where(back < flat, tip * (flat - back), 0.0)
-    return found
+        width_m: Floats = np.where(back < flat, tip * (flat - back), 0.0)
+    return width_m
 
 
 def prism_spill_width(
@@ -95,14 +95,14 @@ def prism_spill_width(
     2.0
     """
     flat, back = _cotangents(repose_deg, face_dip_deg)
-    found: Floats = np.sqrt(2.0 * _product(area_m2, swell) * np.maximum(0.0, flat - back))
-    return found
+    width_m: Floats = np.sqrt(2.0 * _product(area_m2, swell) * np.maximum(0.0, flat - back))
+    return width_m
 
 
 def _product(volume: ArrayLike, swell: ArrayLike) -> Floats:
     """Of broken rock."""
-    found: Floats = np.asarray(volume, dtype=np.float64) * np.asarray(swell, dtype=np.float64)
-    return found
+    broken: Floats = np.asarray(volume, dtype=np.float64) * np.asarray(swell, dtype=np.float64)
+    return broken
 
 
 def _cotangents(repose_deg: ArrayLike, face_dip_deg: ArrayLike) -> tuple[Floats, Floats]:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from slopekit.closed_form.given import Floats
-from slopekit.closed_form.rotation import Ground, panels
+from slopekit.closed_form.rotation import GroundSurface, panels
 from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
@@ -90,7 +90,7 @@ def ellipsoid_columns(
     >>> round(float(ball.weights.sum()) / 20, 4), ball.overhung_share  # half a sphere
     (2094.3951, 0.0)
     """
-    ground = Ground.of(profile, (centre[0], centre[2]), (radii[0], radii[2]))
+    ground = GroundSurface.of(profile, (centre[0], centre[2]), (radii[0], radii[2]))
     t, share = panels(np.arccos(_changes(ground)), count)
     t, share = np.concatenate([t, -t]), np.concatenate([share, share])
     return _columns(ground, centre, radii, np.cos(t), np.sin(t), share * np.cos(t), unit_weight_kn_m3, count)
@@ -119,7 +119,7 @@ def cylinder_columns(
     >>> round(float(tube.weights.sum()) / 20, 6)  # half of π r² l
     628.318531
     """
-    ground = Ground.of(profile, centre, (radius, radius))
+    ground = GroundSurface.of(profile, centre, (radius, radius))
     s, share = np.polynomial.legendre.leggauss(4)
     middle, radii = (centre[0], 0.0, centre[1]), (radius, length / 2.0, radius)
     return _columns(ground, middle, radii, np.ones(4), s, share, unit_weight_kn_m3, count, bulges=False)
@@ -190,8 +190,8 @@ def all_equilibrium(
     seismic: float = 0.0,
 ) -> float | None:  # fmt: skip
     """Factor of safety that satisfies all six equilibria of the mass: `global_equilibrium`, the factor alone."""
-    found = global_equilibrium(columns, cohesion_kpa, friction_angle_deg, direction, axis_point, seismic)
-    return None if found is None else found.factor
+    equilibrium = global_equilibrium(columns, cohesion_kpa, friction_angle_deg, direction, axis_point, seismic)
+    return None if equilibrium is None else equilibrium.factor
 
 
 def global_equilibrium(
@@ -343,7 +343,7 @@ def _vertical_balance(
     return None
 
 
-def _changes(ground: Ground) -> Floats:
+def _changes(ground: GroundSurface) -> Floats:
     """Radii at which the columns of a slice change their kind: as for the circle, at its width, at its mid-height."""
     start, end = ground.points[:-1], ground.points[1:]
     through = start[:, 1] * end[:, 1] < 0.0
@@ -353,7 +353,7 @@ def _changes(ground: Ground) -> Floats:
 
 
 def _columns(
-    ground: Ground, centre: Sequence[float], radii: Sequence[float], r: Floats, s: Floats, share: Floats,
+    ground: GroundSurface, centre: Sequence[float], radii: Sequence[float], r: Floats, s: Floats, share: Floats,
     unit_weight: float, count: int, bulges: bool = True,
 ) -> Columns:  # fmt: skip
     """Columns on slices of radius r (n,) at s (n,), as parts of the radii; `bulges`: the surface narrows along y."""

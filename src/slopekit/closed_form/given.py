@@ -49,5 +49,5 @@ def of_chunk(columns: Columns, some: NDArray[np.intp] | slice) -> Columns:
 
 def counted(outcome: Codes, names: Sequence[str]) -> dict[str, int]:
     """How many there are of each outcome, in the order of the names, the absent ones left out."""
-    found = np.bincount(outcome, minlength=len(names))
-    return {name: int(number) for name, number in zip(names, found, strict=True) if number}
+    counts = np.bincount(outcome, minlength=len(names))
+    return {name: int(number) for name, number in zip(names, counts, strict=True) if number}

@@ -136,9 +136,9 @@ def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
         slide = bed.slide(load)
         slides = slide.outcome <= _SLIDES_UP
         outcome, factor = slide.outcome, np.where(slides, slide.resisting / slide.driving, np.nan)
-        found = [factor, slide.normal, slide.driving, slide.resisting, block.length, block.pressure, block.thrust,
+        rows = [factor, slide.normal, slide.driving, slide.resisting, block.length, block.pressure, block.thrust,
                  block.depth, block.weight]  # fmt: skip
-        for row, values in zip(numbers, found, strict=True):
+        for row, values in zip(numbers, rows, strict=True):
             row[:] = values
         if bolts:
             for one in np.flatnonzero((block.code == 0) & (outcome != _STILL)).tolist():
@@ -154,7 +154,7 @@ def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
 # -- the block (the tests of geometry.section, in its order) ----------------------------------------------------------
 
 
-class _Block(NamedTuple):
+class _PlaneBlock(NamedTuple):
     code: Codes  # 0 where there is a block
     weight: Floats
     length: Floats
@@ -163,7 +163,7 @@ class _Block(NamedTuple):
     thrust: Value
 
 
-def _block(columns: Columns, count: int) -> _Block:
+def _block(columns: Columns, count: int) -> _PlaneBlock:
     """The block of each slope, its plane and its crack, and the water in them."""
     code = np.zeros(count, dtype=np.int8)
 
@@ -205,7 +205,7 @@ def _block(columns: Columns, count: int) -> _Block:
             pressure, thrust = 0.5 * weighs * deep, 0.5 * weighs * (deep * deep)
         refuse("E207", ~((depth > 0.0) & (at < 0.0)))
     weight = columns["unit_weight_kn_m3"] * (0.5 * twice)
-    return _Block(code, weight, np.hypot(*end), depth, pressure, thrust)
+    return _PlaneBlock(code, weight, np.hypot(*end), depth, pressure, thrust)
 
 
 def _crack(columns: Columns, upper: Value, plane: Value, crest: Value, back: Value) -> tuple[Value, Value]:
@@ -276,7 +276,7 @@ class _Bed(NamedTuple):
         return _Slide(outcome, normal, np.where(lost | still, 0.0, np.abs(along)), resisting)
 
 
-def _bed(columns: Columns, block: _Block) -> tuple[_Bed, Vector]:
+def _bed(columns: Columns, block: _PlaneBlock) -> tuple[_Bed, Vector]:
     """The plane, and the resultant of all loads down it and off it."""
     dip = columns["plane_dip_deg"] * _RADIAN
     out, up = columns.get("force_out_kn", 0.0), columns.get("force_up_kn", 0.0)

@@ -75,7 +75,7 @@ def rotational_failure(
     >>> ball.status, round(ball.factor, 4)
     ('rotates', 1.405)
     """
-    ground = Ground.of(profile, (centre[0], centre[2]), (radius, radius))
+    ground = GroundSurface.of(profile, (centre[0], centre[2]), (radius, radius))
     if shape == "cylinder":
         nodes, along, across = np.zeros(1), np.array([half_width]), np.array([half_width])
     else:
@@ -96,7 +96,7 @@ def rotational_failure(
 
 
 @dataclass(frozen=True, slots=True)
-class Ground:
+class GroundSurface:
     """The ground surface z(x) seen from the middle of an ellipse that it makes a circle of radius 1.
 
     Attributes
@@ -107,7 +107,7 @@ class Ground:
     points: Floats
 
     @staticmethod
-    def of(profile: ArrayLike, centre: Sequence[float], radii: Sequence[float]) -> "Ground":
+    def of(profile: ArrayLike, centre: Sequence[float], radii: Sequence[float]) -> "GroundSurface":
         """From a profile (k, 2) in m, listed in either direction.
 
         Raises
@@ -124,7 +124,7 @@ class Ground:
         points = points / np.asarray(radii, dtype=np.float64)
         points = points[np.append(True, (np.diff(points, axis=0) != 0.0).any(axis=1))]
         left, right = (min(points[0, 0], -1.0) - 1.0, points[0, 1]), (max(points[-1, 0], 1.0) + 1.0, points[-1, 1])
-        return Ground(np.vstack([left, points, right]))
+        return GroundSurface(np.vstack([left, points, right]))
 
     def height(self, x: Floats) -> Floats:
         """Height of the ground at x (any shape)."""
@@ -165,7 +165,7 @@ def panels(ends: Floats, count: int) -> tuple[Floats, Floats]:
     return (ends[:-1, None] + width * drawn).ravel(), (width * slope).ravel()
 
 
-def _slices(ground: Ground, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def _slices(ground: GroundSurface, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Angle below the ground, area and first moments (x, z) of the part below it, of circles of radius r (n,)."""
     meet = ground.crossings(r)
     start, way = ground.points[:-1], np.diff(ground.points, axis=0)

@@ -82,9 +82,11 @@ def together(bolts: Sequence[Bolt]) -> list[Bolt]:
     >>> together([(3.0, 0.0, 4.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, -1.0, 0.0)])
     [(3.6, 0.0, 4.8), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]
     """
-    found: dict[tuple[float, ...], Bolt] = {}
+    by_direction: dict[tuple[float, ...], Bolt] = {}
     for bolt in bolts:
         size = math.hypot(*bolt) or 1.0
         way = tuple(round(part / size, _SAME_WAY) for part in bolt)
-        found[way] = cast(Bolt, tuple(map(sum, zip(found[way], bolt, strict=True)))) if way in found else bolt
-    return list(found.values())
+        by_direction[way] = (
+            cast(Bolt, tuple(map(sum, zip(by_direction[way], bolt, strict=True)))) if way in by_direction else bolt
+        )
+    return list(by_direction.values())

@@ -56,14 +56,14 @@ class WedgeSizes:
     @property
     def longest1_m(self) -> Floats:
         """The longest edge of the face of J1, (n,): how far the joint must run for the wedge to be free."""
-        found: Floats = np.maximum(np.maximum(self.trace1_m, self.upper_trace1_m), self.line_m)
-        return found
+        longest_m: Floats = np.maximum(np.maximum(self.trace1_m, self.upper_trace1_m), self.line_m)
+        return longest_m
 
     @property
     def longest2_m(self) -> Floats:
         """The longest edge of the face of J2, (n,)."""
-        found: Floats = np.maximum(np.maximum(self.trace2_m, self.upper_trace2_m), self.line_m)
-        return found
+        longest_m: Floats = np.maximum(np.maximum(self.trace2_m, self.upper_trace2_m), self.line_m)
+        return longest_m
 
     def scaled(self, by: ArrayLike) -> "WedgeSizes":
         """The same wedges with all lengths times a factor, one or (n,): areas by its square, volumes by its cube."""
@@ -119,7 +119,7 @@ def wedge_sizes(
         heights = [np.zeros(count), *(point[2] + np.zeros(count) for point in (first, second, back))]
         across = _across(edge)
         behind = less(back, first)
-        found = WedgeSizes(*(np.array(values + np.zeros(count)) for values in (
+        sizes = WedgeSizes(*(np.array(values + np.zeros(count)) for values in (
             abs(dot(first, spans[1])) / 6.0, np.maximum.reduce(heights) - np.minimum.reduce(heights),
             length(less(first, second)), abs(behind[0] * across[0] + behind[1] * across[1]), length(first),
             length(second), length(behind), length(less(back, second)), length(back), length(spans[0]) / 2.0,
@@ -128,8 +128,8 @@ def wedge_sizes(
         )))  # fmt: skip
         cuts = _cuts(face, line, traces, climbs, offset, edge) & np.ones(count, dtype=bool)
     for field in fields(WedgeSizes):
-        getattr(found, field.name)[~cuts] = np.nan
-    return found
+        getattr(sizes, field.name)[~cuts] = np.nan
+    return sizes
 
 
 def largest_scale(sizes: WedgeSizes, reach1_m: ArrayLike, reach2_m: ArrayLike) -> Floats:
@@ -146,8 +146,8 @@ def largest_scale(sizes: WedgeSizes, reach1_m: ArrayLike, reach2_m: ArrayLike) -
     with np.errstate(invalid="ignore"):
         by_one = np.asarray(reach1_m, dtype=np.float64) / sizes.longest1_m
         by_two = np.asarray(reach2_m, dtype=np.float64) / sizes.longest2_m
-        found: Floats = np.minimum(1.0, np.minimum(by_one, by_two))
-    return found
+        scale: Floats = np.minimum(1.0, np.minimum(by_one, by_two))
+    return scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,8 +201,8 @@ def plane_sizes(
         top = height + back * rise
         cuts = (plane > PARALLEL_DEG) & (plane < face - PARALLEL_DEG) & (plane > upper + PARALLEL_DEG) & (back > 0.0)
         lengths = (run + back) / np.cos(plane * _RADIAN)
-        found = area, lengths, np.maximum(height, top), back
-        return PlaneSizes(*(np.where(cuts, values, np.nan) for values in found))
+        sizes = area, lengths, np.maximum(height, top), back
+        return PlaneSizes(*(np.where(cuts, values, np.nan) for values in sizes))
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,9 +296,9 @@ def _cuts(
     """Whether the line of intersection runs from the face up into the rock and out of the upper slope."""
     out, long = dot(face, line), np.maximum(length(line), _SMALLEST)
     toward = np.copysign(1.0, out)
-    found = (long > SAME_DIRECTION) & (length(edge) > SAME_DIRECTION) & (offset > 0.0)
-    found &= (line[2] * toward < 0.0) & (climbs[2] * toward < 0.0) & (out != 0.0)
+    is_cut = (long > SAME_DIRECTION) & (length(edge) > SAME_DIRECTION) & (offset > 0.0)
+    is_cut &= (line[2] * toward < 0.0) & (climbs[2] * toward < 0.0) & (out != 0.0)
     for trace, climb in zip(traces, climbs, strict=False):
-        found &= np.abs(climb) > SAME_DIRECTION * length(trace)
-    answer: Bools = np.asarray(found)
+        is_cut &= np.abs(climb) > SAME_DIRECTION * length(trace)
+    answer: Bools = np.asarray(is_cut)
     return answer

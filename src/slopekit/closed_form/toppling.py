@@ -72,7 +72,7 @@ class ColumnSlope:
         heights = np.array(self.heights_m, dtype=np.float64)
         heights.setflags(write=False)
         object.__setattr__(self, "heights_m", heights)
-        off = _Row.of(self).off
+        off = _ColumnRow.of(self).off
         if not np.all(off > 0.0):
             lifted = ", ".join(str(i + 1) for i in np.flatnonzero(off <= 0.0)[:5])
             message = f"weight, earthquake and toe force together lift column {lifted} off its base"
@@ -151,7 +151,7 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
     >>> round(table.toe_force_kn, 3), table.modes.count("topple"), table.modes[:3]
     (1.182, 10, ('slide', 'slide', 'slide'))
     """
-    row = _Row.of(slope)
+    row = _ColumnRow.of(slope)
     chain = row.chain(_one(factor))
     topple, slide, force = chain.topple[:, 0], chain.slide[:, 0], chain.force[:, 0]
     above = np.append(force[1:], 0.0)
@@ -185,7 +185,7 @@ def toppling_factor_of_safety(slope: ColumnSlope) -> ClosedFormToppling:
     >>> found.status, round(found.factor, 4), round(found.friction_required_deg, 4)
     ('slides', 1.0184, 38.1512)
     """
-    row = _Row.of(slope)
+    row = _ColumnRow.of(slope)
     bracket = first_loss(lambda factors: row.chain(factors).force[0] <= 0.0)
     low, high = bracket
     if low == 0.0 or math.isinf(high):
@@ -222,7 +222,7 @@ def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     """
     if slope.force_column != 1:
         raise DesignError([Fault("E260", f"the toe force acts on column 1, not on {slope.force_column}")])
-    row = _Row.of(slope)
+    row = _ColumnRow.of(slope)
     chain = row.chain(_one(factor))
     along, into = row.pull
     hold = along + into * row.tangent / factor
@@ -254,7 +254,7 @@ def anchor_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     2012.857
     """
     trial = _one(factor)
-    row = _Row.of(replace(slope, toe_force_kn=0.0))
+    row = _ColumnRow.of(replace(slope, toe_force_kn=0.0))
     k, along, into = slope.force_column - 1, *row.pull
 
     def needs(force: float) -> bool:
@@ -299,7 +299,7 @@ def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
     >>> round(seismic_gain(one)[0], 12), round(math.cos(math.radians(20.0 - 30.0)) / math.cos(math.radians(30.0)), 12)
     (1.137158042603, 1.137158042603)
     """
-    row = _Row.of(slope)
+    row = _ColumnRow.of(slope)
     chain = row.chain(_one(1.0))
     topples = (chain.topple >= chain.slide)[:, 0]
     moving = 1 + int(np.argmin(np.append(chain.force[1:, 0] > 0.0, False)))
@@ -339,7 +339,7 @@ class _Chain:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Row:
+class _ColumnRow:
     """The slope as arrays in the frame of the bases: down along them, off square to them and into the rock."""
 
     heights: Floats
@@ -356,7 +356,7 @@ class _Row:
     pull_height: float
 
     @classmethod
-    def of(cls, slope: ColumnSlope) -> "_Row":
+    def of(cls, slope: ColumnSlope) -> "_ColumnRow":
         heights = np.array(slope.heights_m, dtype=np.float64)
         dip, width = math.radians(slope.base_dip_deg), slope.width_m
         weight = slope.unit_weight_kn_m3 * width * heights

@@ -231,8 +231,8 @@ def _solve(columns: Columns, bolts: Sequence[Bolt], outcome: Codes, numbers: Flo
         those = np.flatnonzero(cut.formed)
         columns = of_chunk(columns, those)
     kept = cut if isinstance(those, slice) else cut.of(those)
-    outcome[those], found = _moved(columns, kept, bolts)
-    for row, values in zip(numbers, found, strict=False):
+    outcome[those], kept_numbers = _moved(columns, kept, bolts)
+    for row, values in zip(numbers, kept_numbers, strict=False):
         row[those] = values
     others = np.flatnonzero(~cut.formed)
     if others.size:

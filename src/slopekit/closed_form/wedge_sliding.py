@@ -29,7 +29,7 @@ J1, J2 = 0, 1
 _ROUNDS: Final = 40  # over several bolts, one after the other
 
 
-class Slide(NamedTuple):
+class WedgeSlide(NamedTuple):
     """Outcomes; effective normal forces (2, m); what drives, what resists; the resultant along the movement."""
 
     outcome: Codes
@@ -66,7 +66,7 @@ class JointPair(NamedTuple):
         """One wedge's, (2, 1): for any number of loads."""
         return JointPair(*(of_one(values, one) for values in self))
 
-    def slide(self, load: Vector) -> Slide:
+    def slide(self, load: Vector) -> WedgeSlide:
         """Mode of sliding from the resultant: off both, along one, along both joints."""
         on = dot(load, self.inward)
         rest = on[::-1] - on * self.between
@@ -83,8 +83,8 @@ class JointPair(NamedTuple):
             joint, off = np.where(alone[0, others], J1, J2), lost[others]
 
             def of_joint(values: Floats) -> Floats:
-                found: Floats = np.broadcast_to(values, on.shape)[joint, others]
-                return found
+                selected: Floats = np.broadcast_to(values, on.shape)[joint, others]
+                return selected
 
             carried = np.where(off, 0.0, -on[joint, others])
             force = [np.broadcast_to(part, along.shape)[others] for part in load]
@@ -102,13 +102,13 @@ class JointPair(NamedTuple):
             highest = np.broadcast_to(np.maximum(*self.inward[2]), along.shape)[others]
             outcome[others] = np.where(off, np.where(highest <= 0.0, FALLS, LIFTED), outcome[others])
         outcome[driving <= SMALL * self.size] = STILL
-        return Slide(outcome, normal, driving, resisting, (east, north, up))
+        return WedgeSlide(outcome, normal, driving, resisting, (east, north, up))
 
 
 # -- passive bolts ------------------------------------------------------------------------------------
 
 
-class Bed(Protocol):
+class WedgeJoints(Protocol):
     """The joints of one wedge: normals into it (k, 1), lines of several (l, 1), the size of its loads (1,)."""
 
     @property
@@ -117,17 +117,17 @@ class Bed(Protocol):
     def lines(self) -> Vector: ...
     @property
     def size(self) -> Floats: ...
-    def slide(self, load: Vector) -> Slide: ...
+    def slide(self, load: Vector) -> WedgeSlide: ...
 
 
-class Beds(Bed, Protocol):
+class Beds(WedgeJoints, Protocol):
     """The joints of many wedges."""
 
-    def of(self, one: int) -> Bed: ...
+    def of(self, one: int) -> WedgeJoints: ...
 
 
 def under_bolts(
-    beds: Beds, load: Vector, bolts: Sequence[Bolt], those: Bools, slide: Slide, factor: Floats
+    beds: Beds, load: Vector, bolts: Sequence[Bolt], those: Bools, slide: WedgeSlide, factor: Floats
 ) -> None:  # fmt: skip
     """Put into `slide` and `factor` what passive bolts make of those wedges that something drives, one by one."""
     for one in np.flatnonzero(those & (slide.outcome != STILL)).tolist():
@@ -137,11 +137,11 @@ def under_bolts(
         slide.driving[one], slide.resisting[one] = last.driving[0], last.resisting[0]
 
 
-def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
+def with_bolts(bed: WedgeJoints, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, WedgeSlide]:
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
     bolts = together([(east, north, up) for east, north, up in bolts])
 
-    def at(reduction: Floats) -> Slide:
+    def at(reduction: Floats) -> WedgeSlide:
         return bed.slide(_pulled(bed, load, bolts, reduction))
 
     def holds_at(reduction: Floats) -> tuple[Bools, Bools]:
@@ -154,7 +154,7 @@ def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[
     return factor, at(np.array([reduction]))
 
 
-def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
+def _pulled(bed: WedgeJoints, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
     """The load under bolts that pull between 0 and λ (r,) times their capacity, so as to leave the least movement."""
     pulls = np.zeros((len(bolts), reduction.size))
     settled = np.zeros(reduction.size, dtype=np.bool_)
@@ -179,7 +179,7 @@ def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: F
     return under(pulls)
 
 
-def _best_pull(bed: Bed, load: Vector, bolt: Bolt, most: Floats) -> Floats:
+def _best_pull(bed: WedgeJoints, load: Vector, bolt: Bolt, most: Floats) -> Floats:
     """The pull between 0 and `most` (r,) with which one bolt leaves the least movement.
 
     The movement along a bolt, R·b, rises with its pull p, in a straight line in each mode. Where it draws the bolt out
@@ -211,10 +211,10 @@ def rows(vector: Vector, which: int | slice | list[int]) -> Vector:
 
 
 def dot(a: Sequence[Value], b: Sequence[Value]) -> Value:
-    found = a[0] * b[0]
-    found = found + a[1] * b[1]
-    found += a[2] * b[2]
-    return found
+    product = a[0] * b[0]
+    product = product + a[1] * b[1]
+    product += a[2] * b[2]
+    return product
 
 
 def cross(a: Vector, b: Vector, into: Vector = (None, None, None)) -> Vector:

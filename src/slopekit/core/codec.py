@@ -48,8 +48,8 @@ def json_of(value: Any) -> Any:
 
 def record_of(value: Any) -> dict[str, Any]:
     """The fields of a dataclass as JSON values, and what it lists besides."""
-    found = {name: json_of(getattr(value, own)) for own, name in _names(type(value))}
-    return found | {name: json_of(getattr(value, name)) for name in getattr(type(value), "JSON_ALSO", ())}
+    record = {name: json_of(getattr(value, own)) for own, name in _names(type(value))}
+    return record | {name: json_of(getattr(value, name)) for name in getattr(type(value), "JSON_ALSO", ())}
 
 
 def _names(kind: Any) -> tuple[tuple[str, str], ...]:

@@ -81,7 +81,7 @@ def _silent(_done: int) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Desk:
+class Workplace:
     """Where a study works: the folder of its journal, None for the present one; how progress is shown."""
 
     folder: Path | None = None
@@ -90,7 +90,7 @@ class Desk:
     named: Callable[[str], str] = str
 
 
-DESK = Desk()
+DESK = Workplace()
 
 
 def given_by(parameter: inspect.Parameter) -> Option | Argument | None:

@@ -240,11 +240,11 @@ class Sheet:
 
     def to_dict(self) -> dict[str, Any]:
         """Entries by label as JSON values; times stand in their own block."""
-        found: dict[str, list[Any]] = {}
+        entries: dict[str, list[Any]] = {}
         for section in self.sections:
             if section.entries and not section.timed and section.label != "TIME":
-                found.setdefault(section.label, []).extend(section.to_list())
-        return found
+                entries.setdefault(section.label, []).extend(section.to_list())
+        return entries
 
     def _repr_html_(self) -> str:
         return sheet_html(self.head, self.to_dict())

@@ -79,17 +79,17 @@ class Shown:
         from slopekit.core.sheet import Table
 
         sheet = self.sheet
-        found = {name.partition(".")[0]: table for name, table in sheet.tables.items()}
+        by_name = {name.partition(".")[0]: table for name, table in sheet.tables.items()}
         for section in sheet.sections:
             for entry in section.entries:
-                if not isinstance(entry, Table) or any(entry is one for one in found.values()):
+                if not isinstance(entry, Table) or any(entry is one for one in by_name.values()):
                     continue
                 if any(column.key for column in entry.columns):
                     name = label = section.label.lower().replace(" ", "_")
-                    while name in found:
+                    while name in by_name:
                         name = f"{label}_{int(name.removeprefix(label).lstrip('_') or 1) + 1}"
-                    found[name] = entry
-        return found
+                    by_name[name] = entry
+        return by_name
 
     def to_frames(self) -> dict[str, Any]:
         """Its tables as data frames by name (needs pandas).

@@ -41,7 +41,7 @@ def read_cases(
     bare = replace(document, root=replace(document.root, value={
         key: node for key, node in document.root.items() if key != "cases"
     }))  # fmt: skip
-    found, faults, names = list[LoadCase](), list[Fault](), dict[str, str]()
+    cases, faults, names = list[LoadCase](), list[Fault](), dict[str, str]()
     for name, node in group.items() if group is not None else ():
         if not node.is_mapping and node.value is not None:
             continue  # the structure says what it is
@@ -54,8 +54,8 @@ def read_cases(
                 own = _of_case(name, node, [fault for fault in error.faults if fault not in wrong])
         faults += own
         if case is not None:
-            found.append(case)
-    return bare, tuple(found), faults
+            cases.append(case)
+    return bare, tuple(cases), faults
 
 
 def case_named(design: Design, name: str) -> LoadCase:

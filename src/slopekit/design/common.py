@@ -260,14 +260,14 @@ class Design:
 
     def each_strength(self, change: Callable[[Strength], Strength]) -> "Design":
         """The design with every strength changed."""
-        found = {part.name: _changed(getattr(self, part.name), change) for part in fields(self)}
-        return replace(self, **found)
+        changed = {part.name: _changed(getattr(self, part.name), change) for part in fields(self)}
+        return replace(self, **changed)
 
     def beside(self) -> dict[str, Any]:
         """What JSON has beside the inputs: whose design it is, its partial factors; nothing without them."""
         project = self.project.given()
-        found: dict[str, Any] = {"project": project} if project else {}
-        return found if self.partial is None else found | {"partial_factors": self.partial.to_dict()}
+        entries: dict[str, Any] = {"project": project} if project else {}
+        return entries if self.partial is None else entries | {"partial_factors": self.partial.to_dict()}
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
@@ -325,11 +325,11 @@ def _plain(value: Any, exact: bool = False) -> Any:
     if is_dataclass(value):
         unsaid = {name for own in listed(type(value), "UNSAID") for name in own}
         given = ((part.name, getattr(value, part.name)) for part in fields(value))
-        found = {name: _plain(own, exact) for name, own in given if not (name in unsaid and _is_nothing(own))}
+        record = {name: _plain(own, exact) for name, own in given if not (name in unsaid and _is_nothing(own))}
         if hasattr(value, "resistance"):  # a law is written with its name, waves beside it
-            inner = found.pop("law", {"law": getattr(value, "name", "")})
-            found = inner | found
-        return found
+            inner = record.pop("law", {"law": getattr(value, "name", "")})
+            record = inner | record
+        return record
     if isinstance(value, tuple):
         return [_plain(item, exact) for item in value]
     return value

@@ -65,17 +65,17 @@ def nearest_correlation(matrix: Floats, is_free: Bools) -> Floats:
     [[1.0, 0.7607, 0.1573], [0.7607, 1.0, 0.7607], [0.1573, 0.7607, 1.0]]
     """
     count = len(matrix)
-    found, correction = np.array(matrix, dtype=np.float64), np.zeros((count, count))
+    nearest, correction = np.array(matrix, dtype=np.float64), np.zeros((count, count))
     for _ in range(_PASSES):
-        start = found - correction
+        start = nearest - correction
         values, vectors = np.linalg.eigh((start + start.T) / 2.0)
         inside = (vectors * np.maximum(values, 0.0)) @ vectors.T
         correction = inside - start
-        found = np.where(is_free, inside, 0.0)
-        np.fill_diagonal(found, 1.0)
-        if np.linalg.norm(found - inside) < _SETTLED * count:
+        nearest = np.where(is_free, inside, 0.0)
+        np.fill_diagonal(nearest, 1.0)
+        if np.linalg.norm(nearest - inside) < _SETTLED * count:
             break
-    return found
+    return nearest
 
 
 def nearest_ranks(ranks: Floats, is_given: Bools) -> Floats:

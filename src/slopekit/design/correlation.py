@@ -53,16 +53,16 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
             faults.append(Fault("E167", f"{key} is not a pair of two names", where, "A pair is written J1.phi/J2.phi."))
             continue
         unknown = [_unknown_name(name, names, where) for name in dict.fromkeys(parts) if name not in names]
-        found = [] if unknown else _coordinates(parts[0], parts[1], names, where, faults)
-        twice = next((keys[frozenset(pair)] for pair in found if frozenset(pair) in keys), None)
+        coordinates = [] if unknown else _coordinates(parts[0], parts[1], names, where, faults)
+        twice = next((keys[frozenset(pair)] for pair in coordinates if frozenset(pair) in keys), None)
         if twice is not None:
             message = f"{'/'.join(parts)} is the same pair as {twice}"
             faults.append(Fault("E181", message, where, "Leave one of them out."))
         faults += unknown
         value = _coefficient(given, key, faults)
         if value is not None and twice is None:
-            pairs |= {frozenset(pair): (*pair, value) for pair in found}
-            keys |= dict.fromkeys(map(frozenset, found), key)
+            pairs |= {frozenset(pair): (*pair, value) for pair in coordinates}
+            keys |= dict.fromkeys(map(frozenset, coordinates), key)
     found_pairs = tuple(pairs.values())
     if not faults:
         faults += contradictions(found_pairs, [keys[frozenset(pair[:2])] for pair in found_pairs], str(node.key_place))
@@ -88,12 +88,14 @@ def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str, faults:
             return []
         return [(one, other)]
     if isinstance(one, Variable) and isinstance(other, Variable):
-        found = [(first, second) for first, second in zip(one.angles, other.angles, strict=True) if first and second]
-        if not found:
+        angle_pairs = [
+            (first, second) for first, second in zip(one.angles, other.angles, strict=True) if first and second
+        ]
+        if not angle_pairs:
             message = f"of {a} and {b} no angle scatters in both"
             advice = f"There are: {', '.join((*one.coordinates, *other.coordinates))}."
             faults.append(Fault("E283", message, where, advice))
-        return found
+        return angle_pairs
     whole, plain, turned = (a, b, one) if isinstance(one, Variable) else (b, a, other)
     assert isinstance(turned, Variable)
     choice = " or ".join(f"{whole}.{angle.rpartition('.')[2]}/{plain}" for angle in turned.coordinates)
@@ -158,12 +160,14 @@ def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> li
         if smallest >= -EIGENVALUE_TOLERANCE:
             continue
         nearest = nearest_ranks(matrix, is_given)
-        found = _as_written([(keys[k], pairs[k], float(nearest[i, j])) for k, (i, j) in zip(group, at, strict=True)])
+        coefficients = _as_written(
+            [(keys[k], pairs[k], float(nearest[i, j])) for k, (i, j) in zip(group, at, strict=True)]
+        )
         shown = ", ".join(_written(names, pairs, keys))
         message = f"the correlations of {shown} contradict each other: their matrix has the eigenvalue {smallest:.3g}"
         message += ", none may be negative"
         rest = "" if is_given.all() else " Pairs that are not given count as 0: give those too."
-        faults.append(Fault("E183", message, where, f"The nearest that can be: correlation: {{{found}}}{rest}"))
+        faults.append(Fault("E183", message, where, f"The nearest that can be: correlation: {{{coefficients}}}{rest}"))
     return faults
 
 
@@ -199,13 +203,13 @@ def _with_angle(name: str, coordinate: str) -> str:
     return f"{name}.{angle}" if is_whole else name
 
 
-def _as_written(found: Sequence[tuple[str, Pair, float]]) -> str:
+def _as_written(coefficients: Sequence[tuple[str, Pair, float]]) -> str:
     """Coefficients under the keys of the file; two orientations under their angles where these differ."""
     values: dict[str, set[float]] = {}
-    for key, _, value in found:
+    for key, _, value in coefficients:
         values.setdefault(key, set()).add(value)
     entries = {}
-    for key, (a, b, _), value in found:
+    for key, (a, b, _), value in coefficients:
         one, other = (part.strip() for part in key.split("/"))
         shown = key if len(values[key]) == 1 else f"{_with_angle(one, a)}/{_with_angle(other, b)}"
         entries[shown] = number(value)

@@ -244,21 +244,21 @@ def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
     45/115
     """
     faults: list[Fault] = []
-    found: list[Distribution | float | None] = []
+    angles: list[Distribution | float | None] = []
     for angle in ANGLES[of]:
         given = node.get(angle)
         if given is None or given.value is None:
-            found.append(None)  # the checker of the structure says so
+            angles.append(None)  # the checker of the structure says so
         elif is_distribution(given):
             try:
-                found.append(read_distribution(given, "angle", f"{angle} of {name}"))
+                angles.append(read_distribution(given, "angle", f"{angle} of {name}"))
             except DesignError as error:
                 faults += error.faults
         else:
-            found.append(_number(given, "angle", f"{angle} of {name}", faults))
-    if faults or len(found) != 2 or found[0] is None or found[1] is None:
+            angles.append(_number(given, "angle", f"{angle} of {name}", faults))
+    if faults or len(angles) != 2 or angles[0] is None or angles[1] is None:
         raise DesignError(faults)
-    return Angles(of, found[0], found[1])
+    return Angles(of, angles[0], angles[1])
 
 
 def _dist(node: Node, name: str) -> str:

@@ -8,7 +8,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import NO_TEXT, Document, cut, fail
 from slopekit.design.on_disk import read_bytes
 from slopekit.design.overrides import with_overrides
-from slopekit.design.yaml import LINE_END, Source, TreeBuilder, composed
+from slopekit.design.yaml import LINE_END, SourceLines, TreeBuilder, composed
 
 
 def load_document(path: str | os.PathLike[str]) -> Document:
@@ -58,7 +58,7 @@ def read_text(text: str, name: str, path: Path | None = None) -> tuple[Document,
     DesignError
         Where there is no tree.
     """
-    source = Source(name, text)
+    source = SourceLines(name, text)
     builder = TreeBuilder(source.place)
     top = composed(text, source)
     start = source.place(0, 0)

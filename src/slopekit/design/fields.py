@@ -25,7 +25,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import unit_of
-from slopekit.design.structure import ANGLES, AnyOf, Leaf, ListOf, Named, OrientationKind, Section, Spec
+from slopekit.design.structure import ANGLES, AnyOf, KeyGroup, Leaf, ListOf, Named, OrientationKind, Spec
 
 #: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
 Role = Literal["quantity", "coordinate", "scatter", "setting"]
@@ -350,30 +350,30 @@ def words_of(record: Any, path: str) -> str:
     """
     path = path.replace(".mean.", ".")
     above, _, last = path.rpartition(".")
-    found = field_at(record, path)
-    if found is None:
+    declared = field_at(record, path)
+    if declared is None:
         angle = next((angle for angle in ("dip", "plunge") if field_at(record, f"{above}.{angle}") is not None), "")
         if last == "k" and angle:
             return f"concentration of {words_of(record, f'{above}.{angle}').removeprefix(f'{angle} of ')}"
         known = last in _OF_SCATTER and field_at(record, above) is not None
         return f"{_OF_SCATTER[last]} {words_of(record, above)}" if known else path
-    names, numbers = found.path.split("."), list[int]()
+    names, numbers = declared.path.split("."), list[int]()
     parts = path.split(".", 1 if names[0] == "correlation" else -1)
     while names[-1] == "*" and parts[-1].isdigit():  # of a list of numbers, of a point
         numbers.insert(0, int(parts.pop()) + 1)
         names.pop()
     what = next(name for name in reversed(names) if name != "*").replace("_", " ")
-    said = found.axis or found.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
+    said = declared.axis or declared.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
     first = names.index("*") if "*" in names else 0
     if first:
         own, item = parts[first], _LISTED.get(parts[first - 1])
         own = f"{item} {int(own) + 1}" if item and own.isdigit() else own
         said += f"{', ' if ' of ' in said or said.count(' ') > _SHORT else ' of '}{own}"
-    elif len(parts) > 1 and not (found.axis or found.label) and (found.role == "quantity" or numbers):
+    elif len(parts) > 1 and not (declared.axis or declared.label) and (declared.role == "quantity" or numbers):
         said += f" of the {parts[-2].replace('_', ' ')}"
-    if not numbers or "{k}" in found.label:
+    if not numbers or "{k}" in declared.label:
         return said
-    each = ("point", "coordinate") if found.role == "coordinate" else ("number", "number")
+    each = ("point", "coordinate") if declared.role == "coordinate" else ("number", "number")
     return said + "".join(f", {one} {k}" for one, k in zip(each[-len(numbers) :], numbers, strict=True))
 
 
@@ -381,7 +381,7 @@ def words_of(record: Any, path: str) -> str:
 
 
 @_remembered
-def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> Section:
+def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> KeyGroup:
     """Which keys a record may have: what `check_structure` goes by.
 
     Parameters
@@ -432,14 +432,14 @@ class _Later(Mapping[str, Spec]):
         return len(self.every())
 
 
-def _with_keys(spec: Spec, more: Section) -> Spec:
+def _with_keys(spec: Spec, more: KeyGroup) -> Spec:
     """A group with keys that are declared beside it."""
     if isinstance(spec, AnyOf):
         return replace(spec, of=tuple(_with_keys(one, more) for one in spec.of))
-    return replace(spec, keys={**spec.keys, **more.keys}) if isinstance(spec, Section) else spec
+    return replace(spec, keys={**spec.keys, **more.keys}) if isinstance(spec, KeyGroup) else spec
 
 
-def _section(keys: Mapping[str, Any], required: Sequence[str] | None = None) -> Section:
+def _section(keys: Mapping[str, Any], required: Sequence[str] | None = None) -> KeyGroup:
     made: dict[str, Spec] = {}
     examples = []
     needed = []
@@ -454,7 +454,7 @@ def _section(keys: Mapping[str, Any], required: Sequence[str] | None = None) -> 
             examples.append((one.is_required, f"{key}: {one.example}"))
     shown_ones = [text for is_needed, text in examples if is_needed] or [text for _, text in examples[:1]]
     example = f"{{{', '.join(shown_ones)}}}" if shown_ones else ""
-    return Section(made, tuple(needed if required is None else required), example)
+    return KeyGroup(made, tuple(needed if required is None else required), example)
 
 
 def _spec(one: Field) -> Spec:
@@ -501,7 +501,7 @@ def orientation_spec(one: Field) -> AnyOf:
         key: Leaf(number=True, example=value) for key, value in zip(ANGLES[of], examples, strict=True)
     }
     words = Leaf(orientation=True, example=one.example)
-    return AnyOf((words, Section(angles, required=ANGLES[of])), example=one.example)
+    return AnyOf((words, KeyGroup(angles, required=ANGLES[of])), example=one.example)
 
 
 # -- checks that several fields share ---------------------------------------------------------------------------------

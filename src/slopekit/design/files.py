@@ -18,7 +18,7 @@ from slopekit.design.overrides import with_overrides
 from slopekit.design.parts import PartialFactors
 from slopekit.design.reader import Reader
 from slopekit.design.registry import KINDS, kind_named, record_of
-from slopekit.design.structure import Section, check_structure
+from slopekit.design.structure import KeyGroup, check_structure
 
 Overrides = Sequence[tuple[str, object]]
 VERSION = 1
@@ -52,9 +52,9 @@ def load(
     if document.root.get("cases") is not None:
         from slopekit.design import cases  # most designs have none
 
-        document, found, wrong = cases.read_cases(document, faults, design_of)
+        document, load_cases, wrong = cases.read_cases(document, faults, design_of)
         faults += wrong
-        design = None if design is None else replace(design, source=document, cases=found)
+        design = None if design is None else replace(design, source=document, cases=load_cases)
     if faults or design is None:
         raise DesignError(dict.fromkeys(faults))
     if case is not None:
@@ -207,13 +207,13 @@ def _version(root: Node) -> list[Fault]:
     return [Fault("E174", message, str(node.place), f"Write slopekit: {VERSION}.")]
 
 
-class _Others(Mapping[str, Section]):
+class _Others(Mapping[str, KeyGroup]):
     """The structures of the other kinds, made only where a key does not fit."""
 
     def __init__(self, kind: str) -> None:
         self.kind = kind
 
-    def __getitem__(self, kind: str) -> Section:
+    def __getitem__(self, kind: str) -> KeyGroup:
         record = record_of(kind)
         return structure_of(record, record.REQUIRED)
 

@@ -198,18 +198,18 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     """
     own = fields_of(reader.record)
     node = reader.at("water")
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     if "surcharge_kpa" in own:
-        found["surcharge_kpa"] = reader.field(own["surcharge_kpa"], reader.at("loads.surcharge"))
+        attributes["surcharge_kpa"] = reader.field(own["surcharge_kpa"], reader.at("loads.surcharge"))
     if node is None or not node.is_mapping:
-        return found, None
+        return attributes, None
     known = [key for key in _TABLE_KEYS if any(one.path == f"water.{key}" for one in own.values())]
     said = [key for key in known if node.get(key) is not None]
     mode = node.get("mode")
     pond = node.get("pond") if "pond_m" in own else None
     is_table = mode is not None and mode.text == TABLE
     if not (is_table or said or pond is not None):
-        return found, None
+        return attributes, None
     others = [key for key in ("fill", "pressures") if node.get(key) is not None]
     if mode is not None and not is_table:
         others.insert(0, f"mode: {mode.text}")
@@ -227,14 +227,14 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     elif said and not is_table:
         reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), "Add mode: table.")
     if "table_depth_m" in own:
-        found["table_depth_m"] = reader.field(own["table_depth_m"], node.get("depth"))
+        attributes["table_depth_m"] = reader.field(own["table_depth_m"], node.get("depth"))
     if "pond_m" in own:
-        found["pond_m"] = reader.field(own["pond_m"], pond)
-    found["table_points_m"] = _points(reader, node.get("points"))
+        attributes["pond_m"] = reader.field(own["pond_m"], pond)
+    attributes["table_points_m"] = _points(reader, node.get("points"))
     below = node.get("plane")
     value = None if below is None else reader.value(below)
-    found["table_plane"] = None if value is None or below is None else reader.kept(_plane, value, str(below.place))
-    return found, Water("table")
+    attributes["table_plane"] = None if value is None or below is None else reader.kept(_plane, value, str(below.place))
+    return attributes, Water("table")
 
 
 def _points(reader: Reader, node: Node | None) -> tuple[tuple[float, float], ...] | None:
@@ -242,14 +242,14 @@ def _points(reader: Reader, node: Node | None) -> tuple[tuple[float, float], ...
         return None
     points: list[tuple[float, float]] = []
     for k, item in enumerate(node.elements, 1):
-        found = reader.kept(_lengths, reader.value(item), f"point {k} of the water table", str(item.place))
-        if found is None:
+        point = reader.kept(_lengths, reader.value(item), f"point {k} of the water table", str(item.place))
+        if point is None:
             return None
-        if points and found[0] <= points[-1][0]:
-            message = f"point {k} of the water table lies at {shown(found[0])} m, not beyond {shown(points[-1][0])} m"
+        if points and point[0] <= points[-1][0]:
+            message = f"point {k} of the water table lies at {shown(point[0])} m, not beyond {shown(points[-1][0])} m"
             reader.fault("E455", message, item, "Distances from the toe into the slope ascend from point to point.")
             return None
-        points.append(found)
+        points.append(point)
     return tuple(points)
 
 
@@ -264,8 +264,8 @@ def _plane(value: Any, where: str) -> TablePlane:
         message = f"the plane of the water table is {value}, it is written 5/180@2m"
         advice = "Dip, dip direction, and its elevation over the toe."
         raise DesignError([Fault("E454", message, where, advice)])
-    found = parse_plane(plane, "the water table", where)
-    if found.dip_deg > _STEEPEST_DEG:
-        message = f"the water table dips {shown(found.dip_deg)}°, at most {shown(_STEEPEST_DEG)}° is one"
+    water_plane = parse_plane(plane, "the water table", where)
+    if water_plane.dip_deg > _STEEPEST_DEG:
+        message = f"the water table dips {shown(water_plane.dip_deg)}°, at most {shown(_STEEPEST_DEG)}° is one"
         raise DesignError([Fault("E454", message, where)])
-    return TablePlane(found, quantity(level, "length", "elevation of the water table", where))
+    return TablePlane(water_plane, quantity(level, "length", "elevation of the water table", where))

@@ -11,7 +11,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, normals, parse_plane
 from slopekit.core.records import dataclass
-from slopekit.design.survey import Joint, Survey, read_frame, read_joints
+from slopekit.design.survey import MeasuredJoint, Survey, read_frame, read_joints
 from slopekit.design.survey.tables import is_frame
 
 MOST_JOINTS = 3000  # 4.5 million pairs
@@ -28,7 +28,7 @@ class JointList:
     """
 
     name: str
-    joints: tuple[Joint, ...]
+    joints: tuple[MeasuredJoint, ...]
     left_out: tuple[str, ...] = ()
     read_as: tuple[str, ...] = ()
 
@@ -83,7 +83,7 @@ def joint_list(
     Parameters
     ----------
     source : path of a file, see `read_joints`; a frame of pandas or polars with such columns; or planes ("45/115",
-        (45, 115), `Plane`, `Joint`), an (n, 2) array, or {name: plane}
+        (45, 115), `Plane`, `MeasuredJoint`), an (n, 2) array, or {name: plane}
     convention : of a strike column, see `read_joints`; skip_bad : leave bad rows of a file out, listed
     option : how `convention` is called where the user can give it
     at_least, most : how many joints the study needs, and takes; sizes : see `read_joints`
@@ -98,23 +98,25 @@ def joint_list(
     """
     if isinstance(source, str | os.PathLike):
         survey: Survey = read_joints(source, convention, skip_bad, option, sizes)
-        found = JointList(Path(source).name, survey.joints, survey.left_out, survey.read_as)
+        joints = JointList(Path(source).name, survey.joints, survey.left_out, survey.read_as)
     elif is_frame(source):
         survey = read_frame(source, convention, skip_bad, option, sizes)
-        found = JointList("joints", survey.joints, survey.left_out, survey.read_as)
+        joints = JointList("joints", survey.joints, survey.left_out, survey.read_as)
     else:
-        found = JointList("joints", _from_python(source))
-    if len(found) < at_least:
+        joints = JointList("joints", _from_python(source))
+    if len(joints) < at_least:
         advice = "Every pair is looked at: two joints make the first."
-        raise DesignError([Fault("E331", f"{found.name} holds {len(found)} joint, two are needed", found.name, advice)])
-    if len(found) > most:
-        pairs = f", {len(found) * (len(found) - 1) // 2:,} pairs" if most == MOST_JOINTS else ""
-        message = f"{found.name} holds {len(found)} joints{pairs}: more than {most} joints are not taken"
-        raise DesignError([Fault("E330", message, found.name, "Take a domain of the slope, or a sample of each set.")])
-    return found
+        raise DesignError(
+            [Fault("E331", f"{joints.name} holds {len(joints)} joint, two are needed", joints.name, advice)]
+        )
+    if len(joints) > most:
+        pairs = f", {len(joints) * (len(joints) - 1) // 2:,} pairs" if most == MOST_JOINTS else ""
+        message = f"{joints.name} holds {len(joints)} joints{pairs}: more than {most} joints are not taken"
+        raise DesignError([Fault("E330", message, joints.name, "Take a domain of the slope, or a sample of each set.")])
+    return joints
 
 
-def _from_python(source: Any) -> tuple[Joint, ...]:
+def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
     values = source.tolist() if hasattr(source, "tolist") else source
     if isinstance(values, Mapping):
         named = [(str(name), value) for name, value in values.items()]
@@ -124,23 +126,23 @@ def _from_python(source: Any) -> tuple[Joint, ...]:
         message = f"joints are {type(source).__name__}, a path, a frame, a list of planes or {{name: plane}} is needed"
         raise DesignError([Fault("E338", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
     faults: list[Fault] = []
-    found: list[Joint] = []
+    joints: list[MeasuredJoint] = []
     for line, (name, value) in enumerate(named, 1):
-        if isinstance(value, Joint):
-            found.append(value)
+        if isinstance(value, MeasuredJoint):
+            joints.append(value)
             continue
         try:
-            found.append(Joint(name, parse_plane(value, name), line))
+            joints.append(MeasuredJoint(name, parse_plane(value, name), line))
         except DesignError as error:
             faults += error.faults
-    names = [joint.name for joint in found]
+    names = [joint.name for joint in joints]
     for name in dict.fromkeys(name for name in names if names.count(name) > 1) if len(set(names)) < len(names) else ():
         faults.append(Fault("E194", f"{name} is the name of {names.count(name)} joints", "joints"))
     if not named:
         faults.append(Fault("E338", "there are no joints", "joints", 'Give "joints.csv" or ["45/115", "45/245"].'))
     if faults:
         raise DesignError(faults)
-    return tuple(found)
+    return tuple(joints)
 
 
 def own_or_given(

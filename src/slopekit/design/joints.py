@@ -12,10 +12,10 @@ from slopekit.design.nodes import Node
 from slopekit.design.parts import Strength
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_strength, standard_strength, strength_names
-from slopekit.design.structure import AnyOf, Leaf, ListOf, Section
+from slopekit.design.structure import AnyOf, KeyGroup, Leaf, ListOf
 
 #: A joint list in place of joints.
-FROM_CSV = Section(
+FROM_CSV = KeyGroup(
     {"csv": Leaf(example="joints.csv"), "pick": AnyOf((ListOf(Leaf(), 1), Leaf())), "convention": Leaf(),
      "strength": Leaf()},
     required=("csv",),
@@ -82,12 +82,12 @@ def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
             )
             reader.fault("E109", f"a {reader.kind} has {needed}, {len(node.items())} are given", node, advice)
         return []
-    found = []
+    joints = []
     for name, below in entries:
         given = below.get("plane")
         plane = reader.plane(given, name) if given is not None and given.value is not None else None
-        found.append(GivenJoint(name, plane, below.get("strength"), below, {}))
-    return found
+        joints.append(GivenJoint(name, plane, below.get("strength"), below, {}))
+    return joints
 
 
 def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
@@ -138,10 +138,10 @@ def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength 
     measured = {key for joint in joints for key in joint.listed}
     has_strengths = reader.at("strength") is not None
     standard = standard_strength(reader, [own for own in of_design if own is not None], beside=measured)
-    found: list[Strength | None] = []
+    strengths: list[Strength | None] = []
     for joint, name, own in zip(joints, names, of_design, strict=True):
         if name is None and has_strengths and not joint.listed:
-            found.append(None)
+            strengths.append(None)
             continue
         listed = {key: value for key, value in joint.listed.items() if value is not None}
         for key in joint.listed:
@@ -151,5 +151,5 @@ def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength 
             elif key not in listed and not given:
                 advice = f"Fill in the column {key}, or give a strength in the design."
                 reader.fault("E143", f"{key} of {joint.name} is missing in {joint.at.text}", joint.at, advice)
-        found.append(read_strength(reader, own, name or joint.name, standard, listed, joint.at))
-    return found
+        strengths.append(read_strength(reader, own, name or joint.name, standard, listed, joint.at))
+    return strengths

@@ -123,8 +123,8 @@ class Kept(Generic[T]):
 
     def of(self, node: Node) -> T | None:
         """What was made of a node; None where nothing was."""
-        found = self._by_id.get(id(node))
-        return None if found is None else found[1]
+        kept = self._by_id.get(id(node))
+        return None if kept is None else kept[1]
 
     def keep(self, node: Node, made: T) -> T:
         """Note what was made of a node."""

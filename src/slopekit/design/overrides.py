@@ -20,7 +20,7 @@ from slopekit.design.nodes import (
     shown_of,
 )
 from slopekit.design.structure import ANGLES, WRITTEN, OrientationKind, is_distribution, orientation_kind
-from slopekit.design.yaml import NULLS, Source, TreeBuilder, composed
+from slopekit.design.yaml import NULLS, SourceLines, TreeBuilder, composed
 
 #: Keys that exclude each other: a `--set` of one drops the others of the file.
 ALTERNATIVES: Mapping[str, Sequence[str]] = {
@@ -104,7 +104,7 @@ def _override_value(value: object, path: str, place: Place) -> Node:
         node = from_python(value, path, lambda _path, _value: place, faults)
     elif value.lstrip()[:1] in ("[", "{", "'", '"'):
         try:
-            item = composed(value.strip(), Source("--set", value.strip()))
+            item = composed(value.strip(), SourceLines("--set", value.strip()))
         except DesignError as error:
             fault = error.faults[0]
             message = f"the value of --set {path} is {fault.message}"
@@ -191,10 +191,10 @@ def spread(node: Node) -> Node:
     >>> spread(document_from({"water": "50 %"}).root.get("water")).plain()
     {'fill': '50 %'}
     """
-    found = _in_full(node.path, node.text or "")
-    if not found:
+    entries = _in_full(node.path, node.text or "")
+    if not entries:
         return node
-    return replace(node, value={key: _made(value, joined(node.path, key), node) for key, value in found.items()})
+    return replace(node, value={key: _made(value, joined(node.path, key), node) for key, value in entries.items()})
 
 
 def _in_full(path: str, text: str) -> Mapping[str, str | list[str]]:

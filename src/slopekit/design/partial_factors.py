@@ -66,7 +66,7 @@ def read_factors(document: Document, node: Node) -> PartialFactors:
 
 def _numbers(node: Node, faults: Faults) -> dict[str, Any]:
     """The factors of a group of keys by attribute."""
-    found: dict[str, Any] = {}
+    factors: dict[str, Any] = {}
     for path, name in _NUMBERS.items():
         below = node.get(path)
         if below is None or below.text is None:
@@ -74,8 +74,8 @@ def _numbers(node: Node, faults: Faults) -> dict[str, Any]:
         with faults.kept():
             where = str(below.place)
             value = quantity(below.text, "ratio", path, where)
-            found[name] = fields_of(PartialFactors)[name].checked(value, f"the partial factor {path}", where)
-    return found
+            factors[name] = fields_of(PartialFactors)[name].checked(value, f"the partial factor {path}", where)
+    return factors
 
 
 def _set_of(document: Document, text: str, node: Node) -> PartialFactors:
@@ -115,7 +115,7 @@ def _sets(path: Path) -> Mapping[str, PartialFactors]:
     from slopekit.design.document import load_document
 
     root = load_document(path).root
-    faults, found = Faults(), dict[str, PartialFactors]()
+    faults, factor_sets = Faults(), dict[str, PartialFactors]()
     title, source, date = (_text(root.get(key)) for key in ("title", "source", "date"))
     sets = root.get("sets")
     groups = dict(sets.items()) if sets is not None else {title or path.stem: root}
@@ -131,12 +131,12 @@ def _sets(path: Path) -> Mapping[str, PartialFactors]:
             message = f"{name} of {path.name} holds no partial factor"
             faults.append(Fault("E480", message, str(node.place), f"Known: {', '.join(_NUMBERS)}."))
         called = name if not title or name == title else f"{title}: {name}"
-        found[name] = PartialFactors(**numbers, called=called, source=", ".join(filter(None, (source, date))))
+        factor_sets[name] = PartialFactors(**numbers, called=called, source=", ".join(filter(None, (source, date))))
     if not groups:
         message = f"{path.name} has no sets of partial factors"
         faults.append(Fault("E480", message, str(root.place), "Write sets: {NAME: {tan_phi: 1.25, c: 1.25}}"))
     faults.refuse()
-    return found
+    return factor_sets
 
 
 def _text(node: Node | None) -> str:
@@ -183,10 +183,10 @@ def _level(design: Design, kind: Any) -> float:
     if kind.closed_form is None:
         return 0.0
     try:
-        found = kind.closed_form(design)
+        solution = kind.closed_form(design)
     except GeometryError:
         return math.inf  # said when it is analysed
-    return math.inf if found.status == "no_driving_force" else float(found.factor or 0.0)
+    return math.inf if solution.status == "no_driving_force" else float(solution.factor or 0.0)
 
 
 def _with(

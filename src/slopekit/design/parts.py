@@ -387,13 +387,13 @@ class Rule:
     relation: Literal[">=", ">", "<=", "<"]
     value: float
 
-    def met(self, found: float | None) -> bool:
+    def met(self, value: float | None) -> bool:
         """Whether a value meets the rule; no value meets none."""
-        if found is None:
+        if value is None:
             return False
         if self.relation in (">=", ">"):
-            return found > self.value or (self.relation == ">=" and found == self.value)
-        return found < self.value or (self.relation == "<=" and found == self.value)
+            return value > self.value or (self.relation == ">=" and value == self.value)
+        return value < self.value or (self.relation == "<=" and value == self.value)
 
     def __str__(self) -> str:
         return f"{self.name} {self.relation} {shown(self.value)}"

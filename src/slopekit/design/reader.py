@@ -125,23 +125,23 @@ class Reader:
         from slopekit.design import distributions  # only where a value scatters
 
         of = orientation_kind(node)
-        found: distributions.Scatter
+        scatter: distributions.Scatter
         try:
             if of is None:
                 field = field_at(self.record, node.path)
                 measures = "ratio" if field is None else field.measures
-                found = distributions.read_distribution(node, measures, node.path)
+                scatter = distributions.read_distribution(node, measures, node.path)
             elif is_distribution(node):
-                found = distributions.read_orientation(node, node.path, of)
+                scatter = distributions.read_orientation(node, node.path, of)
             else:
-                found = distributions.read_angles(node, node.path, of)
+                scatter = distributions.read_angles(node, node.path, of)
         except DesignError as error:
             self.faults += error.faults
             return None
-        variable = distributions.Variable(node.path, found, str(node.place))
+        variable = distributions.Variable(node.path, scatter, str(node.place))
         if variable.coordinates and node.path not in self.variables:
             self.variables[node.path] = variable
-        return found.centre if isinstance(found, distributions.Distribution) else as_text(found.centre)
+        return scatter.centre if isinstance(scatter, distributions.Distribution) else as_text(scatter.centre)
 
     # -- fields -------------------------------------------------------------------------------------------------------
 
@@ -158,14 +158,14 @@ class Reader:
         """
         wanted = tuple(only)
         shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
-        found = {}
+        attributes = {}
         for name, field in fields_of(record).items():
             if field.measures == "group" or field.of is not None or field.each or (wanted and name not in wanted):
                 continue
             if not field.is_attribute or field.many == "names" or shared.get(name) is field:
                 continue
-            found[name] = self.field(field, _below(holder or self.root, field.path), owner)
-        return found
+            attributes[name] = self.field(field, _below(holder or self.root, field.path), owner)
+        return attributes
 
     def field(self, field: Field, node: Node | None, owner: str = "") -> Any:
         """The value of one field where `node` gives it, else its default."""
@@ -204,9 +204,9 @@ class Reader:
         """A number with a unit, between the limits of its field."""
         written, name = node.text, name or field.in_words
         if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
-            found = float(written)  # most numbers of ten thousand blocks are this
-            if abs(found) <= _LARGEST and field.takes(found) and field.check is None:
-                return int(found) if field.whole else found
+            bare_number = float(written)  # most numbers of ten thousand blocks are this
+            if abs(bare_number) <= _LARGEST and field.takes(bare_number) and field.check is None:
+                return int(bare_number) if field.whole else bare_number
         value = self.value(node)
         if value is None:
             return None
@@ -219,8 +219,8 @@ class Reader:
             return None if known is False else float(known)  # one value of several interfaces is judged once
 
         def read() -> float:
-            found = quantity(_other_kind(value, field, name, where, self.called), field.measures, name, where)
-            return field.checked(found, name, where, written or "", self.called)
+            magnitude = quantity(_other_kind(value, field, name, where, self.called), field.measures, name, where)
+            return field.checked(magnitude, name, where, written or "", self.called)
 
         found_one = self.kept(read)
         self._found[id(node)] = False if found_one is None else found_one
@@ -253,11 +253,11 @@ class Reader:
 
     def many(self, path: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
         """A list of things in words of their own, each with its faults."""
-        found = []
+        entries = []
         for item in self.items(path):
             known = _READ.of(item)
             if known is not None and known[0] is read and not self.misshapen:
-                found.append(known[1])
+                entries.append(known[1])
                 continue
             before = len(self.variables), len(self._found), len(self.faults)
             value = item.text if item.text is not None and self.is_sound(item) else self.value(item)
@@ -265,10 +265,10 @@ class Reader:
                 continue
             made = self.kept(read, value, str(item.place))
             if made is not None:
-                found.append(made)
+                entries.append(made)
                 if before == (len(self.variables), len(self._found), len(self.faults)) and not self.misshapen:
                     _READ.keep(item, (read, made))
-        return tuple(found)
+        return tuple(entries)
 
     def made(self, record: type[D], *values: Mapping[str, Any], **more: Any) -> D:
         """The design of these values.

@@ -28,20 +28,20 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     on_blocks : whether forces and bolts name their blocks, and are read with them
     """
     title = reader.at("title")
-    found = reader.fields(Design, only=(
+    attributes = reader.fields(Design, only=(
         "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within", "stop_when",
         "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock",
     ))  # fmt: skip
-    found |= read_weight(reader, found["gravity_m_s2"])
+    attributes |= read_weight(reader, attributes["gravity_m_s2"])
     own = fields_of(reader.record)
     if "seismic" in own:
-        found["seismic"] = read_seismic(reader)
+        attributes["seismic"] = read_seismic(reader)
     if "forces" in own and not on_blocks:
-        found["forces"] = reader.many("loads.forces", words.force)
-        found["bolts"] = reader.many("support.bolts", words.bolt)
-    found["rules"] = reader.many("acceptance.rules", words.rule)
-    found["factors"] = read_factors(reader) if "factors" in own else ()
-    return found | {
+        attributes["forces"] = reader.many("loads.forces", words.force)
+        attributes["bolts"] = reader.many("support.bolts", words.bolt)
+    attributes["rules"] = reader.many("acceptance.rules", words.rule)
+    attributes["factors"] = read_factors(reader) if "factors" in own else ()
+    return attributes | {
         "title": title.text if title is not None and title.text else "",
         "project": read_project(reader),
         "stiffness": read_stiffness(reader),
@@ -65,11 +65,11 @@ def read_weight(reader: Reader, gravity: float | None) -> dict[str, Any]:
         return {"unit_weight_kn_m3": None, "density_kg_m3": None}
     if weight is not None:
         return {"unit_weight_kn_m3": reader.field(own["unit_weight_kn_m3"], weight), "density_kg_m3": None}
-    found = reader.field(own["density_kg_m3"], density)
-    if density is None and found is None and reader.at("rock") is not None and "rock" in reader.record.REQUIRED:
+    density_kg_m3 = reader.field(own["density_kg_m3"], density)
+    if density is None and density_kg_m3 is None and reader.at("rock") is not None and "rock" in reader.record.REQUIRED:
         reader.fault("E143", "rock.density is missing", reader.at("rock"), "Give rock.density.")
-    by_density = None if found is None or gravity is None else found * gravity / 1e3
-    return {"unit_weight_kn_m3": by_density, "density_kg_m3": found}
+    by_density = None if density_kg_m3 is None or gravity is None else density_kg_m3 * gravity / 1e3
+    return {"unit_weight_kn_m3": by_density, "density_kg_m3": density_kg_m3}
 
 
 def read_seismic(reader: Reader) -> Seismic:
@@ -81,20 +81,20 @@ def read_seismic(reader: Reader) -> Seismic:
     if isinstance(value, dict):
         toward = value.get("toward")
         value = _text(value.get("k", 0)) + ("" if toward is None else f"@{_text(toward)}")
-    found = None if value is None else reader.kept(words.seismic, value, str(node.place))
-    if found is not None and found.coefficient and found.trend_deg is None:
+    seismic = None if value is None else reader.kept(words.seismic, value, str(node.place))
+    if seismic is not None and seismic.coefficient and seismic.trend_deg is None:
         reader.defaults.append("seismic.trend")
-    return found or Seismic()
+    return seismic or Seismic()
 
 
 def read_factors(reader: Reader) -> tuple[float, ...]:
     """Strength reduction factors of the series, sorted."""
     node = reader.at("analysis.factors")
-    found = reader.field(fields_of(Design)["factors"], node)
-    if len(found) > _MOST_FACTORS:
-        message = f"{len(found)} factors are too many for one series (most: {_MOST_FACTORS})"
+    factors = reader.field(fields_of(Design)["factors"], node)
+    if len(factors) > _MOST_FACTORS:
+        message = f"{len(factors)} factors are too many for one series (most: {_MOST_FACTORS})"
         reader.fault("E127", message, node)
-    return tuple(sorted(set(found)))
+    return tuple(sorted(set(factors)))
 
 
 # -- strengths ----------------------------------------------------------------------------------------------------
@@ -127,23 +127,23 @@ def read_strength(
         if named_law(own) is not None:
             return _curved_strength(reader, own, owner)
         refuse_keys(reader, own)
-    found = reader.fields(Strength, node or _NOTHING, owner)
+    attributes = reader.fields(Strength, node or _NOTHING, owner)
     for name, field in fields_of(Strength).items():
         given = node is not None and node.get(field.path) is not None
         if listed is not None and field.path in listed:
-            found[name] = listed[field.path]
+            attributes[name] = listed[field.path]
         elif not given and standard is not None and field.path in standard:
-            found[name] = standard[field.path]
+            attributes[name] = standard[field.path]
         elif not given and field.may_lack and not (listed and beside is not None and node is None):
             at = node or beside
             path = f"{node.path}.{field.path}" if node is not None else f"{field.path} of {owner}"
             reader.fault("E143", f"{path} is missing", at, f"Add {field.path}.")
-    friction, dilation = found["friction_angle_deg"], found["dilation_deg"]
+    friction, dilation = attributes["friction_angle_deg"], attributes["dilation_deg"]
     below = node.get("dilation") if node is not None else None
     if friction is not None and dilation is not None and below is not None and dilation > friction:
         message = f"dilation of {owner} is {shown(dilation)}°, it lies between 0 and the friction angle"
         reader.fault("E117", f"{message} {shown(friction)}°", below)
-    straight = None if None in found.values() else Strength(**found)
+    straight = None if None in attributes.values() else Strength(**attributes)
     return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
 
 
@@ -156,10 +156,10 @@ def with_residual(reader: Reader, node: Node, owner: str, peak: Strength | None)
     below = node.get("residual")
     if below is None:
         return peak
-    found = reader.fields(Residual, below, f"residual {owner}") if below.is_mapping else {}
-    if not found or None in found.values() or peak is None:
+    attributes = reader.fields(Residual, below, f"residual {owner}") if below.is_mapping else {}
+    if not attributes or None in attributes.values() or peak is None:
         return peak
-    residual = Residual(**found)
+    residual = Residual(**attributes)
     for value, most, what, unit in (
         (residual.cohesion_kpa, peak.cohesion_kpa, "cohesion", " kPa"),
         (residual.friction_angle_deg, peak.friction_angle_deg, "friction angle", "°"),
@@ -193,12 +193,12 @@ def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[
     given = [node for node in nodes if node.get("law") is None or node.get("c") is not None]
     if not given and list(nodes):
         return {}
-    found = {
+    defaults = {
         key: value for key, value in reader.record.DEFAULTS.items()
         if key in ("c", "phi") and key not in beside and all(node.get(key) is None for node in given)
     }  # fmt: skip
-    reader.defaults += found
-    return found
+    reader.defaults += defaults
+    return defaults
 
 
 def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[str | None]:
@@ -214,25 +214,25 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
     if strengths is None or not users:
         return [None] * len(users)
     names = [name for name, _ in strengths.items()]
-    found: list[str | None] = []
+    assigned: list[str | None] = []
     for user, wanted, own in users:
         if wanted is not None and wanted.text is not None:
             known = wanted.text in names
             if not known:
                 message = f"{user} has the strength {wanted.text}, which is not under strength"
                 reader.fault("E176", message, wanted, reader.nearest(wanted.text, names))
-            found.append(wanted.text if known else None)
+            assigned.append(wanted.text if known else None)
         elif len(names) > 1:
             message = f"{user} names no strength, and there are {len(names)}"
             reader.fault("E176", message, own, f"Add strength: {' or '.join(names[:4])}.")
-            found.append(None)
+            assigned.append(None)
         else:
-            found.append(names[0] if names else None)
-    if len(names) > 1 and None not in found:
+            assigned.append(names[0] if names else None)
+    if len(names) > 1 and None not in assigned:
         for name, node in strengths.items():
-            if name not in found:
+            if name not in assigned:
                 reader.fault("E195", f"the strength {name} is used by no interface", node, "Use it or take it out.")
-    return found
+    return assigned
 
 
 def read_strengths(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[Strength | None]:
@@ -276,10 +276,10 @@ def read_water(
     node = reader.at("water")
     if node is None or node.value is None:
         return Water(), None
-    found = given_water(reader, node, order)
-    if found is None:
+    given = given_water(reader, node, order)
+    if given is None:
         return Water(), node
-    value, only = found
+    value, only = given
     return reader.kept(words.water, value, str(only.place), has_crack, has_basal) or Water(), only
 
 

@@ -25,19 +25,19 @@ _UPRIGHT = 90.0
 
 def fields_of_law(law: Any) -> Mapping[str, Field]:
     """The declared fields of a strength law by attribute."""
-    found = {}
+    declared = {}
     for part in fields(law):
         said = part.metadata
         if not said:
             continue
         low, high = said.get("least", said.get("above", -inf)), said.get("most", said.get("below", inf))
-        found[part.name] = Field(
+        declared[part.name] = Field(
             said["key"], said["unit"], low, high, above="above" in said, below="below" in said,
             is_required=part.default is MISSING, default=None if part.default is MISSING else part.default,
             code=_CODES.get(said["unit"], "E127"), example=said["example"], doc=said["doc"], is_attribute=True,
             axis=said["doc"].partition(",")[0].partition(";")[0], check=said.get("check"),
         )  # fmt: skip
-    return found
+    return declared
 
 
 #: Keys of a strength beside those of its law: what is not c or phi, and waves.

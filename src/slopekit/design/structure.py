@@ -9,7 +9,7 @@ from slopekit.core.errors import Fault
 from slopekit.core.records import dataclass
 from slopekit.design.nodes import Kept, Node
 
-Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf | Anything"
+Spec: TypeAlias = "Leaf | KeyGroup | Named | ListOf | AnyOf | Anything"
 OrientationKind = Literal["plane", "line"]
 #: The angles of a plane and of a line: the steep one, then the direction.
 ANGLES: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("plunge", "trend")}
@@ -29,7 +29,7 @@ class Leaf:
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class KeyGroup:
     """Known keys, some of them required."""
 
     keys: Mapping[str, Spec]
@@ -72,7 +72,7 @@ class Anything:
     example: str = ""
 
 
-def check_structure(root: Node, spec: Section, kind: str, others: Mapping[str, Section] | None = None) -> list[Fault]:
+def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, KeyGroup] | None = None) -> list[Fault]:
     """Every key of a design that is unknown, missing or of the wrong shape.
 
     Parameters
@@ -121,7 +121,7 @@ _SOUND: Kept[Any] = Kept()
 
 
 class _Checker:
-    def __init__(self, spec: Section, kind: str, others: Mapping[str, Section]) -> None:
+    def __init__(self, spec: KeyGroup, kind: str, others: Mapping[str, KeyGroup]) -> None:
         self.spec, self.kind, self.others = spec, kind, others
         self.faults: list[Fault] = []
 
@@ -135,14 +135,14 @@ class _Checker:
             self.empty(node, spec)
         elif node.value is not None and not _fits(node, spec):
             self.wrong_shape(node, spec)
-        elif isinstance(spec, Section):
+        elif isinstance(spec, KeyGroup):
             self.section(node, spec)
         elif isinstance(spec, Named):
             self.named(node, spec)
         elif isinstance(spec, ListOf):
             self.list_of(node, spec)
 
-    def section(self, node: Node, spec: Section) -> None:
+    def section(self, node: Node, spec: KeyGroup) -> None:
         holder = f"of {node.path}" if node.path else f"of a {self.kind} design"
         remedies = set()
         for key, below in node.items():
@@ -186,7 +186,7 @@ class _Checker:
         if node.is_mapping and not is_distribution(node) and any(_is_orientation(one) for one in spec.of):
             # keys of which none is an angle's are a distribution gone wrong
             fitting = [
-                one for one in fitting if isinstance(one, Section) and {key for key, _ in node.items()} & set(one.keys)
+                one for one in fitting if isinstance(one, KeyGroup) and {key for key, _ in node.items()} & set(one.keys)
             ]
         if not fitting:
             if node.value is not None:
@@ -222,7 +222,7 @@ class _Checker:
         message = f"{node.path or 'the design'} is {_given(node)}, {_needed(spec)} is needed"
         self.faults.append(Fault("E144", message, str(node.place), advice))
 
-    def remedy(self, key: str, node: Node, above: Node, spec: Section) -> str:
+    def remedy(self, key: str, node: Node, above: Node, spec: KeyGroup) -> str:
         """What to type instead of an unknown key: the likeliest slip."""
         name, colon, value = key.partition(":")
         if colon and node.value is None and name.strip() in spec.keys:
@@ -267,7 +267,7 @@ def _may_be_empty(spec: Spec) -> bool:
     """Whether nothing behind the key says the same as no entries."""
     if isinstance(spec, Anything):
         return True
-    if isinstance(spec, Section):
+    if isinstance(spec, KeyGroup):
         return not spec.required
     if isinstance(spec, AnyOf):
         return any(_may_be_empty(one) for one in spec.of)
@@ -290,7 +290,7 @@ def _needed(spec: Spec) -> str:
         return "a value"
     if isinstance(spec, Leaf):
         return "a number" if spec.number else "an orientation" if spec.orientation else "a value"
-    if isinstance(spec, Section):
+    if isinstance(spec, KeyGroup):
         keys = list(spec.keys)
         return f"a group of keys ({', '.join(keys[:4])}{', …' if len(keys) > 4 else ''})"
     return "a list" if isinstance(spec, ListOf) else "a group of names"
@@ -307,7 +307,7 @@ def _count(number: int) -> str:
 
 def _walk(spec: Spec, path: str = "") -> Iterator[tuple[str, str]]:
     """Every known key with the path it stands under; free names as <name>."""
-    if isinstance(spec, Section):
+    if isinstance(spec, KeyGroup):
         for key, below in spec.keys.items():
             yield key, path
             yield from _walk(below, f"{path}.{key}" if path else key)

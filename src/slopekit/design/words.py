@@ -184,8 +184,8 @@ def hyperbola(value: Any, where: str) -> HyperbolaParameters:
         message = f"{unknown[0] if unknown else value['law']} is not of the shear law clough-duncan (k1, n, Rf, phi)"
         raise DesignError([Fault("E132", message, where)])
     kinds = {"phi": "angle"}
-    found = {names[key]: quantity(part, kinds.get(key, "ratio"), key, where) for key, part in given.items()}
-    law = HyperbolaParameters(**found)
+    parameters = {names[key]: quantity(part, kinds.get(key, "ratio"), key, where) for key, part in given.items()}
+    law = HyperbolaParameters(**parameters)
     sound = law.modulus_number > 0.0 and 0.0 <= law.exponent <= 2.0 and 0.0 <= law.failure_ratio <= 1.0
     if not sound or not 0.0 < law.friction_angle_deg < 90.0:
         message = "Clough and Duncan's parameters are k1 > 0, n from 0 to 2, Rf from 0 to 1, phi between 0 and 90"

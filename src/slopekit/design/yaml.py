@@ -56,7 +56,7 @@ _LARGE = 20_000
 _NUMBERS_TO_A_VALUE = 5
 
 
-class Source:
+class SourceLines:
     """The lines of a file, for the places of its values."""
 
     def __init__(self, name: str, text: str) -> None:
@@ -75,7 +75,7 @@ class Source:
         return Place(self.name, line + 1, column + 1, self.shown[1])
 
 
-def composed(text: str, source: Source) -> Any:
+def composed(text: str, source: SourceLines) -> Any:
     """ruamel's node tree; whatever it raises becomes a fault.
 
     In a large text each list of numbers goes through ruamel as one word of the same length, which `_Numbers` then
@@ -84,7 +84,7 @@ def composed(text: str, source: Source) -> Any:
     """
     if len(text) > _LARGE and _STAND_IN not in text:
         try:
-            return _composed(NUMBERS.sub(lambda found: _STAND_IN * len(found.group()), text), source, text)
+            return _composed(NUMBERS.sub(lambda match: _STAND_IN * len(match.group()), text), source, text)
         except _NotAlone:
             pass
         except DesignError as error:
@@ -119,20 +119,20 @@ def _numbers(text: str, at: _At) -> _Numbers:
     items: list[_Numbers] = []
     above: list[list[_Numbers]] = []
     holder = items
-    for found in _TOKEN.finditer(text, 1):
-        token = found.group()
+    for match in _TOKEN.finditer(text, 1):
+        token = match.group()
         if token == "]":
             holder = above.pop() if above else items
             continue
         inner: list[_Numbers] = []
-        holder.append(_Numbers(inner if token == "[" else token, _At(at.line, at.column + found.start())))
+        holder.append(_Numbers(inner if token == "[" else token, _At(at.line, at.column + match.start())))
         if token == "[":
             above.append(holder)
             holder = inner
     return _Numbers(items, at)
 
 
-def _composed(text: str, source: Source, original: str = "") -> Any:
+def _composed(text: str, source: SourceLines, original: str = "") -> Any:
     from ruamel.yaml import YAML  # 18 ms, needed for files only
     from ruamel.yaml.composer import Composer
     from ruamel.yaml.error import MarkedYAMLError, YAMLError, YAMLStreamError
@@ -152,13 +152,13 @@ def _composed(text: str, source: Source, original: str = "") -> Any:
             if not original or _STAND_IN not in node.value:
                 return node
             mark = node.start_mark
-            found = NUMBERS.match(original, mark.index)
-            if found is None or node.style or anchor is not None or node.value != _STAND_IN * len(found.group()):
+            match = NUMBERS.match(original, mark.index)
+            if match is None or node.style or anchor is not None or node.value != _STAND_IN * len(match.group()):
                 raise _NotAlone
-            self.values += found.group().count(",") / _NUMBERS_TO_A_VALUE
+            self.values += match.group().count(",") / _NUMBERS_TO_A_VALUE
             if self.values > MAX_VALUES:
                 fail_large(source.place(mark.line, mark.column), deep=False)
-            return _numbers(found.group(), _At(mark.line, mark.column))
+            return _numbers(match.group(), _At(mark.line, mark.column))
 
     yaml = YAML(typ="safe", pure=True)
     yaml.Composer = Counting
@@ -176,7 +176,7 @@ def _composed(text: str, source: Source, original: str = "") -> Any:
         raise DesignError([Fault("E150", message, str(source.place(line, 0)))]) from None
 
 
-def _broken(error: Any, source: Source) -> Fault:
+def _broken(error: Any, source: SourceLines) -> Fault:
     """A fault of ruamel's scanner or parser, in plain words."""
     problem = str(error.problem or error.context or "not understood")
     mark = error.problem_mark or error.context_mark

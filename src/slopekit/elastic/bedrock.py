@@ -220,8 +220,8 @@ def _far(elements: Elements, box: Box) -> Ints:
 
     def is_far(at: Floats) -> Bools:
         ends = [np.abs(at[i] - end[i]) < near for i in range(dim) for end in (box.lowest, box.highest)]
-        found: Bools = np.logical_or.reduce(ends)
-        return found
+        far: Bools = np.logical_or.reduce(ends)
+        return far
 
     nodes = np.asarray(elements.basis.get_dofs(is_far).all())
     held: Ints = (dim * nodes[:, None] + np.arange(dim)).ravel()

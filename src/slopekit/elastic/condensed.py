@@ -3,8 +3,8 @@
     K w = Pᵀ f + G q,   d = B γ + P w,   f = A law(d; F)
 
 w are the displacements of those nodes of a block beside its motion γ, P its shapes at the pairs, K what is left of its
-stiffness there and G of its load (`Body`). What is off of the first is the unbalance of the blocks too, since motions
-Z as a whole are among the w: Zᵀ Pᵀ = Bᵀ, Zᵀ G = 1, Zᵀ K = 0. With the slopes S of the pairs the step is
+stiffness there and G of its load (`CondensedBlock`). What is off of the first is the unbalance of the blocks too,
+since motions Z as a whole are among the w: Zᵀ Pᵀ = Bᵀ, Zᵀ G = 1, Zᵀ K = 0. With the slopes S of the pairs the step is
 
     (K - Pᵀ S P) u = r,   Δγ = R u,   Δw = u - Z Δγ,   R = (BᵀB)⁻¹ Bᵀ P
 
@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Fault
-from slopekit.elastic.flexibility import Body
+from slopekit.elastic.flexibility import CondensedBlock
 from slopekit.elastic.model import ElasticModel
 from slopekit.elastic.whole import Place
 from slopekit.preie.fronts import Fronts
@@ -80,9 +80,9 @@ class Condensed:
 
     def off(self, place: Place, forces: Floats, loads: Floats) -> tuple[Floats, ...]:
         """What is off of balance at the nodes: r (k,) kN."""
-        found: Floats = self.turned @ forces + self.loads @ loads
-        self._take_stiffness(found, place[2])
-        return (found,)
+        residual: Floats = self.turned @ forces + self.loads @ loads
+        self._take_stiffness(residual, place[2])
+        return (residual,)
 
     def _take_stiffness(self, off: Floats, bent: Floats) -> None:
         for (one, *_), first, end in zip(self.bodies, self.first, self.first[1:], strict=False):
@@ -106,16 +106,16 @@ class Condensed:
         law = sparse.bsr_matrix((slopes, np.arange(len(slopes)), np.arange(len(slopes) + 1))).tocsr()
         contacts = (self.turned @ (law @ self.shapes)).tocsr()
         solve = self._factored(contacts)
-        found = solve(off[0])
+        increment = solve(off[0])
         active = np.flatnonzero(springs)
         if len(active):  # what a bolt's pull moves
             pulled = self.model.bolt_rows[active] @ self.motions
             ways = np.array([solve(way) for way in (self.loads @ self.model.bolt_rows[active].T).T])
             small = np.diag(1.0 / springs[active]) + pulled @ ways.T
-            if np.isfinite(small).all() and np.isfinite(found).all():
-                found = found - np.linalg.lstsq(small, pulled @ found, rcond=None)[0] @ ways
-        motion = self.motions @ found
-        return self.shapes @ found, motion, found - self.rigid @ motion if self.bent else np.zeros(0)
+            if np.isfinite(small).all() and np.isfinite(increment).all():
+                increment = increment - np.linalg.lstsq(small, pulled @ increment, rcond=None)[0] @ ways
+        motion = self.motions @ increment
+        return self.shapes @ increment, motion, increment - self.rigid @ motion if self.bent else np.zeros(0)
 
     def _factored(self, contacts: Any) -> Callable[[Floats], Floats]:
         """A solver of K - Pᵀ S P, by fronts and where they do not do by SuperLU, which takes pivots from wherever."""
@@ -135,12 +135,12 @@ class Condensed:
             assert inner is not None
             placed = np.empty(len(right))
             placed[self.order] = right
-            found: Floats = inner(placed)[self.order]
-            return found
+            solution: Floats = inner(placed)[self.order]
+            return solution
 
-        def left(found: Floats, right: Floats) -> Floats:
-            rest: Floats = right + contacts @ found
-            self._take_stiffness(rest, found)
+        def left(solution: Floats, right: Floats) -> Floats:
+            rest: Floats = right + contacts @ solution
+            self._take_stiffness(rest, solution)
             return rest
 
         slow: list[Any] = []
@@ -154,18 +154,18 @@ class Condensed:
                     slow.append(splu(whole[self.back][:, self.back].tocsc(), permc_spec="NATURAL"))
                 except RuntimeError:  # singular
                     slow.append(None)
-            found = np.zeros(len(right))
+            solution = np.zeros(len(right))
             if slow[0] is not None:
-                found[self.back] = slow[0].solve(right[self.back])
-            return found
+                solution[self.back] = slow[0].solve(right[self.back])
+            return solution
 
         def solve(right: Floats) -> Floats:
             if inner is not None and not slow:
-                found = by_fronts(right)
-                found = found + by_fronts(left(found, right))
-                rest = left(found, right)
+                solution = by_fronts(right)
+                solution = solution + by_fronts(left(solution, right))
+                rest = left(solution, right)
                 if float(rest @ rest) <= _EXACT**2 * float(right @ right):
-                    return found
+                    return solution
             return by_any_pivots(right)
 
         return solve
@@ -185,7 +185,7 @@ class Condensed:
             middle = np.repeat([one.where.mean(axis=0) for one, *_ in self.bodies], counts, axis=0)
             where = middle + _NUDGE * (where - middle)
         else:
-            where = np.array([one.where.mean(axis=0) for one, *_ in self.model.seen if isinstance(one, Body)])
+            where = np.array([one.where.mean(axis=0) for one, *_ in self.model.seen if isinstance(one, CondensedBlock)])
         normals, axes = self._normals(where.shape[1]), list[Floats]()
         while len(normals) and len(axes) < where.shape[1]:
             alike = np.abs(normals @ normals[0]) > _ALIKE
@@ -210,9 +210,9 @@ class Condensed:
         """Of the pairs (n, d): by what they open where a block moves."""
         opening = self.model.rows[::3].tocoo()
         axis = opening.col % (self.model.rows.shape[1] // len(self.model.seen))
-        found, moving = np.zeros((opening.shape[0], dim)), axis < dim
-        found[opening.row[moving], axis[moving]] = opening.data[moving]
-        return found
+        normals, moving = np.zeros((opening.shape[0], dim)), axis < dim
+        normals[opening.row[moving], axis[moving]] = opening.data[moving]
+        return normals
 
     def _at(self, fronts: Fronts, row: Ints, column: Ints) -> Ints:
         """Where entries of the matrix are stored."""

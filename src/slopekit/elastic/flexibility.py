@@ -54,7 +54,7 @@ class Flexibility:
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class CondensedBlock:
     """A block of many, condensed to the k unknowns of its elements at its contacts.
 
     Attributes
@@ -189,8 +189,8 @@ class Elements:
         for k, shape in enumerate(values):
             work = (fields * shape).sum(axis=3)  # (f, d, c)
             np.add.at(out, basis.element_dofs[k], work.transpose(2, 1, 0))
-        found: Floats = out.reshape(basis.N * dim, -1)
-        return found
+        nodal_work: Floats = out.reshape(basis.N * dim, -1)
+        return nodal_work
 
     def rigid(self, points: Floats, about: Floats, length: float) -> Floats:
         """Displacements (3q, u) of points (q, 3) by unit rigid motions of a body about a point (3,)."""
@@ -252,8 +252,8 @@ class Elements:
             by_kept, by_loads = factor.solve(beside), factor.solve(np.ascontiguousarray(loads[others]))
             own, load = own - beside.T @ by_kept, load - by_kept.T @ loads[others]
             mean, by_load = mean - seen[:, others] @ by_kept, seen[:, others] @ by_loads
-        found: Floats = 0.5 * (own + own.T)
-        return found, load, mean, by_load
+        stiffness: Floats = 0.5 * (own + own.T)
+        return stiffness, load, mean, by_load
 
     def held_at(self, fixed: Ints, points: Floats, axes: Floats) -> Floats:
         """D (3m, 3m): displacements at points (m, 3) in their local axes (m, 3, 3) per force there, held at `fixed`.
@@ -277,11 +277,11 @@ class Elements:
         if place.min() < 0 or not np.array_equal(factor.perm_r, factor.perm_c):  # what SuperLU may do, and has not done
             right = np.zeros((len(order), len(own)))
             right[first:] = own.T
-            found: Floats = own @ factor.solve(right)[first:]
+            flexibility_matrix: Floats = own @ factor.solve(right)[first:]
         else:
             lower, upper = (part[:, first:][first:].toarray() for part in (factor.L, factor.U))
-            found = own @ np.linalg.solve((lower @ upper)[np.ix_(place, place)], own.T)
-        return 0.5 * (found + found.T)
+            flexibility_matrix = own @ np.linalg.solve((lower @ upper)[np.ix_(place, place)], own.T)
+        return 0.5 * (flexibility_matrix + flexibility_matrix.T)
 
     def _order(self, nodes: Ints) -> Ints:
         """The order in which nodes (n,) are eliminated with little fill: minimum degree, of a number a node."""
@@ -340,7 +340,7 @@ def flexibility(
     )  # fmt: skip
 
 
-def body(elements: Elements, points: Floats, axes: Floats, length: float) -> Body:
+def body(elements: Elements, points: Floats, axes: Floats, length: float) -> CondensedBlock:
     """A block of many, by its node pairs: points (m, 3), axes (m, 3, 3) and length as `flexibility` has them."""
     dim, centre = len(elements.space), elements.centroid_point()
     shapes = (sparse.block_diag(list(axes), format="csr") @ _cleaned(elements.shapes(points))).tocsr()
@@ -351,7 +351,7 @@ def body(elements: Elements, points: Floats, axes: Floats, length: float) -> Bod
     at[:, elements.space] = where
     rigid = elements.rigid(at, centre, length).reshape(len(nodes), 3, -1)[:, elements.space].reshape(len(kept), -1)
     stiffness, load, seen, by_load = elements.condensed(kept, elements.spread(length), elements.mean())
-    return Body(
+    return CondensedBlock(
         shapes[:, kept], frozen(where), frozen(stiffness), frozen(load), frozen(rigid), frozen(seen), frozen(by_load),
         elements.degrees, int(elements.mesh.t.shape[1]),
     )  # fmt: skip

@@ -82,8 +82,8 @@ def cells_of(points: Floats, triangles: Ints) -> Ints:
 def measures(points: Floats, cells: Ints) -> Floats:
     """Signed volumes of tetrahedra, or areas of triangles in the plane, (c,)."""
     sides = points[cells[:, 1:]] - points[cells[:, :1]]
-    found: Floats = np.linalg.det(sides) / (6.0 if cells.shape[1] == 4 else 2.0)
-    return found
+    sizes: Floats = np.linalg.det(sides) / (6.0 if cells.shape[1] == 4 else 2.0)
+    return sizes
 
 
 def is_convex(points: Floats, faces: Sequence[Sequence[int]]) -> bool:

@@ -16,7 +16,7 @@ from scipy import sparse
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.records import dataclass
-from slopekit.elastic.flexibility import Body, Flexibility
+from slopekit.elastic.flexibility import CondensedBlock, Flexibility
 from slopekit.preie.equilibrium import BOLT_GIVE_M
 
 _DENSE = 600  # unknowns up to which matrices are dense
@@ -48,7 +48,7 @@ class ElasticModel:
     bolt_capacity: Floats
     give: Any = None
     give_load: Any = None
-    seen: "tuple[tuple[Flexibility | Body, Ints, Ints], ...]" = field(default=())
+    seen: "tuple[tuple[Flexibility | CondensedBlock, Ints, Ints], ...]" = field(default=())
     bends: bool = False
 
     @property
@@ -63,13 +63,17 @@ class ElasticModel:
     @property
     def unbonded(self) -> Bools:
         """Pairs (n,) that have no bond to lose."""
-        found: Bools = (self.cohesion == 0.0) & (self.tension == 0.0)
-        return found
+        is_unbonded: Bools = (self.cohesion == 0.0) & (self.tension == 0.0)
+        return is_unbonded
 
     @property
-    def bodies(self) -> tuple[tuple[Body, Ints, Ints], ...]:
+    def bodies(self) -> tuple[tuple[CondensedBlock, Ints, Ints], ...]:
         """The condensed bodies of many elastic blocks."""
-        return tuple((one, pairs, own) for one, pairs, own in self.seen if isinstance(one, Body)) if self.bends else ()
+        return (
+            tuple((one, pairs, own) for one, pairs, own in self.seen if isinstance(one, CondensedBlock))
+            if self.bends
+            else ()
+        )
 
     def pulls(self, motion: Floats, factor: float) -> tuple[Floats, Floats]:
         """Pulls (b,) of the passive bolts, and by how much they grow per m that a bolt is drawn out."""
@@ -83,17 +87,19 @@ class ElasticModel:
         if not self.bends:
             return np.zeros((len(flexible.seen_by_load) // 3, 3))
         loads = (self.load + self.pulls(motion, factor)[0] @ self.bolt_rows)[unknowns]
-        if isinstance(flexible, Body):
+        if isinstance(flexible, CondensedBlock):
             assert bent is not None
             first = sum(one.seen.shape[1] for one, *_ in self.bodies[:block])
             shown = flexible.seen @ bent[first : first + flexible.seen.shape[1]]
         else:
             shown = flexible.seen_by_force @ forces[pairs]
-        found: Floats = (shown + flexible.seen_by_load @ loads).reshape(-1, 3)
-        return found
+        displacements: Floats = (shown + flexible.seen_by_load @ loads).reshape(-1, 3)
+        return displacements
 
 
-def with_blocks(model: ElasticModel, blocks: "tuple[tuple[Flexibility | Body, Ints, Ints], ...]") -> ElasticModel:
+def with_blocks(
+    model: ElasticModel, blocks: "tuple[tuple[Flexibility | CondensedBlock, Ints, Ints], ...]"
+) -> ElasticModel:
     """The model with elastic blocks, each with the rows (3m,) of its pairs and its unknowns (u,): dense ones with D."""
     size, unknowns = model.rows.shape
     if not model.is_dense:

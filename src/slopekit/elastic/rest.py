@@ -71,8 +71,8 @@ class Rest:
 
     def opened(self, model: ElasticModel) -> Bools:
         """Pairs (n,) whose bond is gone, and of those that never had one those that are open."""
-        found: Bools = np.where(model.unbonded, self.modes == ContactMode.DEBOND, self.parted)
-        return found
+        is_open: Bools = np.where(model.unbonded, self.modes == ContactMode.DEBOND, self.parted)
+        return is_open
 
     @property
     def failed_pairs(self) -> int:
@@ -80,7 +80,7 @@ class Rest:
         return int((self.modes != ContactMode.STICK).sum())
 
 
-class _State(NamedTuple):
+class _RestState(NamedTuple):
     """Blocks somewhere on the way to rest: what is off there, its size, and the law."""
 
     size: float
@@ -104,7 +104,7 @@ _LIGHT = _Dashpots(0.5, 1e-4 * _DASHPOT, 10.0 * _DASHPOT, _NEARLY)
 _EVERYWHERE = _LIGHT._replace(nearly=0.0)
 
 
-class Search:
+class RestSearch:
     """Rest at one factor after the other."""
 
     def __init__(self, model: ElasticModel, stiffness: JointStiffness) -> None:
@@ -144,15 +144,15 @@ class Search:
             factor, self.first[0].reshape(-1, 3), *self.first[1:], np.zeros(size), np.zeros(n, dtype=np.int64),
             np.zeros(n, dtype=bool) if self.model.is_dense else unbonded, np.zeros((n, 2)), math.inf, 0,
         )  # fmt: skip
-        found = fresh
+        state = fresh
         for part in _FIRST:
-            found = self.settled(fresh, part * factor)
-            if found.stands:
+            state = self.settled(fresh, part * factor)
+            if state.stands:
                 break
-        if not found.stands or found.factor == factor:
-            return replace(found, steps=self.steps)
-        onward = self.onward(found, factor)
-        return replace(onward or replace(found, factor=factor, residual=math.inf), steps=self.steps)
+        if not state.stands or state.factor == factor:
+            return replace(state, steps=self.steps)
+        onward = self.onward(state, factor)
+        return replace(onward or replace(state, factor=factor, residual=math.inf), steps=self.steps)
 
     def onward(self, here: Rest, factor: float, shortest: float = _SHORTEST) -> Rest | None:
         """Rest at a higher factor, from a state at rest; None where no step leads on."""
@@ -203,32 +203,32 @@ class Search:
 
     def settled(self, here: Rest, factor: float) -> Rest:
         """Newton's method until forces balance, again while pairs part (Table 2); a bond once broken stays so."""
-        found = replace(here, factor=factor, residual=math.inf)
+        state = replace(here, factor=factor, residual=math.inf)
         tension = self.model.tension
         for _ in range(self.releases):
             if self.spent:  # no rest: pairs might still part
-                return replace(found, residual=math.inf)
-            found, law = self._newton(found)
-            if self.model.is_dense and not found.stands and found.parted.any():
+                return replace(state, residual=math.inf)
+            state, law = self._newton(state)
+            if self.model.is_dense and not state.stands and state.parted.any():
                 # what has parted slides on from where it is
-                memory = found.memory.copy()
-                memory[found.parted] = found.relative[found.parted, 1:]
-                found, law = self._newton(replace(found, memory=memory))
-            broken = ~found.parted & breaks(law, tension, factor, self.rounding)
-            if not found.stands or not broken.any():
+                memory = state.memory.copy()
+                memory[state.parted] = state.relative[state.parted, 1:]
+                state, law = self._newton(replace(state, memory=memory))
+            broken = ~state.parted & breaks(law, tension, factor, self.rounding)
+            if not state.stands or not broken.any():
                 break
             pulled = law.tractions[:, 0] + tension / factor
             new = broken & (pulled < _LET_GO * float(pulled[broken].min()))
-            memory = found.memory.copy()
-            memory[new] = found.relative[new, 1:]
-            found = replace(found, parted=found.parted | new, memory=memory)
+            memory = state.memory.copy()
+            memory[new] = state.relative[new, 1:]
+            state = replace(state, parted=state.parted | new, memory=memory)
         else:  # pairs are in tension still
-            return replace(found, residual=math.inf)
-        if found.stands and (found.modes == ContactMode.DEBOND).any():  # what topples hangs on springs of open pairs
-            return self._newton(found, self.bare)[0]
-        return found
+            return replace(state, residual=math.inf)
+        if state.stands and (state.modes == ContactMode.DEBOND).any():  # what topples hangs on springs of open pairs
+            return self._newton(state, self.bare)[0]
+        return state
 
-    def _state(self, at: Rest, stiffness: JointStiffness) -> "_State":
+    def _state(self, at: Rest, stiffness: JointStiffness) -> "_RestState":
         """What is off of displacements and of balance, the law there, and the size of it."""
         model = self.model
         relative = at.relative.copy()
@@ -241,7 +241,7 @@ class Search:
         if len(model.bolt_capacity):
             loads = loads + model.pulls(at.motion, at.factor)[0] @ model.bolt_rows
         off = self.equations.off((at.relative.ravel(), at.motion, at.bent), forces, loads)
-        return _State(self.equations.size(off), at, off, law)
+        return _RestState(self.equations.size(off), at, off, law)
 
     def _newton(self, at: Rest, stiffness: JointStiffness | None = None) -> tuple[Rest, Tractions]:
         given = stiffness or self.stiffness
@@ -254,7 +254,7 @@ class Search:
         forces = (best.law.tractions * self.model.area[:, None]).ravel()
         return replace(best.at, forces=forces, modes=best.law.modes, residual=best.size), best.law
 
-    def _full(self, here: "_State", given: JointStiffness) -> "_State":
+    def _full(self, here: "_RestState", given: JointStiffness) -> "_RestState":
         """Full steps, even where the residual rises; of many blocks no more where it has not fallen after a few."""
         best, first = here, here.size
         for k in range(_FULL):
@@ -266,7 +266,7 @@ class Search:
             best = min(best, here, key=lambda one: one.size)
         return best
 
-    def _damped(self, best: "_State", given: JointStiffness) -> "_State":
+    def _damped(self, best: "_RestState", given: JointStiffness) -> "_RestState":
         """Steps cut until the residual falls; of many blocks a few."""
         here = best = self._state(best.at, given)
         for _ in range(_DAMPED if self.model.is_dense else _LOOK):
@@ -284,7 +284,7 @@ class Search:
             best = min(best, here, key=lambda one: one.size)
         return best
 
-    def _relaxed(self, here: "_State", given: JointStiffness) -> "_State":
+    def _relaxed(self, here: "_RestState", given: JointStiffness) -> "_RestState":
         """Steps against dashpots at the pairs, in rounds; between them what has slipped stays where it is.
 
         First at all pairs, fewer as the residual falls, then at those that change between stick, slip and open alone:
@@ -300,7 +300,7 @@ class Search:
             here = self._state(self._slipped(here if best is began else best, given), given)
         return best if best.size <= BALANCED else self._lightened(best, given, _FAR * np.abs(first.at.relative).max())
 
-    def _lightened(self, best: "_State", given: JointStiffness, far: float) -> "_State":
+    def _lightened(self, best: "_RestState", given: JointStiffness, far: float) -> "_RestState":
         """More rounds, as long as they bring something and nothing has gone farther than `far`, which flows."""
         every, idle = _DASHPOT, 0
         for _ in range(_LIGHT_ROUNDS):
@@ -315,8 +315,8 @@ class Search:
         return best
 
     def _round(
-        self, here: "_State", given: JointStiffness, every: float, bounds: "_Dashpots"
-    ) -> tuple["_State", "_State", float]:
+        self, here: "_RestState", given: JointStiffness, every: float, bounds: "_Dashpots"
+    ) -> tuple["_RestState", "_RestState", float]:
         """Some steps against dashpots: the last state, the best, and the dashpots of all pairs at the end."""
         best, dashpots = here, np.zeros(len(self.model.area))
         for _ in range(_ROUND):
@@ -334,7 +334,7 @@ class Search:
             best = min(best, here, key=lambda one: one.size)
         return here, best, every
 
-    def _slipped(self, here: "_State", given: JointStiffness) -> Rest:
+    def _slipped(self, here: "_RestState", given: JointStiffness) -> Rest:
         """What slips has no more elastic shear than its strength, what is open none."""
         at, law, shear = here.at, here.law, given.tangential
         memory, slips = at.memory.copy(), law.modes == ContactMode.SLIP
@@ -351,7 +351,7 @@ class Search:
         relative, motion, bent = self.equations.fitting((relative, motion, bent))
         return replace(at, relative=relative.reshape(-1, 3), motion=motion, bent=bent)
 
-    def _step(self, here: "_State", dashpots: Floats | None = None) -> Place:
+    def _step(self, here: "_RestState", dashpots: Floats | None = None) -> Place:
         """The changes that take away what is off; dashpots (n,) at the pairs, in parts of the normal stiffness."""
         slopes = here.law.slopes
         if dashpots is not None:

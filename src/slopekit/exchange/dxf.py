@@ -9,7 +9,7 @@ import numpy as np
 from slopekit.bolts import nearest
 from slopekit.core.arrays import Floats
 from slopekit.exchange.panels import triangles_of
-from slopekit.exchange.picking import Body, Picked
+from slopekit.exchange.picking import Picked, WrittenBlock
 from slopekit.exchange.solids import Files
 
 _MOST_INDEX = 32_767  # vertices of a polyface mesh: indices are 16-bit
@@ -64,7 +64,7 @@ def write_dxf(path: Path, picked: Picked) -> Files:
     return [path], "text, every digit of a double; $INSUNITS metres"
 
 
-def _add_block(space: Any, body: Body, layer: str) -> None:
+def _add_block(space: Any, body: WrittenBlock, layer: str) -> None:
     attributes = {"layer": layer}
     corners = body.vertices[body.triangles].tolist()
     if len(body.vertices) > _MOST_INDEX:
@@ -116,7 +116,7 @@ def _is_side(start: int, end: int, first: int, after: int) -> bool:
     return (start - first + 1) % (after - first) == end - first
 
 
-def _add_outline(space: Any, outline: Floats, body: Body, layer: str) -> None:
+def _add_outline(space: Any, outline: Floats, body: WrittenBlock, layer: str) -> None:
     """The outline of a block of a section, in the section's middle."""
     from ezdxf.math import OCS
 

@@ -12,9 +12,9 @@ import numpy as np
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
 from slopekit.exchange.dxf import write_dxf
-from slopekit.exchange.picking import WHAT, Body, Picked, names_of, picked, volume_of, with_bolts, words_of_what
+from slopekit.exchange.picking import WHAT, Picked, WrittenBlock, names_of, picked, volume_of, with_bolts, words_of_what
 from slopekit.exchange.solids import Files, binary_rounding, write_binary_stl, write_glb, write_obj, write_stl
-from slopekit.exchange.source import Given, Source, sources_of
+from slopekit.exchange.source import ExportSource, Given, sources_of
 from slopekit.exchange.split import write_split
 from slopekit.exchange.vtu import write_vtu
 
@@ -75,8 +75,8 @@ class Written:
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
-        found = asdict(self) | {"files": [str(path) for path in self.files]}
-        return found if self.case else {key: value for key, value in found.items() if key != "case"}
+        record = asdict(self) | {"files": [str(path) for path in self.files]}
+        return record if self.case else {key: value for key, value in record.items() if key != "case"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,20 +198,20 @@ def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:
 
 def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
     """The file to write, refused before any work is done; E360, E364, E366, E140, E129."""
-    found = _format(path.suffix.lower(), str(path))
-    lacking = [word for word in words if word not in found.parts]
+    file_format = _format(path.suffix.lower(), str(path))
+    lacking = [word for word in words if word not in file_format.parts]
     if lacking:
         able = [suffix for suffix, one in FORMATS.items() if lacking[0] in one.parts]
-        message = f"{found.name} files hold no {lacking[0]}"
+        message = f"{file_format.name} files hold no {lacking[0]}"
         raise DesignError([Fault("E364", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
-    if len(words) > 1 and not found.several:
-        message = f"{found.name} files hold one part at a time, not {' and '.join(words)}"
+    if len(words) > 1 and not file_format.several:
+        message = f"{file_format.name} files hold one part at a time, not {' and '.join(words)}"
         able = [suffix for suffix, one in FORMATS.items() if one.several and set(words) <= set(one.parts)]
         raise DesignError([Fault("E364", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
     if binary and path.suffix.lower() != ".stl":
-        message = f"--binary is for STL, {path.name} is {found.name}"
+        message = f"--binary is for STL, {path.name} is {file_format.name}"
         raise DesignError([Fault("E366", message, "--binary", "Leave it out.")])
-    _refuse_without(found, str(path))
+    _refuse_without(file_format, str(path))
     if path.is_dir():
         raise DesignError([Fault("E129", f"{path} cannot be written: it is a folder", str(path))])
     _refuse_unwritable(path.parent)
@@ -219,24 +219,27 @@ def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
 
 
 def _format(suffix: str, where: str) -> Format:
-    found = FORMATS.get(suffix)
-    if found is None:
+    file_format = FORMATS.get(suffix)
+    if file_format is None:
         near = get_close_matches(suffix, FORMATS, n=1)
         shown = f"the suffix {suffix}" if suffix else "a file without suffix"
         advice = f"There are: {' '.join(FORMATS)}.{f' Did you mean {near[0]}?' if near else ''}"
         raise DesignError([Fault("E360", f"{shown} is no format that slopekit writes", where, advice)])
-    return found
+    return file_format
 
 
-def _refuse_without(found: Format, where: str) -> None:
+def _refuse_without(file_format: Format, where: str) -> None:
     """E140 where the module that a format needs is not installed."""
-    if found.needs is None:
+    if file_format.needs is None:
         return
-    module, extra = found.needs
+    module, extra = file_format.needs
     try:
         __import__(module)
     except ImportError:
-        message, advice = f"{found.name} files need the extra {extra} ({module})", f"pip install 'slopekit[{extra}]'"
+        message, advice = (
+            f"{file_format.name} files need the extra {extra} ({module})",
+            f"pip install 'slopekit[{extra}]'",
+        )
         raise DesignError([Fault("E140", message, where, advice)]) from None
 
 
@@ -267,7 +270,7 @@ def _described(form: Format, files: Sequence[Path], precision: str, chosen: Pick
     )  # fmt: skip
 
 
-def _volume(body: Body, rounded: str) -> float:
+def _volume(body: WrittenBlock, rounded: str) -> float:
     """The volume (m³) of a block as it stands in the file."""
     if not rounded:
         return body.volume
@@ -275,20 +278,22 @@ def _volume(body: Body, rounded: str) -> float:
     return volume_of(vertices.astype(np.float32).astype(np.float64), body.triangles)
 
 
-def _notices(source: Source, chosen: Picked, path: Path, binary: bool) -> list[Notice]:
+def _notices(source: ExportSource, chosen: Picked, path: Path, binary: bool) -> list[Notice]:
     """What the files do not say themselves: W370 rounding, W377 flat triangles for a curved body."""
-    found = []
+    notices = []
     if binary:
         rounding = binary_rounding(chosen)
         smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest
         if rounding > _ROUNDING * smallest:
             message = f"binary STL holds float32: {path.name} rounds coordinates by up to {rounding:.2g} m"
-            found.append(Notice("W370", f"{message}, the smallest block is {smallest:.3g} m in size"))
+            notices.append(Notice("W370", f"{message}, the smallest block is {smallest:.3g} m in size"))
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
     if source.is_curved and chosen.bodies and true > 0.0:
         flat = sum(body.volume for body in chosen.bodies)
         share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
         if share > _SMOOTH:
             message = f"the mass is written with flat triangles: {flat:.6g} m³"
-            found.append(Notice("W377", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³"))
-    return found
+            notices.append(
+                Notice("W377", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³")
+            )
+    return notices

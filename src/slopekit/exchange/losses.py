@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from slopekit.exchange.source import Pair, Source
+from slopekit.exchange.source import ExportSource, Pair
 from slopekit.kinds.protocol import CarriedJoint
 
 #: What acceptance can name in a design of kind blocks; the last only where its criterion is asked for.
@@ -34,7 +34,7 @@ def lost_of_laws(inputs: Mapping[str, Any]) -> list[str]:
     return [f"curved strength ({', '.join(named)}): c and φ of its line up to 100 kPa are written"] if named else []
 
 
-def lost_of_strength_and_water(source: Source) -> list[str]:
+def lost_of_strength_and_water(source: ExportSource) -> list[str]:
     """Residual strength, and a water table over the contacts of many blocks."""
     inputs = source.document["inputs"]
     given = [inputs.get("strength"), *(strength for _, strength in inputs.get("strengths", ()))]
@@ -46,16 +46,16 @@ def lost_of_strength_and_water(source: Source) -> list[str]:
     return lost
 
 
-def lost_of_criterion(source: Source) -> list[str]:
+def lost_of_criterion(source: ExportSource) -> list[str]:
     """The all-pairs factor of one block is sought in another way than that of many."""
     if source.document["inputs"].get("criterion") != "all-pairs" or source.has_many:
         return []
-    found = (source.document.get("fos") or {}).get("all_pairs_failed")
-    here = "here none was found" if found is None else f"here it is {found:.6g}"
+    factor = (source.document.get("fos") or {}).get("all_pairs_failed")
+    here = "here none was found" if factor is None else f"here it is {factor:.6g}"
     return [f"the search for all pairs failed: kind blocks has its own, compare that factor ({here})"]
 
 
-def lost_of_mixed(source: Source, mixed: Sequence[str], pressures: Mapping[Pair, float]) -> list[str]:
+def lost_of_mixed(source: ExportSource, mixed: Sequence[str], pressures: Mapping[Pair, float]) -> list[str]:
     """Interfaces that had several strengths or pressures and have one here."""
     if not mixed:
         return []
@@ -75,7 +75,7 @@ def lost_of_loads(away: Sequence[str]) -> list[str]:
 
 
 def pressures_of(
-    source: Source, joints: Mapping[str, CarriedJoint], of_pair: Mapping[Pair, str], files: Mapping[str, str]
+    source: ExportSource, joints: Mapping[str, CarriedJoint], of_pair: Mapping[Pair, str], files: Mapping[str, str]
 ) -> dict[Pair, float]:
     """Mean water pressures (kPa) of pairs; those of single blocks act as forces."""
     if source.carried.pressures is not None:

@@ -17,7 +17,7 @@ _SHOWN = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class WrittenBlock:
     """A block to write: its index in the scene, -1 for a slab of bedrock that is none of its blocks; its surface."""
 
     index: int
@@ -55,7 +55,7 @@ class Picked:
 
     scene: BlockScene
     what: tuple[str, ...]
-    bodies: tuple[Body, ...]
+    bodies: tuple[WrittenBlock, ...]
     contacts: Ints
     pairs: Ints
     line: Floats | None
@@ -74,7 +74,7 @@ class Picked:
         """The size (m) of the smallest body: cube root of its volume."""
         return min((abs(body.volume) ** (1.0 / 3.0) for body in self.bodies), default=np.inf)
 
-    def state_of(self, body: Body) -> int:
+    def state_of(self, body: WrittenBlock) -> int:
         """Whether a block is bedrock, 0, stands, 1, or moves in a mechanism, 2."""
         return 0 if self.scene.shapes.fixed[body.index] else 2 if self.scene.order[body.index] else 1
 
@@ -158,20 +158,20 @@ def picked(
         "blocks": np.flatnonzero(chosen), "interfaces": _touching(chosen, shapes.contacts),
         "pairs": _touching(chosen, scene.pairs), "bolts": _bolts_of(scene, chosen, blocks is None),
     }  # fmt: skip
-    own = {word: found if word in what else found[:0] for word, found in every.items()}
-    missing = next((word for word, found in own.items() if word in what and not len(found)), None)
+    own = {word: indices if word in what else indices[:0] for word, indices in every.items()}
+    missing = next((word for word, indices in own.items() if word in what and not len(indices)), None)
     if missing is not None:
         raise DesignError([Fault("E365", f"there are no {missing} to write", "", _why(missing, blocks, moving))])
-    bodies = tuple(Body(k, shapes.names[k], *shapes.solids.of(k)) for k in own["blocks"].tolist())
+    bodies = tuple(WrittenBlock(k, shapes.names[k], *shapes.solids.of(k)) for k in own["blocks"].tolist())
     outlines = tuple(outline_of(body) for body in bodies) if is_section else ()
     line = _line(scene)
     return Picked(scene, tuple(what), bodies, own["interfaces"], own["pairs"], line, outlines, own["bolts"])
 
 
-def with_bolts(found: Picked, blocks: Sequence[str] | None, moving: bool) -> Picked:
+def with_bolts(selection: Picked, blocks: Sequence[str] | None, moving: bool) -> Picked:
     """What was picked, with the bolts of the blocks where there are any."""
-    bolts = _bolts_of(found.scene, _chosen(found.scene, blocks, moving), blocks is None)
-    return replace(found, what=(*found.what, "bolts"), bolts=bolts) if len(bolts) else found
+    bolts = _bolts_of(selection.scene, _chosen(selection.scene, blocks, moving), blocks is None)
+    return replace(selection, what=(*selection.what, "bolts"), bolts=bolts) if len(bolts) else selection
 
 
 def _chosen(scene: BlockScene, blocks: Sequence[str] | None, moving: bool) -> Bools:
@@ -193,7 +193,7 @@ def _bolts_of(scene: BlockScene, chosen: Bools, every: bool) -> Ints:
     return np.flatnonzero(np.append(chosen, every)[scene.known_bolts.block])
 
 
-def outline_of(body: Body) -> Floats:
+def outline_of(body: WrittenBlock) -> Floats:
     """The near end (k, 3) of a block drawn out of a section: `prism` lists it first."""
     return body.vertices[: len(body.vertices) // 2]
 

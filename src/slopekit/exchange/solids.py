@@ -106,7 +106,7 @@ def stl_name(name: str) -> str:
     >>> stl_name("north solid 1")
     'north s_olid 1'
     """
-    return _RESERVED.sub(lambda found: f"{found.group()[0]}_{found.group()[1:]}", " ".join(name.split()))
+    return _RESERVED.sub(lambda match: f"{match.group()[0]}_{match.group()[1:]}", " ".join(name.split()))
 
 
 def _surfaces(picked: Picked) -> Iterator[tuple[str, Floats, Ints]]:

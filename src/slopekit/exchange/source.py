@@ -31,7 +31,7 @@ Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class ExportSource:
     """A result to export: its JSON, and the scene that stands in it."""
 
     document: Mapping[str, Any]
@@ -62,7 +62,7 @@ class Source:
 Given: TypeAlias = "Result | Cases[Any] | Mapping[str, Any] | str | os.PathLike[str]"
 
 
-def sources_of(given: Given, case: str | None = None) -> dict[str, Source]:
+def sources_of(given: Given, case: str | None = None) -> dict[str, ExportSource]:
     """What `source_of` makes, of each load case by its name or of the one that is named; without cases by no name.
 
     Raises
@@ -82,7 +82,7 @@ def sources_of(given: Given, case: str | None = None) -> dict[str, Source]:
     return {own: source_of(one, f"{name}, case {own}") for own, one in of_cases(document, case, name).items()}
 
 
-def source_of(given: Given, name: str = "") -> Source:
+def source_of(given: Given, name: str = "") -> ExportSource:
     """A result, its JSON, or the path of its JSON file or of the folder of result.json, as a source.
 
     Raises
@@ -94,7 +94,7 @@ def source_of(given: Given, name: str = "") -> Source:
 
     if isinstance(given, Result):
         own = {key: value for key, value in given.to_dict().items() if key != "scene"}
-        return Source(own, given.scene)
+        return ExportSource(own, given.scene)
     document, called = _document(given)
     name = name or called
     if "slopekit" not in document:
@@ -105,7 +105,7 @@ def source_of(given: Given, name: str = "") -> Source:
     scene = document.get("scene")
     if scene is None:
         raise DesignError([_no_scene(document, name)])
-    return Source(document, BlockScene.from_dict(scene))
+    return ExportSource(document, BlockScene.from_dict(scene))
 
 
 def _document(given: object) -> tuple[Mapping[str, Any], str]:
@@ -153,20 +153,20 @@ def _read(path: Path) -> Mapping[str, Any]:
 # -- strengths and water ----------------------------------------------------------------------------------------------
 
 
-def joints_of(source: Source) -> Mapping[str, CarriedJoint]:
+def joints_of(source: ExportSource) -> Mapping[str, CarriedJoint]:
     """The joints of a result by name; those without a strength (a tension crack) are left out."""
     return source.carried.joints(source.document["inputs"], source.scene.shapes.joints)
 
 
 @dataclass(frozen=True, slots=True)
-class Pairs:
+class InterfaceJoints:
     """The interfaces of a scene: joint by pair of blocks (the one of most area), and pairs that had several."""
 
     joint: Mapping[Pair, str]
     mixed: tuple[str, ...]
 
 
-def pairs_of(source: Source, rock: Mapping[int, str], joints: Mapping[str, CarriedJoint]) -> Pairs:
+def pairs_of(source: ExportSource, rock: Mapping[int, str], joints: Mapping[str, CarriedJoint]) -> InterfaceJoints:
     """The interfaces between named blocks.
 
     Parameters
@@ -187,7 +187,7 @@ def pairs_of(source: Source, rock: Mapping[int, str], joints: Mapping[str, Carri
         "/".join(pair) for pair, share in shares.items()
         if len({(joints[name].strength, joints[name].pressure) for name in share}) > 1
     )  # fmt: skip
-    return Pairs({pair: max(share, key=share.__getitem__) for pair, share in shares.items()}, mixed)
+    return InterfaceJoints({pair: max(share, key=share.__getitem__) for pair, share in shares.items()}, mixed)
 
 
 #: One load of several of its kind.
@@ -204,10 +204,10 @@ def bolt_of_load(document: Mapping[str, Any], name: str) -> tuple[str, int] | No
     >>> bolt_of_load({"inputs": {"bolts": bolts}}, "active bolt 1")
     ('active', 2)
     """
-    found, inputs = NUMBERED.match(name), document.get("inputs") or {}
-    if found is None:
+    match, inputs = NUMBERED.match(name), document.get("inputs") or {}
+    if match is None:
         return None
-    acts, number = found[1].removesuffix(" bolt"), int(found[2])
+    acts, number = match[1].removesuffix(" bolt"), int(match[2])
     if acts == "force":
         acts, number = "active", number - len(inputs.get("forces") or [])
         if document.get("assembly") is None:

@@ -22,9 +22,9 @@ from slopekit.exchange.losses import (
     lost_of_strength_and_water,
     pressures_of,
 )
-from slopekit.exchange.picking import Body, Picked
+from slopekit.exchange.picking import Picked, WrittenBlock
 from slopekit.exchange.solids import Files
-from slopekit.exchange.source import Pair, Source, bolt_of_load, direction_deg, joints_of, pairs_of
+from slopekit.exchange.source import ExportSource, Pair, bolt_of_load, direction_deg, joints_of, pairs_of
 from slopekit.kinds.protocol import CarriedJoint
 
 _APART = "between rows"  # the smooth strength of rows of columns that do not touch
@@ -37,7 +37,7 @@ _NOT_IN_FILES = re.compile(r"[^A-Za-z0-9._-]+")
 
 
 def design_text(
-    source: Source,
+    source: ExportSource,
     is_fixed: Mapping[str, bool],
     files: Mapping[str, str],
     rock: Mapping[int, str],
@@ -53,8 +53,8 @@ def design_text(
     """
     document, inputs = source.document, source.document["inputs"]
     joints = joints_of(source)
-    found = pairs_of(source, rock, joints)
-    of_pair = {pair: joint for pair, joint in found.joint.items() if all(name in files for name in pair)}
+    pairs = pairs_of(source, rock, joints)
+    of_pair = {pair: joint for pair, joint in pairs.joint.items() if all(name in files for name in pair)}
     moving = [joint for pair, joint in of_pair.items() if not all(is_fixed[name] for name in pair)]
     default = Counter(joints[joint].strength for joint in moving).most_common(1)[0][0]
     used = {joints[joint].strength: joints[joint] for joint in of_pair.values()}
@@ -63,7 +63,7 @@ def design_text(
         if joints[joint].strength != default
     }  # fmt: skip
     pressures = pressures_of(source, joints, of_pair, files)
-    lost, rows = lost_of_mixed(source, found.mixed, pressures), source.carried.apart(inputs, source.scene.shapes.names)
+    lost, rows = lost_of_mixed(source, pairs.mixed, pressures), source.carried.apart(inputs, source.scene.shapes.names)
     lost += ["that rows do not touch: here smooth joints lie between them"] if rows else []
     lost += lost_of_laws(inputs)
     lost += lost_of_strength_and_water(source)
@@ -120,7 +120,7 @@ def _water(pressures: Mapping[Pair, float]) -> list[str]:
     ]
 
 
-def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[str]]:
+def _loads(source: ExportSource, files: Mapping[str, str]) -> tuple[list[str], list[str]]:
     """Seismic load and forces; active bolts act as forces."""
     arrows, names = source.scene.loads, source.scene.shapes.names
     forces, seismic = [], np.zeros(3)
@@ -179,7 +179,7 @@ def _text(text: str) -> str:
 
 
 def write_split(
-    folder: Path, source: Source, chosen: Picked, suffix: str, write: Callable[[Path, Picked], Files]
+    folder: Path, source: ExportSource, chosen: Picked, suffix: str, write: Callable[[Path, Picked], Files]
 ) -> tuple[Files, list[Notice]]:
     """Write a mesh a block and, where bedrock holds blocks that move, blocks.yaml.
 
@@ -222,7 +222,7 @@ def write_split(
     return (paths, precision), notices
 
 
-def _polygons(source: Source, chosen: Picked) -> dict[str, Floats]:
+def _polygons(source: ExportSource, chosen: Picked) -> dict[str, Floats]:
     """The polygons (k, 2) of a section of blocks, which say all of it; none where rows of columns stand in space."""
     if not (source.has_many and chosen.outlines):
         return {}
@@ -232,7 +232,7 @@ def _polygons(source: Source, chosen: Picked) -> dict[str, Floats]:
     return {body.name: outline[:, [0, 2]] for body, outline in zip(chosen.bodies, chosen.outlines, strict=True)}
 
 
-def _why_no_design(source: Source, is_fixed: Mapping[str, bool]) -> str:
+def _why_no_design(source: ExportSource, is_fixed: Mapping[str, bool]) -> str:
     if source.is_curved:
         return "the slip surface is curved, its normals are not those of the triangles (kind surface reads meshes too)"
     if all(is_fixed.values()):
@@ -242,7 +242,7 @@ def _why_no_design(source: Source, is_fixed: Mapping[str, bool]) -> str:
 
 def _file_names(names: Sequence[str], suffix: str) -> dict[str, str]:
     """A file for every block; what a file name may not hold becomes _, and no two differ by capitals alone."""
-    found: dict[str, str] = {}
+    file_names: dict[str, str] = {}
     taken: set[str] = set()
     for name in names:
         stem = base = _NOT_IN_FILES.sub("_", name).strip(".") or "block"
@@ -251,26 +251,26 @@ def _file_names(names: Sequence[str], suffix: str) -> dict[str, str]:
             count += 1
             stem = f"{base}_{count}"
         taken.add(stem.lower())
-        found[name] = stem + suffix
-    return found
+        file_names[name] = stem + suffix
+    return file_names
 
 
-def _slabs(source: Source, bodies: Sequence[Body]) -> dict[int, Body]:
+def _slabs(source: ExportSource, bodies: Sequence[WrittenBlock]) -> dict[int, WrittenBlock]:
     """Bedrock behind each joint of a single convex block, by the index of the contact."""
     if source.has_many or source.is_curved or len(bodies) != 1:
         return {}
     shapes = source.scene.shapes
     contacts, joints = shapes.contacts, joints_of(source)
-    found = {}
+    slabs = {}
     for k in range(len(contacts)):
         joint = shapes.joints[contacts.joint[k]]
         if joint in joints:
             corners = contacts.corners[contacts.first[k] : contacts.first[k + 1]]
-            found[k] = _slab(corners, bodies[0], f"bedrock {joint}")
-    return found
+            slabs[k] = _slab(corners, bodies[0], f"bedrock {joint}")
+    return slabs
 
 
-def _slab(corners: Floats, body: Body, name: str) -> Body:
+def _slab(corners: Floats, body: WrittenBlock, name: str) -> WrittenBlock:
     """A convex face of a block, drawn out of it."""
     middle = body.vertices.mean(axis=0)
     turned = np.roll(corners, -1, axis=0)
@@ -284,4 +284,4 @@ def _slab(corners: Floats, body: Body, name: str) -> Body:
     here, after = np.arange(count), np.roll(np.arange(count), -1)
     fan = np.stack([np.zeros(count - 2, dtype=np.int64), here[1:-1], here[2:]], axis=1)
     sides = [np.stack([here, after, after + count], axis=1), np.stack([here, after + count, here + count], axis=1)]
-    return Body(-1, name, vertices, np.concatenate([fan[:, ::-1], fan + count, *sides]))
+    return WrittenBlock(-1, name, vertices, np.concatenate([fan[:, ::-1], fan + count, *sides]))

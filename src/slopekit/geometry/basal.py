@@ -95,8 +95,8 @@ def trace_behind(rock: BasalRockMass) -> Floats:
 
 def _behind(joint: Floats, upper: Floats, face: Floats) -> Floats:
     trace = cross(joint, upper)
-    found: Floats = trace / math.copysign(math.sqrt(float(trace @ trace)), -float(face @ trace))
-    return found
+    direction: Floats = trace / math.copysign(math.sqrt(float(trace @ trace)), -float(face @ trace))
+    return direction
 
 
 def cut_basal_wedge(rock: BasalRockMass) -> Block:
@@ -148,7 +148,7 @@ def cut_basal_wedge(rock: BasalRockMass) -> Block:
 def _corners(rock: BasalRockMass) -> Floats:
     """The corners of the block (n, 3), with other points where they span no box: a box is all they are for."""
     normals, offsets = np.array(list(rock.outward.values())), np.array(list(rock.offsets.values()))
-    found = []
+    vertices = []
     for planes in combinations(range(len(offsets)), 3):
         three = normals[list(planes)]
         if abs(float(np.linalg.det(three))) < SAME_DIRECTION**2:
@@ -156,10 +156,10 @@ def _corners(rock: BasalRockMass) -> Floats:
         corner = np.linalg.solve(three, offsets[list(planes)])
         size = max(float(np.abs(corner).max()), float(np.abs(offsets).max()))
         if (normals @ corner - offsets <= _ON_PLANE * size).all():
-            found.append(corner)
-    corners = np.array(found)
-    spans = len(found) > 3 and (np.ptp(corners, axis=0) > _ON_PLANE * np.abs(corners).max()).all()
-    if spans or not found:
+            vertices.append(corner)
+    corners = np.array(vertices)
+    spans = len(vertices) > 3 and (np.ptp(corners, axis=0) > _ON_PLANE * np.abs(corners).max()).all()
+    if spans or not vertices:
         return corners.reshape(-1, 3)
-    size = float(np.abs([rock.crest1, rock.crest2, rock.basal_at, *found]).max())
+    size = float(np.abs([rock.crest1, rock.crest2, rock.basal_at, *vertices]).max())
     return np.concatenate([corners, corners[:1] - size, corners[:1] + size])  # it goes on without end

@@ -37,8 +37,8 @@ def box_pairs(lowest: Floats, highest: Floats) -> tuple[Ints, Ints]:
     if best.candidates > 20 * count:
         grids = _grids(lowest, highest)
         if sum(grid.candidates for grid in grids) < best.candidates:
-            found = [grid.pairs(lowest, highest) for grid in grids]
-            first, second = (np.concatenate([pair[k] for pair in found]) for k in range(2))
+            pairs = [grid.pairs(lowest, highest) for grid in grids]
+            first, second = (np.concatenate([pair[k] for pair in pairs]) for k in range(2))
             return np.minimum(first, second), np.maximum(first, second)
     return best.pairs(lowest, highest)
 

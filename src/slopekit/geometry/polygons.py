@@ -69,9 +69,9 @@ def _crossing(points: Floats) -> tuple[int, int] | None:
         overlaps = in_line & (np.minimum(from_c, from_d) < span @ span) & (np.maximum(from_c, from_d) > 0.0)
         meets = ~in_line & (c_side * d_side <= 0.0) & (a_side * b_side <= 0.0)
         meets &= (others != k + 1) & (others != (k - 1) % count)  # neighbours share a point
-        found = np.flatnonzero(meets | overlaps)
-        if len(found):
-            return k, int(others[found[0]])
+        crossed = np.flatnonzero(meets | overlaps)
+        if len(crossed):
+            return k, int(others[crossed[0]])
     return None
 
 

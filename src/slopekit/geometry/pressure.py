@@ -39,13 +39,13 @@ class Height:
 
 def under_planes(normals: Floats, offsets: Floats, depth: float) -> tuple[Height, ...]:
     """A table at a vertical depth below the lowest of planes `normal · x = offset`; vertical ones bound nothing."""
-    found = [(normal, offset) for normal, offset in zip(normals, offsets, strict=True) if normal[2] > _ON_EDGE]
-    slopes = [np.array([-normal[0], -normal[1], 0.0]) / normal[2] for normal, _ in found]
-    levels = [float(offset / normal[2]) for normal, offset in found]
+    planes = [(normal, offset) for normal, offset in zip(normals, offsets, strict=True) if normal[2] > _ON_EDGE]
+    slopes = [np.array([-normal[0], -normal[1], 0.0]) / normal[2] for normal, _ in planes]
+    levels = [float(offset / normal[2]) for normal, offset in planes]
     heights = []
     for k, (slope, level) in enumerate(zip(slopes, levels, strict=True)):
         borders = tuple(
-            (slope - slopes[other], levels[other] - level, k > other) for other in range(len(found)) if other != k
+            (slope - slopes[other], levels[other] - level, k > other) for other in range(len(planes)) if other != k
         )
         heights.append(Height(slope, level - depth, borders))
     return tuple(heights)

@@ -19,7 +19,7 @@ J1, FACE, UPPER, CRACK, LEFT, RIGHT = range(6)
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class PlaneSection:
     """A block on one plane in its section.
 
     Attributes
@@ -42,7 +42,7 @@ class Section:
 def plane_section(
     plane_dip: float, face_dip: float, upper_dip: float, height: float,
     crack_depth: float | None = None, crack_distance: float | None = None,
-) -> Section:  # fmt: skip
+) -> PlaneSection:  # fmt: skip
     """The block above a plane that daylights at the toe, in front of a vertical crack where there is one.
 
     Parameters
@@ -103,10 +103,10 @@ def plane_section(
     outline = side[:, [0, 2]]
     start = int(np.argmin(np.abs(outline).sum(axis=1)))
     length = math.hypot(float(bottom[0]), float(bottom[2]))
-    return Section(block, frozen(bottom), length, depth, distance, frozen(np.roll(outline, -start, axis=0)))
+    return PlaneSection(block, frozen(bottom), length, depth, distance, frozen(np.roll(outline, -start, axis=0)))
 
 
-def footing_section(dip: float, length: float) -> Section:
+def footing_section(dip: float, length: float) -> PlaneSection:
     """The block between a plane that daylights at the foot of a vertical face and the level ground above it.
 
     Parameters
@@ -117,7 +117,7 @@ def footing_section(dip: float, length: float) -> Section:
     return plane_section(dip, 90.0, 0.0, height)
 
 
-def line_pairs(section: Section, elements: int) -> NodePairs:
+def line_pairs(section: PlaneSection, elements: int) -> NodePairs:
     """Node pairs along the plane, toe first: Simpson's rule on each element (1/6, 4/6, 1/6).
 
     Parameters

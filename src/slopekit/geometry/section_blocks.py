@@ -255,7 +255,7 @@ def section_assembly(
     outlines, tolerance = clean_outlines(polygons, tolerance, called)
     bedrock = np.asarray(fixed, dtype=bool)
     reach = NEARLY_TOUCHES * float(np.sqrt(outlines.areas).mean())
-    edges = _Edges(outlines, bedrock)
+    edges = _OutlineEdges(outlines, bedrock)
     first, second = edges.candidates(max(reach, tolerance))
     own = edges.block[first] == edges.block[second]
     crossing = edges.crossing(first[own], second[own], OUTLINE_CLEAN * tolerance / 2.0)
@@ -312,7 +312,7 @@ class _FacingEdges:
     most: Floats
 
 
-class _Edges:
+class _OutlineEdges:
     """All edges of all outlines, the block to the left of each."""
 
     def __init__(self, outlines: Outlines, fixed: Bools) -> None:

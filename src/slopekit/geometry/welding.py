@@ -50,8 +50,8 @@ def welded(vertices: Floats, triangles: Ints, block: Ints) -> tuple[Floats, Ints
         own = _closed(vertices[used], local.reshape(-1, 3))
         kept.append(used[own])
         of.append(np.full(len(own), one))
-    found = np.concatenate(kept)
-    used, index = np.unique(found, return_inverse=True)
+    closed_triangles = np.concatenate(kept)
+    used, index = np.unique(closed_triangles, return_inverse=True)
     owner = np.concatenate(of)
     order = np.argsort(owner, kind="stable")
     return vertices[used], index.reshape(-1, 3)[order], owner[order]

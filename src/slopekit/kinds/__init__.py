@@ -20,8 +20,8 @@ def register(kind: "Kind[Any]") -> None:
 
 def kind_named(name: str) -> "Kind[Any]":
     """What a kind says of itself. Raises KeyError for a name that is none."""
-    found: Kind[Any] = registry.kind_named(name)
-    return found
+    kind: Kind[Any] = registry.kind_named(name)
+    return kind
 
 
 def known_kind(name: object) -> "Kind[Any] | None":

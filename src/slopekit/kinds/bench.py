@@ -184,16 +184,18 @@ def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...
     seen: dict[tuple[float, ...], str] = {}
     wanted = [name for name in fields_of(JointSetInput) if name != "strength"]
     for (name, below), strength in zip(named, strengths, strict=True):
-        found = reader.fields(JointSetInput, below, name, only=wanted)
-        if None in found.values():
+        attributes = reader.fields(JointSetInput, below, name, only=wanted)
+        if None in attributes.values():
             continue
-        plane: Plane = found["plane"]
-        key = (plane.dip_deg, plane.dip_direction_deg % 360.0, found["spacing_m"], found["offset_m"])
+        plane: Plane = attributes["plane"]
+        key = (plane.dip_deg, plane.dip_direction_deg % 360.0, attributes["spacing_m"], attributes["offset_m"])
         if key in seen:
             message = f"{name} has the planes of {seen[key]}: the same orientation, spacing and offset"
             reader.fault("E136", message, below, "Leave it out, or give it an offset.")
         seen.setdefault(key, name)
-        sets.append(JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **found))
+        sets.append(
+            JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
+        )
     return tuple(sets)
 
 

@@ -278,16 +278,16 @@ def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, 
         message = f"interfaces.default is missing, and there are {len(names)} strengths"
         reader.fault("E249", message, group or strengths, f"Add default: {' or '.join(names[:4])}.")
     before = len(reader.faults)
-    found = strength_names(reader, users)
+    assigned = strength_names(reader, users)
     if not has_default or len(pairs) < len(named):  # a strength that none of the others has may be meant there
         reader.faults[before:] = [fault for fault in reader.faults[before:] if fault.code != "E195"]
-    interfaces = tuple((*pair, one) for pair, one in zip(pairs, found, strict=False) if one is not None)
-    return (found[-1] if has_default else None), interfaces
+    interfaces = tuple((*pair, one) for pair, one in zip(pairs, assigned, strict=False) if one is not None)
+    return (assigned[-1] if has_default else None), interfaces
 
 
 def _pairs(reader: Reader, keys: Sequence[tuple[str, Node]], nodes: Mapping[str, Node]) -> dict[tuple[str, str], Node]:
     """Keys such as B1/B2 as pairs of blocks: E247 what is none, E248 the same twice."""
-    found: dict[tuple[str, str], Node] = {}
+    pairs: dict[tuple[str, str], Node] = {}
     seen: dict[frozenset[str], str] = {}
 
     def wrong(node: Node, message: str, advice: str) -> None:
@@ -307,9 +307,9 @@ def _pairs(reader: Reader, keys: Sequence[tuple[str, Node]], nodes: Mapping[str,
             message = f"{key} is the same interface as {seen[frozenset(names)]}"
             reader.faults.append(Fault("E248", message, str(node.key_place), "Leave one of them out."))
         else:
-            found[names[0], names[1]] = node
+            pairs[names[0], names[1]] = node
         seen.setdefault(frozenset(names), key)
-    return found
+    return pairs
 
 
 def _pressures_between(reader: Reader, nodes: Mapping[str, Node]) -> tuple[tuple[str, str, float], ...]:

@@ -109,11 +109,11 @@ class OnArrays(Generic[D]):
             return self.closed_forms(arguments, bolts).of()
 
         def on_lines(lines: Sequence[Strength]) -> tuple[ClosedForm, list[float]]:
-            found = self.closed_forms(arguments | self.of_strengths(lines), bolts)
-            return found.of(), found.tractions_kpa()
+            forms = self.closed_forms(arguments | self.of_strengths(lines), bolts)
+            return forms.of(), forms.tractions_kpa()
 
-        (found, _), _ = on_secants(strengths, on_lines, lambda answer: answer[1])
-        return found
+        (form, _), _ = on_secants(strengths, on_lines, lambda answer: answer[1])
+        return form
 
     def answers(self, designs: Sequence[D]) -> list[ClosedForm | GeometryError]:
         """The closed form of each of several designs, in one call for all that have the same arguments and bolts.

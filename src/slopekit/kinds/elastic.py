@@ -19,7 +19,7 @@ from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.elastic.bedrock import Bedrock, bedrock, box_around, graded
-from slopekit.elastic.flexibility import Body, Elements, Flexibility, Rock, body, flexibility
+from slopekit.elastic.flexibility import CondensedBlock, Elements, Flexibility, Rock, body, flexibility
 from slopekit.elastic.meshing import (
     cells_of,
     edges_of,
@@ -32,7 +32,7 @@ from slopekit.elastic.meshing import (
 )
 from slopekit.elastic.model import ElasticModel, dense_or_sparse, on_bedrock, with_blocks
 from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
-from slopekit.elastic.rest import Rest, Search
+from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.geometry import rockmass, section
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.one_block import Cut
@@ -78,18 +78,18 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     below = _BELOW * min(scene.rigid_limit or math.inf, 1.0)  # elastic blocks may not stand where rigid ones just do
     factors = (below,) if not stands and (scene.rigid_limit or 0.0) <= 1.0 else (1.0, below)
     for factor in factors:
-        search, found = _at_rest(scene, scene.model, factor)
-        if found.stands:
+        search, rest = _at_rest(scene, scene.model, factor)
+        if rest.stands:
             break
     else:
-        pairs = f"{int(found.opened(scene.model).sum())} of {len(found.parted)} node pairs pulled open"
+        pairs = f"{int(rest.opened(scene.model).sum())} of {len(rest.parted)} node pairs pulled open"
         how = f"in {search.steps} steps, {pairs}" if search.spent else f"({pairs})"
         said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
     _, rigid = _at_rest(scene, scene.model.rigid(), factor)
     limit = rigid_limit = scene.rigid_limit
     if not stands:
-        limit = scene.limit_without(found.opened(scene.model))
+        limit = scene.limit_without(rest.opened(scene.model))
         without = scene.limit_without(rigid.opened(scene.model)) if rigid.stands else None
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
@@ -97,9 +97,9 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     ends, at_bracket, gave_up = None, None, False
     if bracket and limit is not None:
         say("elastic bracket", head=True)
-        low, high, gave_up = search.bracket(found, limit)
+        low, high, gave_up = search.bracket(rest, limit)
         ends, at_bracket = (low.factor, high), scene.limit_without(low.opened(scene.model))
-    answer = _answer(design, scene, found, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
+    answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
@@ -160,7 +160,7 @@ def _number(value: float | None) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class _Scene:
+class _ElasticBlocks:
     """Elastic blocks in arrays, and what the rigid code makes of them.
 
     Attributes
@@ -184,28 +184,28 @@ class _Scene:
     unknowns: int
     length: float
     edge: float
-    blocks: Sequence[Flexibility | Body]
+    blocks: Sequence[Flexibility | CondensedBlock]
     bedrock: Bedrock | None = None
 
 
-def _at_rest(scene: _Scene, model: ElasticModel, factor: float) -> tuple[Search, Rest]:
+def _at_rest(scene: _ElasticBlocks, model: ElasticModel, factor: float) -> tuple[RestSearch, Rest]:
     """Rest at a factor, where laws are curved on the lines of its own normal forces."""
-    search = Search(model, scene.stiffness)
-    found = search.rest(factor)
+    search = RestSearch(model, scene.stiffness)
+    rest = search.rest(factor)
     steps = search.steps
     for _ in range(_LINES if scene.redrawn is not None else 0):
-        if not found.stands or scene.redrawn is None:
+        if not rest.stands or scene.redrawn is None:
             break
-        friction = scene.redrawn(found.forces.reshape(-1, 3)[:, 0])
+        friction = scene.redrawn(rest.forces.reshape(-1, 3)[:, 0])
         if float(np.abs(friction - model.tan_friction).max()) < _LINES_STEADY:
             break
         model = replace(model, tan_friction=friction)
-        search = Search(model, scene.stiffness)
-        found = search.rest(factor)
+        search = RestSearch(model, scene.stiffness)
+        rest = search.rest(factor)
         steps += search.steps
-        if steps * len(found.forces) > _WORK_OF_LINES:
-            return search, replace(found, residual=math.inf)
-    return search, found
+        if steps * len(rest.forces) > _WORK_OF_LINES:
+            return search, replace(rest, residual=math.inf)
+    return search, rest
 
 
 def _rock(design: Design) -> tuple[Rock, tuple[str, ...]]:
@@ -271,11 +271,11 @@ def _outward(face: Floats) -> Floats:
     """The horizontal direction (2,) out of a face, its corners anticlockwise seen from outside."""
     around = face - face.mean(axis=0)
     normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)[:2]
-    found: Floats = normal / math.sqrt(float(normal @ normal))
-    return found
+    direction: Floats = normal / math.sqrt(float(normal @ normal))
+    return direction
 
 
-def _one_block(design: Design, made: Cut) -> _Scene:
+def _one_block(design: Design, made: Cut) -> _ElasticBlocks:
     """A convex block on flat joints."""
     (rock, _), block = _rock(design), made.block
     if not made.loads.parts["weight"].any():
@@ -324,7 +324,7 @@ def _one_block(design: Design, made: Cut) -> _Scene:
         return drawn(settled, np.maximum(normal, 0.0) / settled.force_scale).tan_friction
 
     called = {interface.key: interface.name for interface in made.interfaces}
-    return _Scene(
+    return _ElasticBlocks(
         whole, _stiffness(design, False),
         None if settled.lines is None else redrawn, rigid.governing.factor or None, limit_without,
         scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
@@ -346,7 +346,7 @@ def _of_model(model: Model) -> ElasticModel:
 # -- many blocks ------------------------------------------------------------------------------------------------------
 
 
-def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene:
+def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _ElasticBlocks:
     """Convex blocks on flat contacts."""
     from slopekit.preie.ravelling import ravel, whole_model
 
@@ -392,7 +392,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
         whole.cohesion[:pairs] * whole.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
         whole.tan_friction[group], whole.tan_dilation[group], bolt_rows, whole.cohesion[bolted] * whole.force_scale,
     )  # fmt: skip
-    flexible, cells = list[tuple[Flexibility | Body, Ints, Ints]](), 0
+    flexible, cells = list[tuple[Flexibility | CondensedBlock, Ints, Ints]](), 0
     for k, block in enumerate(whole.moving.tolist()):
         own = np.flatnonzero((plus == k) | (minus == k))
         at = (3 * own[:, None] + np.arange(3)).ravel()
@@ -407,7 +407,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
         where, length = whole.points[own], whole.length_scale
         if plain.is_dense:
             part = plain.rows[at][:, unknowns]
-            give: Flexibility | Body = flexibility(elements, where, sides, part, length)
+            give: Flexibility | CondensedBlock = flexibility(elements, where, sides, part, length)
         else:
             give = body(elements, where, sides, length)
         flexible.append((give, at, unknowns))
@@ -435,7 +435,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
         return drawn(whole, scaled).tan_friction[group]
 
     names = [scene.names[block] for block in whole.moving.tolist()]
-    return _Scene(
+    return _ElasticBlocks(
         with_blocks(plain, tuple(flexible)), _stiffness(design, True), None if whole.lines is None else redrawn,
         result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
@@ -503,42 +503,45 @@ def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
 
 
 def _answer(
-    design: Design, scene: _Scene, found: Rest, rigid: Rest, limits: tuple[float | None, float | None],
+    design: Design, scene: _ElasticBlocks, rest: Rest, rigid: Rest, limits: tuple[float | None, float | None],
     bracket: tuple[float, float] | None, at_bracket: tuple[float | None, bool], steps: int,
 ) -> ElasticBlocks:  # fmt: skip
     model, (rock, taken) = scene.model, _rock(design)
     area = model.area
-    elastic, stiff = (state.forces.reshape(-1, 3)[:, 0] / area for state in (found, rigid))
+    elastic, stiff = (state.forces.reshape(-1, 3)[:, 0] / area for state in (rest, rigid))
     joints = {}
     names = np.array(scene.joint)
     for name in dict.fromkeys(scene.joint):
         on = names == name
         joints[name] = OnElasticJoint(
             (float(elastic[on].min()), float(elastic[on].max())), (float(stiff[on].min()), float(stiff[on].max())),
-            float(area[on & found.opened(model)].sum() / area[on].sum()),
+            float(area[on & rest.opened(model)].sum() / area[on].sum()),
         )  # fmt: skip
-    moved = _displacements(scene, model, found)
+    moved = _displacements(scene, model, rest)
     most = int(np.argmax((moved * moved).sum(axis=1)))
-    both, bonded = [state.opened(model) for state in (found, rigid)], model.cohesion > 0.0
+    both, bonded = [state.opened(model) for state in (rest, rigid)], model.cohesion > 0.0
     opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
-    bodies: list[Flexibility | Body | Bedrock] = [*scene.blocks, *([] if scene.bedrock is None else [scene.bedrock])]
+    bodies: list[Flexibility | CondensedBlock | Bedrock] = [
+        *scene.blocks,
+        *([] if scene.bedrock is None else [scene.bedrock]),
+    ]
     return ElasticBlocks(
-        limits[0], limits[1], bracket, *at_bracket, found.factor, opened, rigid_opened, lost, rigid_lost, joints,
+        limits[0], limits[1], bracket, *at_bracket, rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
-        scene.names[most] if scene.names else None, found.failed_pairs, len(area),
+        scene.names[most] if scene.names else None, rest.failed_pairs, len(area),
         sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load),
         sum(one.cells for one in bodies), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
-        RIGID if scene.bedrock is None else ELASTIC, taken, found.residual, steps,
+        RIGID if scene.bedrock is None else ELASTIC, taken, rest.residual, steps,
         ElasticPairs(
             frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
-            frozen(stiff), tuple(found.opened(model).tolist()),
+            frozen(stiff), tuple(rest.opened(model).tolist()),
         ),
     )  # fmt: skip
 
 
-def _displacements(scene: _Scene, model: ElasticModel, state: Rest) -> Floats:
+def _displacements(scene: _ElasticBlocks, model: ElasticModel, state: Rest) -> Floats:
     """The mean displacement of each block in the user's axes, (b, 3) m."""
     out = np.zeros((len(model.seen), 3))
     in_section = scene.unknowns <= 3

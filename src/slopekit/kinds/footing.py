@@ -16,7 +16,7 @@ from slopekit.design.fields import Field, count, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
-from slopekit.geometry.section import J1, Section, footing_section, line_pairs
+from slopekit.geometry.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.secants import on_secants
@@ -175,7 +175,7 @@ def cut(design: FootingDesign) -> Cut:
     )  # fmt: skip
 
 
-def _water(design: FootingDesign, section: Section) -> dict[str, PointForce]:
+def _water(design: FootingDesign, section: PlaneSection) -> dict[str, PointForce]:
     """Uplift on the plane, through the centre of its trapezium of pressure."""
     toe, heel = design.ends_kpa
     if not toe + heel > 0.0:
@@ -205,7 +205,7 @@ def closed_form(design: FootingDesign) -> ClosedForm:
     return on_one_plane(strip.factor, strip.status, design.strength)
 
 
-def _block(design: FootingDesign) -> tuple[Section, float]:
+def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
     """The block and the place of the load on it, m from the face."""
     section = footing_section(design.dip_deg, design.length_m)
     width = -float(section.bottom[0])

@@ -21,7 +21,7 @@ _ABOVE = 1e-6  # of the height: a table that lies no more above the ground is on
 
 
 @dataclass(frozen=True, slots=True)
-class Ground:
+class LocalSlope:
     """The block in its slope, in local axes with the toe at the origin and z up.
 
     Attributes
@@ -43,7 +43,7 @@ class Ground:
     in_section: bool = False
 
 
-def pressure_of(design: SlopeDesign, ground: Ground) -> Pressure | None:
+def pressure_of(design: SlopeDesign, ground: LocalSlope) -> Pressure | None:
     """The water of a design; None without a table or a pond.
 
     Raises
@@ -56,10 +56,10 @@ def pressure_of(design: SlopeDesign, ground: Ground) -> Pressure | None:
     heights = heights_of(design, ground.axes, ground.into, ground.level, ground.in_section)
     if design.table_depth_m is not None:
         heights = under_planes(ground.normals, ground.offsets, design.table_depth_m)
-    found = pressure(design, heights, ground.level)
+    water = pressure(design, heights, ground.level)
     free = [ground.block.faces[face] for face in ground.free if face in ground.block.faces]
-    refuse_above(found, free, float(np.ptp(ground.block.corners[:, 2])), ground.axes)
-    return found
+    refuse_above(water, free, float(np.ptp(ground.block.corners[:, 2])), ground.axes)
+    return water
 
 
 def pressure(design: GroundWater, heights: tuple[Height, ...], level: float) -> Pressure:
@@ -92,7 +92,7 @@ def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Flo
     ----------
     free : polygons (k, 3) of the ground; size : m, of what it is the ground of; axes : as of `heights_of`
     """
-    over, at = max((water.above(polygon) for polygon in free), key=lambda found: found[0], default=(0.0, np.zeros(3)))
+    over, at = max((water.above(polygon) for polygon in free), key=lambda excess: excess[0], default=(0.0, np.zeros(3)))
     if over > _ABOVE * size:
         x, y, z = at @ axes
         message = f"the water table lies {over:.4g} m above the ground at ({x:.4g}, {y:.4g}, {z:.4g})"
@@ -101,13 +101,13 @@ def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Flo
 
 
 def pushes(
-    design: SlopeDesign, ground: Ground, in_crack: Mapping[str, PointForce] | None = None
+    design: SlopeDesign, ground: LocalSlope, in_crack: Mapping[str, PointForce] | None = None
 ) -> dict[str, PointForce]:
     """What water and surcharge do to the block, by the names that loads have for them: `water 0`, `surcharge`.
 
     `in_crack`: what water in the crack alone does, in place of a table.
     """
-    found: dict[str, PointForce] = dict(in_crack or {})
+    loads: dict[str, PointForce] = dict(in_crack or {})
     water = pressure_of(design, ground)
     if water is not None:
         outside = Pressure((), water.pond, water.unit_weight)
@@ -116,14 +116,14 @@ def pushes(
                 polygon = ground.block.faces[face]
                 thrust, at = (water if face in ground.joints else outside).on(polygon)
                 if thrust:
-                    found[f"water {face}"] = PointForce(-thrust * outward_of(polygon), at)
+                    loads[f"water {face}"] = PointForce(-thrust * outward_of(polygon), at)
     upper = ground.block.faces.get(ground.free[1])
     if design.surcharge_kpa and upper is not None:
         a, b, c = upper[:1], upper[1:-1], upper[2:]
         plan = cross(b - a, c - a)[:, 2] / 2.0
         at = plan @ (a + b + c) / (3.0 * plan.sum())
-        found["surcharge"] = PointForce(np.array([0.0, 0.0, -design.surcharge_kpa * float(plan.sum())]), at)
-    return found
+        loads["surcharge"] = PointForce(np.array([0.0, 0.0, -design.surcharge_kpa * float(plan.sum())]), at)
+    return loads
 
 
 def outward_of(polygon: Floats) -> Floats:
@@ -134,16 +134,16 @@ def outward_of(polygon: Floats) -> Floats:
 
 
 def for_closed_form(
-    design: SlopeDesign, ground: Ground, in_crack: Mapping[str, PointForce] | None = None
+    design: SlopeDesign, ground: LocalSlope, in_crack: Mapping[str, PointForce] | None = None
 ) -> tuple[Mapping[int, float], Floats]:
     """Mean pressures of the joints (kPa) by face, and the sum of all else in east, north, up (kN)."""
-    found = pushes(design, ground, in_crack)
+    loads = pushes(design, ground, in_crack)
     means = {
-        face: float(np.linalg.norm(found[f"water {face}"].force)) / ground.block.areas[face]
-        if f"water {face}" in found else 0.0
+        face: float(np.linalg.norm(loads[f"water {face}"].force)) / ground.block.areas[face]
+        if f"water {face}" in loads else 0.0
         for face in ground.joints if face in ground.block.faces
     }  # fmt: skip
-    rest = [push.force for name, push in found.items() if name not in {f"water {face}" for face in ground.joints}]
+    rest = [push.force for name, push in loads.items() if name not in {f"water {face}" for face in ground.joints}]
     return means, np.sum([np.zeros(3), *rest], axis=0) @ ground.axes
 
 

@@ -40,7 +40,7 @@ class Bounds:
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class BoltLayout:
     """How bolts stand in n blocks.
 
     Attributes
@@ -55,14 +55,14 @@ class Held:
 
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
     """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
-    found = np.zeros(len(bolts))
+    distances_m = np.zeros(len(bolts))
     for some in _with_heads(bolts, 1):
         enters, _, passes = _passage(bounds, [bolts[k] for k in some])
-        found[some] = np.where(passes[:, 0], enters[:, 0], 0.0)
-    return found
+        distances_m[some] = np.where(passes[:, 0], enters[:, 0], 0.0)
+    return distances_m
 
 
-def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> Held:
+def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> BoltLayout:
     """Which bolts hold n blocks, and how far their heads move along them.
 
     Parameters
@@ -78,7 +78,7 @@ def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> Held:
         moved[some] = np.where(passes, enters - before[some, None], 0.0)
         reach = np.stack([np.broadcast_to(reaches[k], count) for k in some])
         holds[some] = passes & (leaves - moved[some] < reach)
-    return Held(holds, moved)
+    return BoltLayout(holds, moved)
 
 
 def _with_heads(bolts: Sequence[Bolt], designs: int) -> list[list[int]]:
@@ -113,9 +113,9 @@ def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Boo
 
 def with_held(design: D, bounds: Bounds, before: Floats) -> D:
     """One design with the bolts that hold its block, their heads on its face."""
-    found = held(bounds, design.bolts, before)
+    holding = held(bounds, design.bolts, before)
     bolts = []
-    for bolt, holds, moved in zip(design.bolts, found.holds[:, 0], found.moved[:, 0], strict=True):
+    for bolt, holds, moved in zip(design.bolts, holding.holds[:, 0], holding.moved[:, 0], strict=True):
         if not holds:
             continue
         if bolt.head_m is not None:
@@ -131,8 +131,8 @@ def with_held(design: D, bounds: Bounds, before: Floats) -> D:
 def upward(dip_deg: Any, direction_deg: Any) -> Floats:
     """Upward unit normals (n, 3) of planes whose angles are numbers or arrays."""
     dip, direction = np.broadcast_arrays(np.radians(np.atleast_1d(dip_deg)), np.radians(np.atleast_1d(direction_deg)))
-    found: Floats = np.stack([np.sin(dip) * np.sin(direction), np.sin(dip) * np.cos(direction), np.cos(dip)], axis=-1)
-    return found
+    normals: Floats = np.stack([np.sin(dip) * np.sin(direction), np.sin(dip) * np.cos(direction), np.cos(dip)], axis=-1)
+    return normals
 
 
 def bounds_of(

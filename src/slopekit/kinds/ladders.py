@@ -14,7 +14,7 @@ from typing import Any
 from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.kinds.one_block import Cut
-from slopekit.kinds.one_block_states import Scene
+from slopekit.kinds.one_block_states import ContactModel
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.preie.balance import Balance
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, passes_limit
@@ -134,8 +134,8 @@ def ladder_of_block(
         return Ladder(result)
     rungs: list[Rung] = []
     if closed_form is not None and result.agree is not None and result.fos.closed_form is not None:
-        found, seconds = timed(partial(closed_form, design))
-        rungs.append(Rung("closed form", "closed form", None, None, found.factor, seconds))
+        solution, seconds = timed(partial(closed_form, design))
+        rungs.append(Rung("closed form", "closed form", None, None, solution.factor, seconds))
     made = cut(design)
     scene = made.scene_at(made.refine)
     model = scene.model
@@ -173,10 +173,10 @@ def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
         yield limit_rung(made.scene_at(level), made.limit, setting, level)
 
 
-def limit_rung(scene: Scene, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:
+def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:
     """The limit of a scene, timed."""
-    found, seconds = timed(partial(analyse, scene.model))
-    limit = found.governing
+    analysis, seconds = timed(partial(analyse, scene.model))
+    limit = analysis.governing
     factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
     return Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
 

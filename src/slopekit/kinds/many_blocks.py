@@ -18,7 +18,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
 from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
-from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
+from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_sizes import with_sizes
@@ -105,12 +105,12 @@ class Blocks(Generic[A]):
 
     words: Words
     cut: Callable[[A], AssemblyScene]
-    closed_form: Callable[[A, Mechanism | None], tuple[ClosedForm, tuple[Column, ...]]]
+    closed_form: Callable[[A, Mechanism | None], tuple[ClosedForm, tuple[ToppleColumn, ...]]]
     notices: Callable[[A, AssemblyScene, Failure, ClosedForm], Iterable[Notice]]
     closed_gain: Callable[[A, float], Gain | None] | None = None
 
 
-def no_closed_form(_: object, __: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
+def no_closed_form(_: object, __: Mechanism | None) -> tuple[ClosedForm, tuple[ToppleColumn, ...]]:
     """Blocks of any shape have none."""
     return ClosedForm(None, "", "there is no closed form for these blocks"), ()
 
@@ -181,8 +181,12 @@ def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> AtLoad | Non
 
     None where the blocks do not stand without it, or stand with any of it.
     """
-    scene, _, found = _critical(own, without, unit, target)
-    return None if found is None else AtLoad(found.multiplier, mechanism(found.failure, scene).status, found.runs)
+    scene, _, critical = _critical(own, without, unit, target)
+    return (
+        None
+        if critical is None
+        else AtLoad(critical.multiplier, mechanism(critical.failure, scene).status, critical.runs)
+    )
 
 
 def _critical(
@@ -194,8 +198,8 @@ def _critical(
     ramp = (second.forces - first.forces, second.moments - first.moments)
     if not ramp[0].any() and not ramp[1].any():
         return scene, first, None
-    found = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target)
-    return scene, first, found
+    critical = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target)
+    return scene, first, critical
 
 
 def _seismic_gain(own: Blocks[A], without: A, unit: A, k: float, by_closed_form: bool) -> Gain | None:
@@ -205,12 +209,12 @@ def _seismic_gain(own: Blocks[A], without: A, unit: A, k: float, by_closed_form:
     from slopekit.kinds.many_blocks_shaking import gyration  # only earthquakes ask
     from slopekit.preie.seismic_gain import seismic_gain
 
-    scene, loads, found = _critical(own, without, unit, 1.0)
-    if found is None or abs(found.multiplier / k - 1.0) > _SAME_K:
+    scene, loads, critical = _critical(own, without, unit, 1.0)
+    if critical is None or abs(critical.multiplier / k - 1.0) > _SAME_K:
         return None
-    part = found.failure.parts[0]
+    part = critical.failure.parts[0]
     with threadpool_limits(1):
-        gain = seismic_gain(part, found.multiplier, loads.weights, gyration(scene))
+        gain = seismic_gain(part, critical.multiplier, loads.weights, gyration(scene))
     if gain is None:
         return None
     return Gain(gain.factor, scene.names[gain.block], gain.multiplier if gain.alone else None, gain.first)

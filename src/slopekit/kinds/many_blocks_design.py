@@ -116,7 +116,7 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> tuple[tuple[s
     blocks : whether each moves, by name
     """
     field, node = fields_of(NamedDesign)["surcharges_kpa"], reader.at("loads.surcharge")
-    found = []
+    surcharges = []
     for name, below in node.items() if node is not None and node.is_mapping else ():
         if not blocks.get(name, False):
             message = (
@@ -125,8 +125,8 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> tuple[tuple[s
             moving = [one for one, moves in blocks.items() if moves]
             reader.fault("E460", message, below, reader.nearest(name, moving))
         elif below.value is not None and (value := reader.number(field, below, f"surcharge on {name}")):
-            found.append((name, value))
-    return tuple(found)
+            surcharges.append((name, value))
+    return tuple(surcharges)
 
 
 def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
@@ -152,23 +152,23 @@ def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
         message = f"water has {' and '.join(said)}: they exclude each other"
         reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
     given = node.get("pressures")
-    found = []
+    mean_pressures = []
     for name, below in given.items() if given is not None else ():
         if below.value is not None:
             value = reader.number(_PRESSURE, below, f"water pressure on {name}")
             if value is not None:
-                found.append((name, below, value))
-    return found
+                mean_pressures.append((name, below, value))
+    return mean_pressures
 
 
 def named_pressures(reader: Reader, known: Sequence[str], example: str) -> dict[str, float]:
     """Pressures on interfaces of these names; E197 on others."""
-    found = pressures(reader, example)
-    for name, node, _ in found:
+    mean_pressures = pressures(reader, example)
+    for name, node, _ in mean_pressures:
         if name not in known:
             message = f"water pressure on {name}: there is no such interface"
             reader.fault("E197", message, node, reader.nearest(name, known))
-    return {name: value for name, _, value in found}
+    return {name: value for name, _, value in mean_pressures}
 
 
 def common(
@@ -183,28 +183,28 @@ def common(
     water : pressures in the order of the interfaces
     """
     strengths = named_strengths(reader)
-    found = read_common(reader, on_blocks=True)
-    found["seismic"] = _seismic(reader, found["seismic"], in_section, toward)
-    found["forces"] = _on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section)
-    found["bolts"] = _on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section)
-    found["strengths"] = strengths
-    found["water"] = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
-    return found
+    attributes = read_common(reader, on_blocks=True)
+    attributes["seismic"] = _seismic(reader, attributes["seismic"], in_section, toward)
+    attributes["forces"] = _on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section)
+    attributes["bolts"] = _on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section)
+    attributes["strengths"] = strengths
+    attributes["water"] = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
+    return attributes
 
 
-def _seismic(reader: Reader, found: Seismic, in_section: bool, toward: float | None) -> Seismic:
+def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float | None) -> Seismic:
     """The seismic load with its direction; E253 where that is missing or leaves the section."""
-    trend = toward if found.trend_deg is None else found.trend_deg
+    trend = toward if seismic.trend_deg is None else seismic.trend_deg
     node = reader.at("loads.seismic")
-    if not found.coefficient or node is None:
-        return found
+    if not seismic.coefficient or node is None:
+        return seismic
     if trend is None:
         message = "the seismic load has no direction, and the blocks do not say which way the slope falls"
         reader.fault("E253", message, node, "Write seismic: {k: 0.1, toward: 270}.")
     elif in_section and min(abs(trend - known) for known in _SECTION_TRENDS) > _TREND_TOLERANCE:
         message = f"the seismic load acts toward {number(trend)}, in a section it acts toward 090 or 270"
         reader.fault("E253", message, node.get("toward") or node, "x is east (090), -x west (270).")
-    return replace(found, trend_deg=trend)
+    return replace(seismic, trend_deg=trend)
 
 
 def _on_blocks(
@@ -212,7 +212,7 @@ def _on_blocks(
     in_section: bool,
 ) -> tuple[Any, ...]:  # fmt: skip
     """Forces or bolts with the blocks they act on; E252 for one that leaves the section."""
-    found: list[Force | Bolt] = []
+    loads: list[Force | Bolt] = []
     for node in reader.items(path):
         value = reader.value(node)
         bare = {key: part for key, part in value.items() if key != "block"} if isinstance(value, dict) else value
@@ -225,8 +225,8 @@ def _on_blocks(
             message = f"a {what} leaves the section: x is east, z is up, and nothing acts along y"
             advice = "Point it toward 090 or 270 (any plunge), or give [x, 0, z]."
             reader.fault("E252", message, node.get("toward") or node, advice)
-        found.append(replace(load, block=block))
-    return tuple(found)
+        loads.append(replace(load, block=block))
+    return tuple(loads)
 
 
 def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] | None) -> str | None:

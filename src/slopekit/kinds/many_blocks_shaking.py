@@ -13,18 +13,18 @@ def gyration(scene: AssemblyScene) -> Floats:
     Of a section that about its y axis alone; rows of columns are all alike.
     """
     assembly = scene.assembly
-    found = np.zeros((len(assembly), 3, 3))
+    inertia_per_mass = np.zeros((len(assembly), 3, 3))
     if assembly.in_section:
         rows = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
         for block, centroid in enumerate(assembly.centroids):
             outline = scene.outlines.get(scene.names[block], rows[block % len(rows)])
-            found[block, 1, 1] = _of_outline(outline - centroid[[0, 2]])
-        return found
+            inertia_per_mass[block, 1, 1] = _of_outline(outline - centroid[[0, 2]])
+        return inertia_per_mass
     for block in np.flatnonzero(~assembly.fixed).tolist():
         faces = assembly.vertices[assembly.triangles[assembly.triangle_block == block]]
         volume, inertia = inertia_of(list(faces), assembly.centroids[block])
-        found[block] = inertia / volume
-    return found
+        inertia_per_mass[block] = inertia / volume
+    return inertia_per_mass
 
 
 def _of_outline(outline: Floats) -> float:

@@ -36,19 +36,19 @@ def _sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) ->
     corners = assembly.vertices[assembly.triangles[moves[assembly.triangle_block]].ravel()]
     if scene.crest is None:
         return BlockSizes(volume, mass, float(np.ptp(corners[:, 2])), None, None, {})
-    found = extents_of(corners, scene.crest)
+    extents = extents_of(corners, scene.crest)
     traces = _traces(moves, scene, scene.crest)
-    return BlockSizes(volume, mass, found.height_m, found.face_width_m, found.setback_m, traces)
+    return BlockSizes(volume, mass, extents.height_m, extents.face_width_m, extents.setback_m, traces)
 
 
 def _traces(moves: Bools, scene: AssemblyScene, crest: Crest) -> dict[str, dict[str, float]]:
     """How long the edge of what moves (n + 1,) is on the face and on the upper slope, by joint."""
     patches = scene.assembly.patches
-    found: dict[str, dict[str, float]] = {}
+    traces: dict[str, dict[str, float]] = {}
     for k in np.flatnonzero(moves[patches.plus] != moves[patches.minus]).tolist():
         polygon = patches.corners[patches.first[k] : patches.first[k + 1]]
-        of_joint = found.setdefault(scene.joints[patches.joint[k]], {})
+        of_joint = traces.setdefault(scene.joints[patches.joint[k]], {})
         for short, normal in (("face", crest.face), ("upper", crest.upper)):
             if length := on_plane(polygon, normal, crest.point):
                 of_joint[short] = of_joint.get(short, 0.0) + length
-    return {name: found[name] for name in scene.joints if name in found}
+    return {name: traces[name] for name in scene.joints if name in traces}

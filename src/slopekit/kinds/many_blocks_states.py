@@ -67,14 +67,14 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     for part in failure.parts:
         for mode, count in _modes(part).items():
             counts[mode] += count
-        found, lost = _interfaces(part, scene)
-        interfaces, total = interfaces + found, total + lost
+        losing, lost = _interfaces(part, scene)
+        interfaces, total = interfaces + losing, total + lost
     interfaces.sort(key=lambda interface: -interface.share)
     governing = tuple(
         GoverningInterface(
-            found.name, found.joint, found.mode, found.share / max(total, 1e-300), found.normal_kn, found.area_m2
+            losing.name, losing.joint, losing.mode, losing.share / max(total, 1e-300), losing.normal_kn, losing.area_m2
         )
-        for found in interfaces[:_MOST_INTERFACES]
+        for losing in interfaces[:_MOST_INTERFACES]
     )  # fmt: skip
     return Mechanism(
         status,
@@ -155,10 +155,10 @@ def _pair_name(scene: AssemblyScene, plus: int, minus: int) -> str:
 
 def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
     """The node pairs of the parts that were solved, each at the limit of its part."""
-    found = [_of_part(scene, part) for part in parts if len(part.model.control_area)]
+    states = [_of_part(scene, part) for part in parts if len(part.model.control_area)]
     whole, none = np.zeros((0, 3)), np.zeros(0)
     empty = NodePairState(whole, _whole(none), none, whole, _whole(none), _whole(none), none, whole, _whole(none))
-    every = [empty, *found]
+    every = [empty, *states]
     return NodePairState(*(
         np.concatenate([getattr(state, name) for state in every]) for name in NodePairState.__dataclass_fields__
     ))  # fmt: skip

@@ -20,7 +20,7 @@ from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
 from slopekit.evidence import ContactOpening
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
-from slopekit.kinds.one_block_states import Scene, opening_pairs
+from slopekit.kinds.one_block_states import ContactModel, opening_pairs
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
@@ -72,7 +72,7 @@ class CohesionLimit:
     `base`, `without_bond`, `motion`: the cracked base, the limit with the bond gone, and that by mechanism.
     """
 
-    scene: Scene
+    scene: ContactModel
     analysis: LimitAnalysis
     change: float | None
     rules: CohesionRules
@@ -81,14 +81,14 @@ class CohesionLimit:
     motion: Limit
 
 
-def opens_cohesive(scene: Scene, analysis: LimitAnalysis) -> bool:
+def opens_cohesive(scene: ContactModel, analysis: LimitAnalysis) -> bool:
     """Whether moments govern by a motion that opens part of a contact with cohesion, on a bed that is known."""
     if scene.bedding is None or not analysis.moments_govern or scene.model.dilates:
         return False
     return bool(_opens_bonds(analysis.governing, scene.model).any())
 
 
-def checked_by_path(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
+def checked_by_path(scene: ContactModel, analysis: LimitAnalysis) -> LimitAnalysis:
     """The analysis with the limit that the elastic path comes to, where moments govern a block on flat contacts."""
     if scene.bedding is None or not analysis.moments_govern:
         return analysis
@@ -98,7 +98,7 @@ def checked_by_path(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
 
 
 def locked_in_range(
-    analysis: LimitAnalysis, scene: Scene, rules: CohesionRules | None
+    analysis: LimitAnalysis, scene: ContactModel, rules: CohesionRules | None
 ) -> tuple[float | None, float | None]:  # fmt: skip
     """The range of the mechanism where moments govern; none for the cracked base, whose forces are the bed's."""
     model, limit = scene.model, analysis.governing
@@ -126,13 +126,13 @@ def _by_path_on_lines(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     """The same where laws are curved: the lines are drawn anew at the path's own tractions."""
     from slopekit.preie.strength_lines import settled
 
-    found = settled(model, lambda drawn: _by_path(drawn, limit_on_lines(drawn)))
-    one, other = analysis.governing.factor, found.governing.factor
-    return analysis if one and other and abs(other / one - 1.0) < MOMENTS else found
+    by_path = settled(model, lambda drawn: _by_path(drawn, limit_on_lines(drawn)))
+    one, other = analysis.governing.factor, by_path.governing.factor
+    return analysis if one and other and abs(other / one - 1.0) < MOMENTS else by_path
 
 
 def limit_by_rules(
-    scene: Scene,
+    scene: ContactModel,
     analysis: LimitAnalysis,
     analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
     before: CohesionLimit | None = None,
@@ -187,7 +187,7 @@ def limit_by_rules(
 
 
 def with_finer_motion(
-    by_rules: CohesionLimit, scene: Scene, analyse: Callable[[Model], LimitAnalysis], most_passes: int
+    by_rules: CohesionLimit, scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], most_passes: int
 ) -> CohesionLimit:
     """The same with the factor by mechanism on the pairs of the last refinement, where its passes are not too many."""
     if by_rules.motion.passes > most_passes or len(by_rules.motion.bond) == len(scene.pairs):
@@ -237,8 +237,8 @@ def _opens_bonds(limit: Limit, model: Model) -> Bools:
 
 
 def _on_its_pairs(
-    scene: Scene, bed: "PolygonBed", base: "CrackedBase", forces: "PointForces", factor: float, motion: Limit
-) -> tuple[Scene, Limit]:
+    scene: ContactModel, bed: "PolygonBed", base: "CrackedBase", forces: "PointForces", factor: float, motion: Limit
+) -> tuple[ContactModel, Limit]:
     """The points of the bed as node pairs, with a model of their own, and the limit on them."""
     assert scene.bedding is not None
     assert base.velocity is not None
@@ -263,7 +263,7 @@ def _on_its_pairs(
         Outcome.SLIDES, factor, velocity, forces.normal, forces.pressed.astype(np.float64), motion.passes,
         0.0, forces.shear, forces.pulls,
     )  # fmt: skip
-    return Scene(pairs, own, bedding), limit
+    return ContactModel(pairs, own, bedding), limit
 
 
 def _evidence(bed: "PolygonBed", base: "CrackedBase", model: Model, centroid: Floats) -> dict[int, ContactOpening]:

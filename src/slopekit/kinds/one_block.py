@@ -36,7 +36,7 @@ from slopekit.kinds.moments import (
 )
 from slopekit.kinds.one_block_limit import MOST_REFINED, comparable, find_limit
 from slopekit.kinds.one_block_states import (
-    Scene,
+    ContactModel,
     arrows,
     mechanism_of,
     movement_of,
@@ -81,7 +81,7 @@ class Solved:
     span : lowest and highest factor of the mechanism, whatever forces are locked in, where moments govern
     """
 
-    scene: Scene
+    scene: ContactModel
     analysis: LimitAnalysis
     refined: int
     change: float | None
@@ -116,7 +116,7 @@ class Cut:
 
     block: Block
     loads: Loads
-    scene_at: Callable[[int], Scene]
+    scene_at: Callable[[int], ContactModel]
     interfaces: Sequence[Interface]
     geometry: Callable[[], Geometry]
     left_out: Sequence[str]
@@ -175,12 +175,12 @@ def kind_of_one_block(
         with clock("governs"):
             changed = changes(design)
         with clock("closed_form"):  # of the design and what GOVERNS makes of it, where it can be one call
-            closed, *found = _closed_forms([design, *(other for _, other in changed)], closed_form, on_arrays)
+            closed, *forms = _closed_forms([design, *(other for _, other in changed)], closed_form, on_arrays)
         if isinstance(closed, GeometryError):
             raise closed
         governs = tuple(
             (name, None, f"no {words.block}") if isinstance(form, GeometryError) else (name, form.factor, form.status)
-            for (name, _), form in zip(changed, found, strict=True)
+            for (name, _), form in zip(changed, forms, strict=True)
         )
         solved = solve(design, made, clock)
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
@@ -209,7 +209,7 @@ def kind_of_one_block(
 
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
-        lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site, crest_point,
+        lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays, has_site, crest_point,
         paper_keys=paper_keys, carried=carried, drawn_planes=drawn_planes, answered="drag", variants=variants,
     )  # fmt: skip
 
@@ -276,8 +276,8 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
 
 def limit_alone(design: Design, made: Cut, clock: Clock) -> Solved:
     """`solve` without the static bound and what else does not change the limit."""
-    found = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
-    return Solved(found.scene, found.analysis, found.refined, found.change, None, None, None, (), found.rules)
+    limit = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
+    return Solved(limit.scene, limit.analysis, limit.refined, limit.change, None, None, None, (), limit.rules)
 
 
 def result(
@@ -370,9 +370,9 @@ def _under_moments(
 
     evidence = {}
     for interface in interfaces:
-        if (found := rules.contacts.get(interface.key)) is not None:
-            resultant, opens_at = place(found.resultant_m), place(found.opens_at_m)
-            evidence[interface.name] = replace(found, resultant_m=resultant, opens_at_m=opens_at)
+        if (contact := rules.contacts.get(interface.key)) is not None:
+            resultant, opens_at = place(contact.resultant_m), place(contact.opens_at_m)
+            evidence[interface.name] = replace(contact, resultant_m=resultant, opens_at_m=opens_at)
     return CohesionUnderMoments(
         rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
         max(rules.numbers), rules.runs, evidence,
@@ -382,7 +382,7 @@ def _under_moments(
 # -- reading the answer -------------------------------------------------------------------------------
 
 
-def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces: Sequence[int]) -> str:
+def block_status(limit: Limit, analysis: LimitAnalysis, scene: ContactModel, interfaces: Sequence[int]) -> str:
     """The status from the mechanism: which joints stay closed, which way the block moves.
 
     Parameters
@@ -418,7 +418,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
     return "slides_on_both"
 
 
-def _slides_on(limit: Limit, scene: Scene, interfaces: Sequence[int], opens: Sequence[bool]) -> str:
+def _slides_on(limit: Limit, scene: ContactModel, interfaces: Sequence[int], opens: Sequence[bool]) -> str:
     """On which of three joints a block slides: on the two that carry most, where none of them opens."""
     closed = [joint for joint, is_open in zip(interfaces, opens, strict=True) if not is_open]
     carried = {joint: float(limit.normal_force[scene.pairs.interface == joint].sum()) for joint in closed}

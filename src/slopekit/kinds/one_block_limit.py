@@ -10,7 +10,7 @@ from slopekit.core.onlooker import Clock
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.kinds.moments import CohesionRules, checked_by_path, limit_by_rules, opens_cohesive, with_finer_motion
-from slopekit.kinds.one_block_states import Scene
+from slopekit.kinds.one_block_states import ContactModel
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
@@ -36,8 +36,8 @@ class FoundLimit:
     rules : on cohesion, where moments open part of a contact that has some: the limit is that of their headline then
     """
 
-    scene: Scene
-    bounded: Scene
+    scene: ContactModel
+    bounded: ContactModel
     analysis: LimitAnalysis
     refined: int
     change: float | None
@@ -46,7 +46,7 @@ class FoundLimit:
 
 def find_limit(
     design: Design,
-    scene_at: Callable[[int], Scene],
+    scene_at: Callable[[int], ContactModel],
     refine: int,
     clock: Clock,
     analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
@@ -104,7 +104,7 @@ def once(ask: Callable[[*Ts], A]) -> Callable[[*Ts], A]:
 def _other_by_path(
     at_limit: FoundLimit,
     analyse: Callable[[Model], LimitAnalysis],
-    by_path_of: Callable[[Scene, LimitAnalysis], LimitAnalysis],
+    by_path_of: Callable[[ContactModel, LimitAnalysis], LimitAnalysis],
 ) -> LimitAnalysis | None:
     """What the elastic path says otherwise, None where it says the same.
 
@@ -121,8 +121,8 @@ def _other_by_path(
 
 
 def _refined(
-    design: Design, scene_at: Callable[[int], Scene], refine: int, clock: Clock,
-    look: Callable[[Scene], LimitAnalysis], most_refined: int,
+    design: Design, scene_at: Callable[[int], ContactModel], refine: int, clock: Clock,
+    look: Callable[[ContactModel], LimitAnalysis], most_refined: int,
 ) -> FoundLimit:  # fmt: skip
     """The limit on ever finer pairs, until they do no more to it, or moments open a contact with cohesion."""
     with clock("mesh"):
@@ -151,7 +151,7 @@ def _refined(
     return FoundLimit(scene, bounded, analysis, refined, change)
 
 
-def on_its_lines(scene: Scene, analysis: LimitAnalysis) -> tuple[Scene, LimitAnalysis]:
+def on_its_lines(scene: ContactModel, analysis: LimitAnalysis) -> tuple[ContactModel, LimitAnalysis]:
     """The scene with the model whose strength lines its limit settled on, where laws are curved."""
     return (scene if analysis.model is None else replace(scene, model=analysis.model)), analysis
 

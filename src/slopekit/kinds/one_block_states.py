@@ -39,13 +39,13 @@ class Bedding:
     centroid: Floats
     model_of: Callable[[NodePairs], Model]
 
-    def scene(self, pairs: NodePairs) -> "Scene":
+    def scene(self, pairs: NodePairs) -> "ContactModel":
         """The scene of node pairs on these contacts."""
-        return Scene(pairs, self.model_of(pairs), self)
+        return ContactModel(pairs, self.model_of(pairs), self)
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class ContactModel:
     """Node pairs and the model made of them; `bedding` where the contacts are flat."""
 
     pairs: NodePairs

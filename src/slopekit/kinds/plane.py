@@ -25,7 +25,7 @@ from slopekit.design.parts import Strength, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, FACE, J1, UPPER, Section, line_pairs, plane_section
+from slopekit.geometry.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds import ground_water, worst_crack
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of
@@ -119,7 +119,7 @@ def read_plane(reader: Reader) -> PlaneDesign:
     if said is not None and (reader.at("water") is not None if fills else water != Water()):
         reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
     common = read_common(reader)
-    searched = node is not None and (found := node.get("distance")) is not None and found.text == WORST
+    searched = node is not None and (distance := node.get("distance")) is not None and distance.text == WORST
     if searched and node is not None and node.get("depth") is not None:
         reader.fault("E198", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
     design: PlaneDesign = reader.made(
@@ -198,7 +198,7 @@ def _signed_dip(plane: Plane, face: Plane) -> float:
     return plane.dip_deg if same else -plane.dip_deg
 
 
-def section_of(design: PlaneDesign) -> Section:
+def section_of(design: PlaneDesign) -> PlaneSection:
     """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
@@ -226,29 +226,29 @@ def _axes(face: Plane) -> Floats:
     return np.array([out, np.cross(up, out), up])
 
 
-def _water(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
+def _water(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
     """The pushes on the plane and the crack."""
-    found: dict[str, PointForce] = {}
+    loads: dict[str, PointForce] = {}
     if design.is_cut_for_loads:
         from slopekit.kinds import ground_water
 
-        found = ground_water.pushes(design, _ground(design, section))
-    return found if design.water.mode == TABLE else found | _water_of_fill(design, section)
+        loads = ground_water.pushes(design, _ground(design, section))
+    return loads if design.water.mode == TABLE else loads | _water_of_fill(design, section)
 
 
-def _ground(design: PlaneDesign, section: Section) -> "ground_water.Ground":
+def _ground(design: PlaneDesign, section: PlaneSection) -> "ground_water.LocalSlope":
     from slopekit.kinds import ground_water
 
     upper, face = (math.radians(_signed_dip(plane, design.face)) for plane in (design.upper, design.face))
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
     crest = [-design.height_m / math.tan(face) if design.face.dip_deg < 90.0 else 0.0, 0.0, design.height_m]
-    return ground_water.Ground(
+    return ground_water.LocalSlope(
         section.block, (J1, CRACK), (FACE, UPPER), normals, np.array([0.0, float(normals[1] @ crest)]),
         _axes(design.face), np.array([-1.0, 0.0, 0.0]), in_section=True,
     )  # fmt: skip
 
 
-def _water_of_fill(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
+def _water_of_fill(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
     water, depth = design.water, section.crack_depth
     along = section.bottom / section.length
     up = np.array([along[2], 0.0, -along[0]])
@@ -291,7 +291,7 @@ def _seismic(design: PlaneDesign) -> float:
     return design.seismic.coefficient * math.cos(turned)
 
 
-def _loads(design: PlaneDesign, section: Section) -> Loads:
+def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
     hull = cache(lambda: Hull.of(section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(
@@ -422,9 +422,9 @@ def _sizes(design: PlaneDesign) -> SizesOfMany | None:
     crack = design.crack
     if crack is not None and (crack.distance_m is None or crack.depth_m is not None):
         return None
-    found = _extents(design, None if crack is None else crack.distance_m)
-    columns = {"volume_m3": found.area_m2, "height_m": found.height_m, "setback_m": found.setback_m}
-    none = np.zeros(len(found.area_m2), dtype=np.int8)
+    extents = _extents(design, None if crack is None else crack.distance_m)
+    columns = {"volume_m3": extents.area_m2, "height_m": extents.height_m, "setback_m": extents.setback_m}
+    none = np.zeros(len(extents.area_m2), dtype=np.int8)
     return SizesOfMany(columns, ("",), none, none)
 
 

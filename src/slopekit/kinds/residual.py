@@ -14,19 +14,19 @@ _SAME = 1e-9
 def with_residual(kind: "Kind[Design]", result: Result) -> Result:
     """The result with its factors on residual strength, where some of its strengths have one."""
     design = result.design
-    found = kind.factors(replace(design.at_residual(), rules=()))
-    left = ResidualFactors(found.status, found.limit, found.closed_form, found.difference, found.agree)
+    factors = kind.factors(replace(design.at_residual(), rules=()))
+    left = ResidualFactors(factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree)
     held = replace(result, residual=left)
-    return replace(held, warnings=(*held.warnings, *_notices(held, left, found)))
+    return replace(held, warnings=(*held.warnings, *_notices(held, left, factors)))
 
 
-def _notices(result: Result, left: ResidualFactors, found: Factors) -> list[Notice]:
+def _notices(result: Result, left: ResidualFactors, factors: Factors) -> list[Notice]:
     said, peak = [], result.fos.limit
     if left.limit is not None and peak is not None and left.limit > peak * (1.0 + _SAME):
         said.append(Notice("W417", f"the residual factor {left.limit:.4g} lies above the peak's {peak:.4g}: other "
                            "joints open or carry then; is the residual strength that of these joints?"))  # fmt: skip
     if result.met_by_peak_only:
-        number = f"is {left.limit:.4g}" if left.limit is not None else f"does not exist ({found.status})"
+        number = f"is {left.limit:.4g}" if left.limit is not None else f"does not exist ({factors.status})"
         said.append(Notice("W418", f"acceptance is met by the peak strength only: the residual factor {number}; once "
                            "the joints have slipped, the rule is broken"))  # fmt: skip
     return said

@@ -36,11 +36,11 @@ def sizes_of_faces(faces: Mapping[str, Floats], joints: Iterable[str], crest: Cr
     sizes = extents_of(corners, crest)
     traces = {}
     for name in joints:
-        found = {
+        lengths = {
             short: on_plane(faces[name], normal, crest.point)
             for short, normal in (("face", crest.face), ("upper", crest.upper))
         }
-        traces[name] = {short: length for short, length in found.items() if length}
+        traces[name] = {short: length for short, length in lengths.items() if length}
     return Sizes(sizes.height_m, sizes.face_width_m, sizes.setback_m, traces)
 
 

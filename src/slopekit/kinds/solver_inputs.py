@@ -16,7 +16,7 @@ from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.model import JointStrength, build_model
 
 if TYPE_CHECKING:
-    from slopekit.geometry.section import Section
+    from slopekit.geometry.section import PlaneSection
 
 CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 
@@ -76,7 +76,7 @@ def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> Poi
     return PointForce(axes @ np.array(force.components_kn), at)
 
 
-def section_bedding(section: "Section", loads: Loads, given: Strength) -> Bedding:
+def section_bedding(section: "PlaneSection", loads: Loads, given: Strength) -> Bedding:
     """The plane of a section as the bed of the block on it."""
     from slopekit.geometry.section import J1
 
@@ -88,7 +88,7 @@ def section_bedding(section: "Section", loads: Loads, given: Strength) -> Beddin
 
 
 def section_geometry(
-    section: "Section", name: str, axes: Floats | None = None, crest_x: float | None = None
+    section: "PlaneSection", name: str, axes: Floats | None = None, crest_x: float | None = None
 ) -> SectionGeometry:
     """The geometry of a block in its section.
 

@@ -144,7 +144,7 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> tuple[tuple[int, Poi
     patches = assembly.patches
     level = pond.pond
     assert level is not None
-    found = []
+    loads = []
     moving = np.flatnonzero(~assembly.fixed)
     wet = [(k, corners) for k, corners in _corners_of(scene, moving) if float(corners[:, 2].min()) < level]
     is_wet = np.zeros(len(assembly) + 1, dtype=bool)
@@ -166,8 +166,8 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> tuple[tuple[int, Poi
             force += push
             couple += cross(points[k] - centre, push)
         if float(np.sqrt(force @ force)) > _NOTHING * displaced:
-            found.append((block, PointForce(force, None, couple)))
-    return tuple(found)
+            loads.append((block, PointForce(force, None, couple)))
+    return tuple(loads)
 
 
 def _corners_of(scene: AssemblyScene, blocks: Ints) -> Iterator[tuple[int, Floats]]:

@@ -25,7 +25,7 @@ from slopekit.design.ground_water import read_ground_water
 from slopekit.design.parts import Action, Water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
-from slopekit.findings import Column, Mechanism
+from slopekit.findings import Mechanism, ToppleColumn
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
 from slopekit.kinds.many_blocks_design import (
     MOST_BLOCKS,
@@ -195,18 +195,18 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
     dip, width = own["dip_deg"], own["width_m"]
     if len(reader.faults) > before or dip is None or width is None:
         return {}
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     base = 90.0 - dip
     stepped = own["base_step_m"]
     if angle is not None and own["base_angle_deg"] is not None:
         stepped = width * math.tan(math.radians(own["base_angle_deg"] - base))
-        found["base_step_m"] = stepped
+        attributes["base_step_m"] = stepped
         if stepped < 0.0:
             message = f"base angle is {shown(own['base_angle_deg'])}°, it is not below the dip of the bases"
             reader.fault("E450", f"{message}, {shown(base)}°", angle, "They dip 90° less than the columns.")
             return {"base_step_m": None}
     if slope is None or own["slope_height_m"] is None or own["slope_face_deg"] is None or stepped is None:
-        return found
+        return attributes
     from slopekit.geometry.columns import slope_heights, too_many_columns
 
     upper = own["slope_upper_deg"] or 0.0
@@ -222,11 +222,11 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
         message = f"the slope takes more than {MOST_BLOCKS} columns of {shown(width)} m"
         reader.fault("E452", message, reader.at("columns.width"), "Give wider columns.")
     else:
-        found["heights_m"] = slope_heights(own["slope_height_m"], face, upper, base, width, stepped)
-        if not found["heights_m"]:
+        attributes["heights_m"] = slope_heights(own["slope_height_m"], face, upper, base, width, stepped)
+        if not attributes["heights_m"]:
             message = f"no column of {shown(width)} m stands higher than its step on this slope"
             reader.fault("E452", message, reader.at("columns.width"), "Give narrower columns, or a smaller step.")
-    return found
+    return attributes
 
 
 def cut(design: ToppleDesign) -> AssemblyScene:
@@ -262,7 +262,7 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     return with_ground(design, scene)
 
 
-def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
+def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[ToppleColumn, ...]]:
     """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
     why = why_no_table(design)
     if why:
@@ -330,12 +330,12 @@ def why_no_table(design: ToppleDesign) -> str:
     return ""
 
 
-def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> list[Column]:
+def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> list[ToppleColumn]:
     rows = []
     for k in range(len(table.heights_m)):
         name = design.block_names[k]
         rows.append(
-            Column(
+            ToppleColumn(
                 k + 1, float(table.heights_m[k]), _known(table.upper_contact_m[k]), _known(table.lower_contact_m[k]),
                 _known(table.topple_force_kn[k]), _known(table.slide_force_kn[k]), _known(table.force_kn[k]),
                 _known(table.normal_kn[k]), _known(table.shear_kn[k]), table.modes[k], ways.get(name, "stable"),

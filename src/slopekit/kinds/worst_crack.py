@@ -62,8 +62,8 @@ def lowest(
     >>> round(place, 6), where
     (2.0, 'inside')
     """
-    found = lowest_of_many(lambda places: factor_at(places[0])[None], np.array([reach]), count, rounds)
-    return float(found.places[0]), float(found.factors[0]), WHERE[int(found.where[0])]
+    minima = lowest_of_many(lambda places: factor_at(places[0])[None], np.array([reach]), count, rounds)
+    return float(minima.places[0]), float(minima.factors[0]), WHERE[int(minima.where[0])]
 
 
 def lowest_of_many(factors_at: Callable[[Floats], Floats], reach: Floats, count: int, rounds: int = 8) -> Lowest:
@@ -143,8 +143,8 @@ def _factors(
              arguments.items()}  # fmt: skip
     forms = on_arrays.closed_forms(given | {"crack_distance_m": places.ravel()}, bolts)
     free = np.isin(forms.outcome, [number for number, name in enumerate(forms.names) if name in _FREE])
-    found: Floats = np.where(free, -math.inf, forms.factor)
-    return np.broadcast_to(found, places.size).reshape(places.shape)
+    factors: Floats = np.where(free, -math.inf, forms.factor)
+    return np.broadcast_to(factors, places.size).reshape(places.shape)
 
 
 def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str) -> D:
@@ -162,26 +162,26 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], reach: float, place: str
     holder: Any = design
 
     def at(distance: float) -> D:
-        found: D = replace(holder, crack=replace(holder.crack, distance_m=distance))
-        return found
+        cracked: D = replace(holder, crack=replace(holder.crack, distance_m=distance))
+        return cracked
 
     first = at(reach / 2.0)
     together = not design.is_cut_for_loads and not any(one.law for one in on_arrays.strengths(design))
 
     def one(distance: float) -> float:
         try:
-            found = on_arrays.of(at(distance))
+            solution = on_arrays.of(at(distance))
         except GeometryError:
             return math.nan
-        if found.status in _FREE:
+        if solution.status in _FREE:
             return -math.inf
-        return math.nan if found.factor is None else found.factor
+        return math.nan if solution.factor is None else solution.factor
 
     def factors(places: Floats) -> Floats:
         if not together:
             return np.array([one(float(place)) for place in places])
-        found: Floats = _factors(on_arrays, on_arrays.arguments(first), on_arrays.bolts(first), places[None])[0]
-        return found
+        fos: Floats = _factors(on_arrays, on_arrays.arguments(first), on_arrays.bolts(first), places[None])[0]
+        return fos
 
     distance, where = 0.0, "none"
     if reach > 0.0:

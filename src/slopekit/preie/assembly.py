@@ -124,8 +124,8 @@ class AssemblyModel:
         near = inside.copy()
         near[self.plus[inside[self.minus]]] = True
         near[self.minus[inside[self.plus]]] = True
-        found: Bools = near[:-1]
-        return found
+        touched: Bools = near[:-1]
+        return touched
 
     def among(self, blocks: Ints) -> tuple["AssemblyModel", Ints, Ints, Ints]:
         """The model of some blocks (b,), ascending, with all others held.
@@ -170,8 +170,8 @@ class AssemblyModel:
     def opening_and_slip(self, velocity: Floats) -> tuple[Floats, Floats]:
         """Opening (m,) of the node pairs and slip (g, t) of the friction forces for motions (n, u) of the blocks."""
         pairs = len(self.control_area)
-        found: Floats = self.kinematics @ velocity.ravel()
-        return found[:pairs], found[pairs:].reshape(len(self.group_first), -1)
+        rates: Floats = self.kinematics @ velocity.ravel()
+        return rates[:pairs], rates[pairs:].reshape(len(self.group_first), -1)
 
     def forces_on_blocks(self, normal: Floats, friction: Floats) -> Floats:
         """Generalised forces (n, u) of normal forces (m,) and friction forces (g, t): Bᵀ f."""

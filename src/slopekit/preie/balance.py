@@ -46,7 +46,7 @@ class Balance:
 
 
 @dataclass(frozen=True, slots=True)
-class Carried:
+class BalanceCheck:
     """What a model carries at a factor, held against its loads and its strength.
 
     Attributes
@@ -63,7 +63,7 @@ class Carried:
     beyond: Floats
 
 
-def balance(parts: Sequence[Carried]) -> Balance | None:
+def balance(parts: Sequence[BalanceCheck]) -> Balance | None:
     """The worst of each figure over all parts; None where there are none."""
     if not parts:
         return None
@@ -77,7 +77,7 @@ def balance(parts: Sequence[Carried]) -> Balance | None:
     )  # fmt: skip
 
 
-def of_one_block(model: Model, analysis: LimitAnalysis) -> list[Carried]:
+def of_one_block(model: Model, analysis: LimitAnalysis) -> list[BalanceCheck]:
     """What one block carries at its limit; nothing where there is no factor."""
     limit = analysis.balanced
     factor, normal, friction, pulls = limit.factor, limit.normal_force, limit.friction, limit.pulls
@@ -87,17 +87,17 @@ def of_one_block(model: Model, analysis: LimitAnalysis) -> list[Carried]:
     allowed = line(limit.bond * model.cohesion, model.tan_friction, normal) / factor
     beyond = np.concatenate([_sizes(friction) - allowed, pulls - model.bolt_capacity / factor, -pulls])
     turns = limit.velocity.size == model.unknowns
-    return [Carried(factor, out[None, :], model.translations if turns else limit.velocity.size, normal, beyond)]
+    return [BalanceCheck(factor, out[None, :], model.translations if turns else limit.velocity.size, normal, beyond)]
 
 
-def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: Floats, bond: Floats) -> Carried:
+def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: Floats, bond: Floats) -> BalanceCheck:
     """What many blocks carry: N (m,), T (g, t), and what bonds are left (m,)."""
     own = _sizes(model.load)
     weights = np.append(np.maximum(own, LIGHTEST_MEASURED * float(own.max())), np.inf)  # bedrock is the last
     beside = np.minimum(weights[model.plus], weights[model.minus])[model.group_contact]
     allowed = line(model.by_group(bond * model.cohesion), model.tan_friction, model.by_group(normal))
     over = np.maximum(_sizes(friction) - allowed / factor, np.where(model.bolted, -friction[:, 0], 0.0))
-    return Carried(
+    return BalanceCheck(
         factor, model.unbalanced(normal, friction), 2 if model.unknowns == 3 else 3, normal[model.joint_pairs],
         over / beside,
     )  # fmt: skip

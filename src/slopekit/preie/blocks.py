@@ -163,14 +163,14 @@ def _limit_within(model: AssemblyModel, ranged: bool, ratio: float, proposal: Pr
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
-    found = _limit_of(model, unit, bound, ranged, ratio, proposal)
+    limit = _limit_of(model, unit, bound, ranged, ratio, proposal)
     return replace(
-        found, factor=_times(found.factor, unit), static_bound=_times(found.static_bound, unit),
-        lowest=_times(found.lowest, unit), highest=_times(found.highest, unit), bonded=_times(found.bonded, unit),
-        rested=_times(found.rested, unit),
-        by_turns=None if found.by_turns is None else (unit * found.by_turns[0], unit * found.by_turns[1]),
-        tips=None if found.tips is None else (found.tips[0], unit * found.tips[1]), begun=_times(found.begun, unit),
-        unbonded=_times(found.unbonded, unit), unsettled=_times(found.unsettled, unit),
+        limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
+        lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), bonded=_times(limit.bonded, unit),
+        rested=_times(limit.rested, unit),
+        by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
+        tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
+        unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
     )  # fmt: skip
 
 
@@ -238,11 +238,11 @@ def _limit_of(
             proposal.begins_with(peak.motion)
             return _weaker(peak, 1.0 / unit), False
         with told_times(unit, "divided by"):
-            found, loads, work = _on_path(model, unit, bond, bound, ratio)
+            path_end, loads, work = _on_path(model, unit, bond, bound, ratio)
         steps += work
-        if proposal is not None and found.parameter:
-            proposal.begins_with(found.motion)
-        return found, True
+        if proposal is not None and path_end.parameter:
+            proposal.begins_with(path_end.motion)
+        return path_end, True
 
     def pressed(bond: Floats, reduction: float) -> Bools | None:
         return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
@@ -348,8 +348,8 @@ def _pressed(bed: Bed, parameter: float) -> Bools | None:
         flow = relaxed(bed, np.zeros(bed.size), parameter, 1.0)
     if flow.ended != "rest":
         return None
-    found: Bools = np.bincount(bed.model.pair_contact, flow.forces.touching, bed.contacts) > 0
-    return found
+    pressed: Bools = np.bincount(bed.model.pair_contact, flow.forces.touching, bed.contacts) > 0
+    return pressed
 
 
 def _off(model: AssemblyModel, path_end: PathLimit) -> float:
@@ -371,11 +371,13 @@ def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: Static
 def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     """No strength at all: the blocks rest on frictionless joints, or there is no factor."""
     try:
-        found = follow(Bed(model, Drive(model.load.ravel())), 1.0)
+        path_end = follow(Bed(model, Drive(model.load.ravel())), 1.0)
     except EffortSpentError:
         return replace(_ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound), spent=True)
-    outcome = Outcome.NO_DRIVING_FORCE if found.outcome is PathOutcome.STANDS else Outcome.NO_STRENGTH
-    return replace(_ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal))
+    outcome = Outcome.NO_DRIVING_FORCE if path_end.outcome is PathOutcome.STANDS else Outcome.NO_STRENGTH
+    return replace(
+        _ended(model, outcome, path_end.motion, bound, path_end.factorisations), normal_force=frozen(path_end.normal)
+    )
 
 
 def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[PathLimit, BlocksLimit]:

@@ -121,8 +121,8 @@ def bound_in_one_run(model: AssemblyModel) -> StaticBound | None:
     """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         known = _of_parts(model) if len(model.load) > _MANY else None
-        found = None if known is None else _run(_Shortfall(model), known, True)
-        return _run(_Shortfall(model), _START) if found is None else found
+        bound = None if known is None else _run(_Shortfall(model), known, True)
+        return _run(_Shortfall(model), _START) if bound is None else bound
 
 
 def _of_parts(model: AssemblyModel) -> float | None:
@@ -135,11 +135,11 @@ def _of_parts(model: AssemblyModel) -> float | None:
     for _ in range(_PARTS):
         if not 0 < len(part) <= _LARGEST * len(model.load):
             break
-        found = _run(_Shortfall(model.among(part)[0]), reduction or _START)
-        if found is None or found.factor is None:
+        bound = _run(_Shortfall(model.among(part)[0]), reduction or _START)
+        if bound is None or bound.factor is None:
             break
-        reduction = 1.0 / found.factor
-        speed = np.abs(found.velocity.reshape(len(part), -1)).max(axis=1)
+        reduction = 1.0 / bound.factor
+        speed = np.abs(bound.velocity.reshape(len(part), -1)).max(axis=1)
         moving = np.zeros(len(model.load), dtype=bool)
         moving[part[speed > _MOVING * float(speed.max())]] = True
         if np.isin(np.flatnonzero(model.touching(moving)), part).all():

@@ -393,16 +393,16 @@ class _Path:
             at = at if count % 2 else _bottom(low, high, span)
             if count % 6 == 5 or not 0.0 < at < span:
                 at = 0.5 * span
-            found = self._step(low, at, smooth=False)
-            if found is None:
+            step = self._step(low, at, smooth=False)
+            if step is None:
                 break
-            if abs(found[0].tangent[-1]) < LEVEL:
-                return found[0]
-            if found[0].tangent[-1] < 0.0:
-                low = found[0]
+            if abs(step[0].tangent[-1]) < LEVEL:
+                return step[0]
+            if step[0].tangent[-1] < 0.0:
+                low = step[0]
                 span = _along(low, high)
             else:
-                high, span = found[0], at
+                high, span = step[0], at
         return best
 
     # -- the running state --------------------------------------------------------------------------------

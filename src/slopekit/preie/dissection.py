@@ -87,8 +87,8 @@ def dissection(edges: Ints, coordinates: Floats, leaf: int) -> tuple[Ints, Ints]
             cost = np.where(off <= max(_UNEVEN, 0.5 / leaf), (np.minimum(before, after) + 1e-3) * (1.0 + off), np.inf)
             least = np.minimum.reduceat(cost, first)
             cut = np.empty(len(ids), dtype=np.int64)
-            found = np.flatnonzero(cost == np.repeat(least, sizes))
-            cut[of[order[found]]] = found
+            cheapest = np.flatnonzero(cost == np.repeat(least, sizes))
+            cut[of[order[cheapest]]] = cheapest
             better = (least < best)[of]
             best = np.minimum(best, least)
             beyond = np.where(better, rank > cut[of], beyond)

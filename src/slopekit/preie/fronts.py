@@ -127,8 +127,8 @@ class Fronts:
         front = self.owner[first // self.u]
         own, others, start = self.own[front], self.others[front], self.starts[front]
         block, part = np.divmod(last, self.u)
-        found = np.searchsorted(self.later_keys, front * len(self.place) + block) - self.later_first[front]
-        beyond = own * own + (first - start) * others + found * self.u + part + np.where(lower, 0, own * others)
+        position = np.searchsorted(self.later_keys, front * len(self.place) + block) - self.later_first[front]
+        beyond = own * own + (first - start) * others + position * self.u + part + np.where(lower, 0, own * others)
         inside = (column - start) * own + row - start
         at: Ints = self.offsets[front] + np.where(last < start + own, inside, beyond)
         return at

@@ -88,10 +88,10 @@ def range_of(model: Model, limit: Limit) -> tuple[float | None, float | None]:
     friction[: len(limit.friction)], friction[len(limit.friction) :, 0] = limit.friction, limit.pulls
     bolts = np.ones(len(limit.pulls))
     normal, bond = np.append(limit.normal_force, 0.0 * bolts), np.append(limit.bond, bolts)
-    found = mechanism_range(on_flat_contacts(model), limit.velocity_of(model), limit.factor, bond, (normal, friction))
-    if found is None:
+    span = mechanism_range(on_flat_contacts(model), limit.velocity_of(model), limit.factor, bond, (normal, friction))
+    if span is None:
         return None, None
-    lowest, highest = found
+    lowest, highest = span
     return min(lowest or 0.0, limit.factor), None if highest is None else max(highest, limit.factor)
 
 

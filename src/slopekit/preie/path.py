@@ -130,13 +130,13 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
     return replace(peak, started=begun)
 
 
-def first_peak(bed: Bed, found: PathLimit) -> PathLimit:
+def first_peak(bed: Bed, peak: PathLimit) -> PathLimit:
     """Of the peaks that the path comes to in other steps, and the one found, that of the most strength.
 
     Where blocks snap from rest to rest the step decides which rest they come to, and so where they are last at rest.
     """
-    ways = [found]
-    parameter, flow = _started(bed, found.started, 0)
+    ways = [peak]
+    parameter, flow = _started(bed, peak.started, 0)
     for ratio in _OTHER_WAYS if flow.ended == "rest" else ():
         good, rest, bad = parameter, flow, None
         while bad is None or 1.0 - bed.drive.gap(bad, good) > _NEARER[1]:
@@ -155,10 +155,10 @@ def first_peak(bed: Bed, found: PathLimit) -> PathLimit:
                 break
         if bad is not None:
             forces = bed.forces(rest.at, good)
-            ways.append(result_of(bed, PathOutcome.BRACKET, good, (good, bad), rest.at, found.motion, forces))
+            ways.append(result_of(bed, PathOutcome.BRACKET, good, (good, bad), rest.at, peak.motion, forces))
     ways.sort(key=lambda way: way.parameter or 0.0)
     return replace(
-        ways[-1], started=found.started, motion=found.motion, reached=ways[0].parameter,
+        ways[-1], started=peak.started, motion=peak.motion, reached=ways[0].parameter,
         factorisations=bed.factorisations,
     )  # fmt: skip
 
@@ -199,9 +199,9 @@ def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), runs_at=RUNS)
     runs_at = RUNS
     for again in range(3 if bed.tangents == 1 else 1):
-        found = _eased(bed, flow, parameter)
-        if found is not None or again == 2 or bed.tangents > 1:
-            return found
+        limit = _eased(bed, flow, parameter)
+        if limit is not None or again == 2 or bed.tangents > 1:
+            return limit
         runs_at *= 20.0
         flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, runs_at=runs_at)
         if flow.ended != "runs":

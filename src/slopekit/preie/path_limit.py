@@ -96,10 +96,10 @@ def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLi
     v = moved / np.sqrt(float(moved @ moved))
     at = at - v * (float((across := bed.viscous(v)) @ at) / float(across @ v))
     for _ in range(1 if bed.tangents == 1 else _TURNS):
-        found = _of_modes(bed, modes, at, v, parameter)
-        if found is None:
+        state = _of_modes(bed, modes, at, v, parameter)
+        if state is None:
             return None
-        at, parameter, here, v, agrees = found
+        at, parameter, here, v, agrees = state
         if agrees:
             return result_of(bed, PathOutcome.LIMIT, parameter, None, at, v, here)
         if bed.tangents == 1:
@@ -161,8 +161,8 @@ def _bordered(bed: Bed, here: BedForces, parameter: float, across: Floats) -> Ca
         return None
 
     def solve(right: Floats) -> Floats:
-        found: Floats = lapack.dgetrs(lu, pivots, right)[0]
-        return found
+        solution: Floats = lapack.dgetrs(lu, pivots, right)[0]
+        return solution
 
     return solve
 

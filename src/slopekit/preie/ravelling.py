@@ -111,12 +111,12 @@ def ravel(
     strength : indexed by the patches' joint
     ranged : whether the range of the mechanisms' factors is wanted
     """
-    scene = _Scene(assembly, loads, strength, ranged)
+    scene = _WholeAssembly(assembly, loads, strength, ranged)
     with threadpool_limits(1):  # bands and fronts are narrow: threads would only wait for each other
         return _ravel(scene, count)
 
 
-def _ravel(scene: "_Scene", count: int) -> Ravelling:
+def _ravel(scene: "_WholeAssembly", count: int) -> Ravelling:
     assembly, size = scene.assembly, block_sizes(scene.assembly)
     there = ~assembly.fixed
     with effort.allowed(effort.MOST):
@@ -133,7 +133,7 @@ def _ravel(scene: "_Scene", count: int) -> Ravelling:
             break
         together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_RANK]
         moved = [_moving(part, size) for part in together]
-        blocks = np.concatenate([found for found, _ in moved])
+        blocks = np.concatenate([fallen for fallen, _ in moved])
         failures.append(Failure(tuple(together), blocks, np.concatenate([motion for _, motion in moved])))
         if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in together):
             ended = "not_converged"
@@ -155,7 +155,7 @@ def _ravel(scene: "_Scene", count: int) -> Ravelling:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Scene:
+class _WholeAssembly:
     """What every part of an assembly shares."""
 
     assembly: Assembly
@@ -213,7 +213,7 @@ def critical_load(
 
     None where the blocks do not stand without the ramp, or stand with any of it.
     """
-    scene = _Scene(assembly, replace(loads, live=ramp), strength)
+    scene = _WholeAssembly(assembly, replace(loads, live=ramp), strength)
     there = ~assembly.fixed
     lowest: tuple[float, Part, float | None] | None = None
     with threadpool_limits(1), effort.allowed(effort.MOST):
@@ -248,7 +248,7 @@ def _load_limit(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, 
     return settled_load(model, reduction)
 
 
-def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
+def _solved(scene: _WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
     for blocks in _components(scene, among):
         model_patch = _model(scene, there, blocks)
@@ -280,7 +280,7 @@ class _Groups:
     group. Where they rest just before it, their strength along its motion used up or running beyond, it is that of all.
     """
 
-    def __init__(self, scene: "_Scene", there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
+    def __init__(self, scene: "_WholeAssembly", there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
         self.scene, self.there, self.blocks, self.model, self.patch = scene, there, blocks, model, patch
         gone = ~there & ~scene.assembly.fixed
         self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
@@ -339,9 +339,9 @@ class _Groups:
                 limit = first_limit(small, own_bond, self._bound(group, small))
         except effort.EffortSpentError:
             return None
-        found = None if limit is None or limit.parameter is None else (small, limit, own_bond)
-        self.solved = key, found
-        return found
+        solution = None if limit is None or limit.parameter is None else (small, limit, own_bond)
+        self.solved = key, solution
+        return solution
 
     def _of_all(self, small: AssemblyModel, limit: PathLimit) -> PathLimit:
         """A limit of a group, its motion that of all blocks."""
@@ -353,10 +353,10 @@ class _Groups:
 
     def limit_alone(self, bond: Floats) -> PathLimit | None:
         """The limit of the group that failed last, with some bonds (m,); none of its forces are those of all."""
-        found = self._of_group(self.near, bond) if len(self.near) else None
-        if found is None:
+        solution = self._of_group(self.near, bond) if len(self.near) else None
+        if solution is None:
             return None
-        small, limit, _ = found
+        small, limit, _ = solution
         return replace(self._of_all(small, limit), group=len(self.near))
 
     def peak(self) -> PathLimit | None:
@@ -395,10 +395,10 @@ class _Groups:
         bed = Bed(model, Drive(model.load.ravel()), bond)
         group, work = self._first(), 0
         for _ in range(_MOST_GROUPS):
-            found = self._of_group(group, bond)
-            if found is None:
+            solution = self._of_group(group, bond)
+            if solution is None:
                 return None
-            small, limit, own_bond = found
+            small, limit, own_bond = solution
             assert limit.parameter is not None
             if not limit.found and not peaks:  # it may be a snap of slivers
                 self.snapped = self._of_all(small, limit)
@@ -443,7 +443,7 @@ def _with_neighbours(assembly: Assembly, group: Ints, among: Ints) -> Ints:
     return np.intersect1d(near, among)
 
 
-def _components(scene: _Scene, among: Ints) -> list[Ints]:
+def _components(scene: _WholeAssembly, among: Ints) -> list[Ints]:
     """Blocks that touch each other or are bolted together, not only bedrock or what is held, together."""
     if len(among) == 0:
         return []
@@ -459,7 +459,9 @@ def _components(scene: _Scene, among: Ints) -> list[Ints]:
     return np.split(among[order], ends)
 
 
-def _model(scene: _Scene, there: Bools, free: Ints, refine: Ints | None = None) -> tuple[AssemblyModel, Ints] | None:
+def _model(
+    scene: _WholeAssembly, there: Bools, free: Ints, refine: Ints | None = None
+) -> tuple[AssemblyModel, Ints] | None:
     """The model with the blocks `free` moving and all others held, those that are gone taken away, and its patches.
 
     A block that has gone takes its bolts with it.
@@ -487,7 +489,7 @@ def finer_model(
     """The model of a part once more, the triangles of all its contacts split in four so often."""
     free = np.ones(len(assembly), dtype=bool)
     refine = np.full(len(assembly.patches), level, dtype=np.int64)
-    model_patch = _model(_Scene(assembly, loads, strength), free, part.blocks, refine)
+    model_patch = _model(_WholeAssembly(assembly, loads, strength), free, part.blocks, refine)
     assert model_patch is not None  # the part has a model
     return model_patch[0]
 
@@ -502,7 +504,7 @@ def _chosen(patches: Patches, kept: Bools) -> Patches:
     )  # fmt: skip
 
 
-def _refined(scene: _Scene, there: Bools, parts: list[Part]) -> list[Part]:
+def _refined(scene: _WholeAssembly, there: Bools, parts: list[Part]) -> list[Part]:
     """The parts, those that come first with finer node pairs where their mechanism twists contacts."""
     done: set[int] = set()
     while True:
@@ -513,7 +515,7 @@ def _refined(scene: _Scene, there: Bools, parts: list[Part]) -> list[Part]:
         parts = [*parts[:first], _split(scene, there, parts[first]), *parts[first + 1 :]]
 
 
-def _split(scene: _Scene, there: Bools, part: Part) -> Part:
+def _split(scene: _WholeAssembly, there: Bools, part: Part) -> Part:
     """A part with the contacts that twist split until its factor stays, or its node pairs are too many."""
     for level in range(1, _MOST_SPLIT + 1):
         twists = _twisting(part)

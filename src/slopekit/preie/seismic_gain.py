@@ -69,13 +69,13 @@ def seismic_gain(part: Part, multiplier: float, weights: Floats, gyration: Float
         return None
     mass = mass_of(model, weights, gyration)
     settled = limit.basis is not Basis.PEAK
-    found = _of_all(model, mass, limit) if settled and model.load.size <= BORDERED else _of_movers(model, mass, limit)
-    if found is not None:
-        block = int(model.moving[found[1]])
-        above = _just_above(model, mass, limit, multiplier, found) if settled else None
-        if above is None or abs(above / found[0] - 1.0) < _ANOTHER:
-            return SeismicGain(found[0], block, False, multiplier)
-        return SeismicGain(above, block, False, multiplier, found[0])
+    gain = _of_all(model, mass, limit) if settled and model.load.size <= BORDERED else _of_movers(model, mass, limit)
+    if gain is not None:
+        block = int(model.moving[gain[1]])
+        above = _just_above(model, mass, limit, multiplier, gain) if settled else None
+        if above is None or abs(above / gain[0] - 1.0) < _ANOTHER:
+            return SeismicGain(gain[0], block, False, multiplier)
+        return SeismicGain(above, block, False, multiplier, gain[0])
     if settled:
         return None
     driven = (limit.velocity * model.live).sum(axis=1)
@@ -86,19 +86,19 @@ def seismic_gain(part: Part, multiplier: float, weights: Floats, gyration: Float
         return None
     if abs(path_end.parameter / multiplier - 1.0) > _NEAR:
         return None
-    found = _of_all(few, mass[one], alone)
-    return None if found is None else SeismicGain(found[0], int(few.moving[0]), True, path_end.parameter)
+    gain = _of_all(few, mass[one], alone)
+    return None if gain is None else SeismicGain(gain[0], int(few.moving[0]), True, path_end.parameter)
 
 
 def _just_above(
-    model: AssemblyModel, mass: Floats, limit: BlocksLimit, multiplier: float, found: tuple[float, int]
+    model: AssemblyModel, mass: Floats, limit: BlocksLimit, multiplier: float, gain: tuple[float, int]
 ) -> float | None:
     """The gain between the limit and a little above it; None where nothing settles there.
 
     The load that the motion takes with a small acceleration, its inertia a load of its own.
     """
     assert limit.factor is not None
-    factor, fastest = found
+    factor, fastest = gain
     moves = limit.velocity[fastest, : 2 if model.unknowns == 3 else 3]
     faster = factor * _ABOVE * max(multiplier, _LEAST_LOAD)
     inertia = np.matmul(mass, limit.velocity[:, :, None])[:, :, 0] / float(np.sqrt(moves @ moves))
@@ -125,7 +125,7 @@ def _of_all(model: AssemblyModel, mass: Floats, limit: BlocksLimit) -> tuple[flo
     still = NO_MOTION if limit.basis is Basis.LIMIT else OPENS_ROUGHLY
     bed = Bed(model, Drive(model.load.ravel(), model.live.ravel(), 1.0 / limit.factor), limit.bond)
     tried = (_of_motion(bed, mass, limit, still, used_up) for used_up in (True, False))
-    return next((found for found in tried if found is not None), None)
+    return next((gain for gain in tried if gain is not None), None)
 
 
 def _of_movers(model: AssemblyModel, mass: Floats, limit: BlocksLimit) -> tuple[float, int] | None:
@@ -142,8 +142,8 @@ def _of_movers(model: AssemblyModel, mass: Floats, limit: BlocksLimit) -> tuple[
         bond=limit.bond[pairs],
         friction=limit.friction[groups],
     )
-    found = _of_all(few, mass[movers], own)
-    return None if found is None else (found[0], int(movers[found[1]]))
+    gain = _of_all(few, mass[movers], own)
+    return None if gain is None else (gain[0], int(movers[gain[1]]))
 
 
 def _of_motion(bed: Bed, mass: Floats, limit: BlocksLimit, still: float, used_up: bool) -> tuple[float, int] | None:
@@ -164,10 +164,10 @@ def _of_motion(bed: Bed, mass: Floats, limit: BlocksLimit, still: float, used_up
 
     def solved(right: Floats, last: float) -> Floats | None:
         try:
-            found = np.linalg.solve(matrix, np.append(right, last))
+            solution = np.linalg.solve(matrix, np.append(right, last))
         except np.linalg.LinAlgError:
             return None
-        return found if np.isfinite(found).all() else None
+        return solution if np.isfinite(solution).all() else None
 
     motion = solved(np.zeros(bed.size), along)
     if motion is None or abs(float(motion[-1])) > still or float(np.abs(motion[:-1] - v).max()) > _SAME * still:

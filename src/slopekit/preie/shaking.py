@@ -142,7 +142,7 @@ def _shear_stiffness(stiffness: JointStiffness) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class _State:
+class _Motion:
     """Where a block is: displacement (u,), velocity (u,), slip memory (n, 2), lost bonds (n,), which have slipped."""
 
     at: Floats
@@ -166,8 +166,8 @@ def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[in
     """
     at, memory, debonded = block.at_rest
     none: Bools = np.zeros(len(block.area), dtype=bool)
-    state = _State(at, np.zeros(block.unknowns), memory, debonded, none, _law(block, at, memory, debonded, none))
-    found, work = [np.zeros(block.unknowns)], np.zeros(5)
+    state = _Motion(at, np.zeros(block.unknowns), memory, debonded, none, _law(block, at, memory, debonded, none))
+    motion, work = [np.zeros(block.unknowns)], np.zeros(5)
     steps = halved = 0
     opened, ended = 0.0, ""
 
@@ -186,7 +186,7 @@ def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[in
             work += _work(block, state, after, push)
             state, done, steps = after, done + part, steps + 1
             opened = max(opened, float(block.area[state.law.modes == ContactMode.DEBOND].sum()))
-        found.append(state.at - at)
+        motion.append(state.at - at)
         return True
 
     for push in pushes:
@@ -203,13 +203,13 @@ def shake(block: ShakenBlock, step: float, pushes: Floats, advance: Callable[[in
             ended = "refused"
     whole = float(block.area.sum())
     return Shake(
-        frozen(step * np.arange(len(found))), frozen(found), float(block.area[state.slid].sum()) / whole,
+        frozen(step * np.arange(len(motion))), frozen(motion), float(block.area[state.slid].sum()) / whole,
         opened / whole, float(block.area[state.debonded].sum()) / whole, steps, halved, ended or "rest",
         Work(*(float(part) for part in work)),
     )  # fmt: skip
 
 
-def _speed(block: ShakenBlock, state: _State) -> float:
+def _speed(block: ShakenBlock, state: _Motion) -> float:
     """The fastest node pair, m/s."""
     return float(np.abs(block.rows.reshape(-1, block.unknowns) @ state.velocity).max())
 
@@ -224,7 +224,7 @@ def _law(block: ShakenBlock, at: Floats, memory: Floats, debonded: Bools, slid: 
     return tractions(relative, block.stiffness, cohesion, friction, np.zeros_like(friction), 1.0, debonded)
 
 
-def _step(block: ShakenBlock, state: _State, length: float, push: Floats) -> _State | None:
+def _step(block: ShakenBlock, state: _Motion, length: float, push: Floats) -> _Motion | None:
     """The state one step later; None where it does not settle."""
     load = block.load.copy()
     load[: block.translations] += block.mass[: block.translations, : block.translations] @ push
@@ -242,13 +242,13 @@ def _step(block: ShakenBlock, state: _State, length: float, push: Floats) -> _St
             relative = (block.rows.reshape(-1, block.unknowns) @ at).reshape(-1, 3)
             memory = relative[:, 1:] + law.tractions[:, 1:] / _shear_stiffness(block.stiffness)
             slid = state.slid | (law.modes == ContactMode.SLIP)
-            return _State(at, velocity, memory, debonded, slid, law)
+            return _Motion(at, velocity, memory, debonded, slid, law)
         debonded = debonded | broken
     return None
 
 
 def _newton(
-    block: ShakenBlock, state: _State, length: float, load: Floats, size: float, debonded: Bools, start: Floats
+    block: ShakenBlock, state: _Motion, length: float, load: Floats, size: float, debonded: Bools, start: Floats
 ) -> tuple[Floats, Tractions] | None:  # fmt: skip
     """Velocity at the end of a step, with its tractions."""
     flat, areas = block.rows.reshape(-1, block.unknowns), block.area[:, None]
@@ -288,7 +288,7 @@ def _newton(
     return None
 
 
-def _work(block: ShakenBlock, before: _State, after: _State, push: Floats) -> Floats:
+def _work(block: ShakenBlock, before: _Motion, after: _Motion, push: Floats) -> Floats:
     """Put in, friction, stored, kinetic, damped in one step, kJ; each from its own quantities."""
     load = block.load.copy()
     load[: block.translations] += block.mass[: block.translations, : block.translations] @ push

@@ -188,8 +188,8 @@ class _Plan:
         def solve_in_order(right: Floats) -> Floats:
             placed = np.empty_like(right)
             placed[order] = right
-            found: Floats = inner(placed)[order]
-            return found.reshape(right.shape)
+            solution: Floats = inner(placed)[order]
+            return solution.reshape(right.shape)
 
         return solve_in_order
 

@@ -264,13 +264,13 @@ def settled_blocks(
 
     def solve(drawn_model: AssemblyModel) -> BlocksLimit:
         nonlocal steps
-        found = limit_of(drawn_model)
-        steps += found.steps
-        return found
+        at_limit = limit_of(drawn_model)
+        steps += at_limit.steps
+        return at_limit
 
     exact = STEADY if model.unknowns == 6 else 0.0
     model, limit, off = _rounds(
-        model, solve, lambda found: (found.normal_force, found.factor, exact) if found.factor else None
+        model, solve, lambda at_limit: (at_limit.normal_force, at_limit.factor, exact) if at_limit.factor else None
     )
     if limit.factor:
         limit = replace(limit, change=max(limit.change, off if off > max(LINES_STEADY, exact) else 0.0), steps=steps)
@@ -286,8 +286,8 @@ def settled_blocks(
 def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
     """The limit in the live load of an assembly, every pair on the line of its own traction there, and the model."""
 
-    def forces(found: tuple[PathLimit, BlocksLimit]) -> tuple[Floats, float, float] | None:
-        path_end, limit = found
+    def forces(solution: tuple[PathLimit, BlocksLimit]) -> tuple[Floats, float, float] | None:
+        path_end, limit = solution
         exact = STEADY if model.unknowns == 6 else 0.0
         return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
 

@@ -105,7 +105,7 @@ class ForAll(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Row:
+class _CaseRow:
     case: LoadCase
     of: Shown
 
@@ -163,8 +163,8 @@ class Cases(Shown, Generic[Found]):
     @property
     def accepted(self) -> bool | None:
         """Whether every case is accepted; None where none has a rule."""
-        found = [getattr(one, "accepted", None) for one in self.cases.values()]
-        said = [one for one in found if one is not None]
+        verdicts = [getattr(one, "accepted", None) for one in self.cases.values()]
+        said = [one for one in verdicts if one is not None]
         return all(said) if said else None
 
     @property
@@ -194,14 +194,14 @@ class Cases(Shown, Generic[Found]):
     @property
     def sheet(self) -> Sheet:
         """The table over the cases."""
-        rows = [_Row(case, self.cases[case.name]) for case in self.design.cases]
+        rows = [_CaseRow(case, self.cases[case.name]) for case in self.design.cases]
         first = next(iter(self.cases.values()))
         more = max((one.case_columns() for one in self.cases.values()), key=len)  # not every case has every column
         width = min(max(len(row.case.name) for row in rows), 24) + 2
         room = _ROOM - width - sum(abs(column.width) for column in more if abs(column.width) > 1) - _LAST
         room = max(min(room, max(len(row.case.in_words) for row in rows) + 2), 8)
         is_cut = any(len(row.case.in_words) > room - 2 for row in rows)
-        own: list[Column[_Row]] = [
+        own: list[Column[_CaseRow]] = [
             Column("case", attrgetter("case.name"), "case", width=-max(width, 6)),
             Column("sets", attrgetter("case.in_words"), "sets", width=-room,
                    show=lambda text: text if len(text) < room - 1 else f"{text[: room - 5]}..."),
@@ -210,20 +210,22 @@ class Cases(Shown, Generic[Found]):
         own.append(Column("says", attrgetter("of.line"), "line"))
         table = Table(own, rows)
         own_name = "cases.csv" if self.what == "run" else f"{self.what}-cases.csv"
-        found = [Section("CASES", [table])]
+        sections = [Section("CASES", [table])]
         if is_cut:
-            found.append(Section("SETS", [f"{row.case.name}: {row.case.in_words}" for row in rows if row.case.sets]))
+            sections.append(Section("SETS", [f"{row.case.name}: {row.case.in_words}" for row in rows if row.case.sets]))
         if not more:
-            found.append(Section("EACH", [f"{row.case.name}: {row.of.line}" for row in rows]))
+            sections.append(Section("EACH", [f"{row.case.name}: {row.of.line}" for row in rows]))
         if self.for_all is not None:
-            found += self.for_all.sections()
+            sections += self.for_all.sections()
         elif more:
-            found.append(Section("GOVERNS", [f"{self.governing}: {self.cases[self.governing].line}"]))
+            sections.append(Section("GOVERNS", [f"{self.governing}: {self.cases[self.governing].line}"]))
         elif first.margin is not None:
-            found.append(Section("GOVERNS", [self.governing]))
-        found.append(Section("NOTE", [str(notice) for notice in self.warnings if notice.code != INVENTED]))
+            sections.append(Section("GOVERNS", [self.governing]))
+        sections.append(Section("NOTE", [str(notice) for notice in self.warnings if notice.code != INVENTED]))
         return Sheet(
-            head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"), found, {own_name: table}
+            head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"),
+            sections,
+            {own_name: table},
         )
 
     def files(self) -> dict[str, str]:
@@ -250,7 +252,7 @@ class Cases(Shown, Generic[Found]):
         }  # fmt: skip
 
 
-def _of(column: Column[Any]) -> Callable[[_Row], Any]:
+def _of(column: Column[Any]) -> Callable[[_CaseRow], Any]:
     return lambda row: column.of(row.of)
 
 
@@ -269,18 +271,18 @@ def each_case(
         With the faults of all cases: those that not all of them have say whose they are.
     """
     module = import_module(_FOR_ALL[name]) if name in _FOR_ALL else None
-    found, wrong = dict[str, Found](), dict[str, DesignError | GeometryError]()
+    by_case, wrong = dict[str, Found](), dict[str, DesignError | GeometryError]()
     for case in design.cases:
         own = dict(given) if module is None else module.options(case.design, given)
         try:
-            found[case.name] = function(**{place: case.design}, **own)
+            by_case[case.name] = function(**{place: case.design}, **own)
         except (DesignError, GeometryError) as error:
             wrong[case.name] = error
     if wrong:
         _refuse(wrong, len(design.cases))
     varied = given.get("keys", given.get("key")) or ()
     keys = (varied.partition("=")[0],) if isinstance(varied, str) else tuple(varied)
-    return Cases(design, name, found, None if module is None else module.for_all(found, given), keys)
+    return Cases(design, name, by_case, None if module is None else module.for_all(by_case, given), keys)
 
 
 def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "") -> dict[str, Mapping[str, Any]]:
@@ -291,21 +293,21 @@ def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "
     DesignError
         E475 for a name that is none of them, E476 where there are no cases, E341 where they are damaged.
     """
-    called, found = name or "the document", document.get("cases")
+    called, cases = name or "the document", document.get("cases")
     if document.get("study") != "cases":
         if case is not None:
             message = f"{called} has no load cases, {case} is none"
             raise DesignError([Fault("E476", message, f"--case {case}", "Leave --case out.")])
         return {"": document}
-    if not isinstance(found, Mapping) or not found:
+    if not isinstance(cases, Mapping) or not cases:
         raise DesignError([Fault("E341", f"{called} has lost its load cases", name)])
     if case is None:
-        return {str(own): below for own, below in found.items()}
-    if case not in found:
-        near = get_close_matches(case, [str(own) for own in found], n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, found))}."
+        return {str(own): below for own, below in cases.items()}
+    if case not in cases:
+        near = get_close_matches(case, [str(own) for own in cases], n=1)
+        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, cases))}."
         raise DesignError([Fault("E475", f"{case} is no load case of {called}", f"--case {case}", advice)])
-    return {case: found[case]}
+    return {case: cases[case]}
 
 
 def _refuse(wrong: Mapping[str, DesignError | GeometryError], count: int) -> None:

@@ -95,12 +95,12 @@ class Key:
 
 def values_of(design: Design, keys: Sequence[Key], values: Sequence[float]) -> dict[str, object]:
     """What `with_values` takes to give some keys of a design other values."""
-    found: dict[str, object] = {path: text for key in keys for path, text in key.written_out}
+    settings: dict[str, object] = {path: text for key in keys for path, text in key.written_out}
     root = design.source.root if design.source is not None else None
     named = [key.path for key in keys]
     if any(key.scatters is not None for key in keys) and root is not None and root.get("correlation") is not None:
-        found["correlation"] = None  # one of those that it names scatters no longer
-    return found | {path: key.written(value) for path, key, value in zip(named, keys, values, strict=True)}
+        settings["correlation"] = None  # one of those that it names scatters no longer
+    return settings | {path: key.written(value) for path, key, value in zip(named, keys, values, strict=True)}
 
 
 def key_of(design: Design, path: str) -> Key:
@@ -138,12 +138,12 @@ def keys_of(design: Design) -> tuple[Key, ...]:
     if design.source is None:
         with_values(design, {})
     assert design.source is not None
-    found = {key.path: key for key in _present(design, design.source.root)}
+    by_path = {key.path: key for key in _present(design, design.source.root)}
     for path, value, out in _absent(design):
         field = field_at(type(design), path)
-        if path not in found and field is not None:
-            found[path] = _key(path, field, value, given=False, out=out)
-    return tuple(found.values())
+        if path not in by_path and field is not None:
+            by_path[path] = _key(path, field, value, given=False, out=out)
+    return tuple(by_path.values())
 
 
 # -- what stands in the file ------------------------------------------------------------------------------------------

@@ -135,17 +135,17 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
          design: strength.weak.c = {dist: …, mean: …, sd: …}
          Add min: 0 to the distribution, or make it narrower.
     """
-    found = []
+    shares = []
     for variable in design.variables:
         own, limits = variable.distribution, field_at(type(design), variable.path) or Field(variable.path)
         ends = (0.0, 0.0)
         if isinstance(own, Distribution) and not limits.turns:
             ends = tails(own, limits.least, limits.most)
-        found.append(Beyond(variable, limits, *ends))
-    faults = [_fault(one) for one in found if one.share > MOST_BEYOND]
+        shares.append(Beyond(variable, limits, *ends))
+    faults = [_fault(one) for one in shares if one.share > MOST_BEYOND]
     if faults:
         raise DesignError(faults)
-    return tuple(found)
+    return tuple(shares)
 
 
 def _fault(one: Beyond) -> Fault:

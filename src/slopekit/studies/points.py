@@ -45,8 +45,8 @@ class Point:
 
     def to_dict(self) -> dict[str, Any]:
         """What both methods say, as JSON values."""
-        found = _NO_FACTORS if self.factors is None else record_of(self.factors)
-        return found | {"code": self.code or None, "message": self.message or None}
+        record = _NO_FACTORS if self.factors is None else record_of(self.factors)
+        return record | {"code": self.code or None, "message": self.message or None}
 
     def to_record(self) -> Record:
         """As JSON values, for a journal and for the way between processes."""

@@ -13,7 +13,18 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar, cast
 from slopekit._version import __version__
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.options import DESIGN, DESK, Advance, Argument, Bar, Desk, Option, as_it_is, documented, given_by
+from slopekit.core.options import (
+    DESIGN,
+    DESK,
+    Advance,
+    Argument,
+    Bar,
+    Option,
+    Workplace,
+    as_it_is,
+    documented,
+    given_by,
+)
 from slopekit.core.shown import Shown
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
@@ -60,7 +71,7 @@ def study(function: Callable[Asked, Found]) -> "Callable[Asked, Found | Cases[Fo
     return through_cases
 
 
-class Outcome(Shown):
+class StudyOutcome(Shown):
     """What a study comes to."""
 
     __slots__ = ()
@@ -68,14 +79,14 @@ class Outcome(Shown):
     @property
     def sheet(self) -> "Sheet":
         """As `sheet_of` makes it, in the module `sheet` beside the study."""
-        found: Sheet = self._said("sheet_of")
-        return found
+        study_sheet: Sheet = self._said("sheet_of")
+        return study_sheet
 
     @property
     def line(self) -> str:
         """As `line_of` does."""
-        found: str = self._said("line_of")
-        return found
+        text: str = self._said("line_of")
+        return text
 
     def _said(self, function: str) -> Any:
         package = type(self).__module__.rpartition(".")[0]
@@ -132,11 +143,11 @@ Scheduler = Annotated[str | None, Option("A Dask scheduler, tcp://host:8786 (ext
 Seed = Annotated[int, Option("Seed of the random numbers: the same seed gives the same numbers [1].", whole_number)]
 
 
-def function_of(name: str) -> Callable[..., Outcome]:
+def function_of(name: str) -> Callable[..., StudyOutcome]:
     """The function of a study, loaded when it is asked for."""
     place = STUDIES[name] if name in STUDIES else VARIANTS[name][1]
-    found: Callable[..., Outcome] = getattr(import_module(place), name.replace("-", "_"))
-    return found
+    function: Callable[..., StudyOutcome] = getattr(import_module(place), name.replace("-", "_"))
+    return function
 
 
 __all__ = [
@@ -147,12 +158,12 @@ __all__ = [
     "Advance",
     "Argument",
     "Bar",
-    "Desk",
     "Jobs",
     "Option",
-    "Outcome",
     "Scheduler",
     "Seed",
+    "StudyOutcome",
+    "Workplace",
     "as_it_is",
     "documented",
     "function_of",

@@ -70,10 +70,10 @@ class Journal:
                     entry = json.loads(line)
                     if entry["key"] != self.key:
                         continue
-                    found = {int(index): record for index, record in entry["records"]}
+                    by_index = {int(index): record for index, record in entry["records"]}
                 except (ValueError, KeyError, TypeError):
                     continue
-                self.held |= {index: record for index, record in found.items() if 0 <= index < count}
+                self.held |= {index: record for index, record in by_index.items() if 0 <= index < count}
         yield from sorted(self.held.items())
 
     def keep(self, indices: Sequence[int], records: Sequence[Any]) -> None:
@@ -343,7 +343,7 @@ def _dask(address: str) -> Iterator[Executor]:
             raise DesignError([Fault("E301", f"the scheduler at {address} has no worker", "", advice)]) from None
         answers = client.run(_version_here, on_error="return").values()
         # a worker that went away just now has no version; the others do its work
-        wrong = sorted({str(found) for found in answers if found != __version__ and not isinstance(found, OSError)})
+        wrong = sorted({str(answer) for answer in answers if answer != __version__ and not isinstance(answer, OSError)})
         if wrong:
             message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
             raise DesignError([Fault("E306", message, "", "Install the same slopekit on every worker.")])

@@ -127,9 +127,9 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
 
 def left_out(joints: JointList) -> list[Notice]:
     """What is not used of the list, and how it was read."""
-    found = []
+    notices = []
     if joints.left_out:
-        found.append(Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}"))
+        notices.append(Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}"))
     if joints.read_as:
-        found.append(Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}"))
-    return found
+        notices.append(Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}"))
+    return notices

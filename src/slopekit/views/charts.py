@@ -201,7 +201,7 @@ def _write_labels(
             tried.append((covered + outside * box.width * box.height, len(tried), written, box))
             if not covered and not outside:
                 break
-        _, best, written, box = min(tried, key=lambda found: found[:2])
+        _, best, written, box = min(tried, key=lambda candidate: candidate[:2])
         for _, place, other, _ in tried:
             if place != best:
                 other.remove()

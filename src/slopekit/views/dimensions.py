@@ -46,18 +46,18 @@ def dimensions(stage: Stage) -> list[Dimension]:
     if height is None or not len(corners):
         return []
     out, size = _square_to_crest(stage), float(np.ptp(corners, axis=0).max())
-    depth, found = corners @ out, []
+    depth, measures = corners @ out, []
     if setback:
         behind = depth.min() if (crest := _crest_of_columns(stage)) is None else -crest - setback
         back = corners[np.abs(depth - behind) < _SAME * size]
         back = back[back[:, 2] > back[:, 2].max() - _SAME * size].mean(axis=0)
-        found.append(Dimension("setback", setback, back, back + setback * out, back + 0.55 * setback * out))
+        measures.append(Dimension("setback", setback, back, back + setback * out, back + 0.55 * setback * out))
     if width:
         start, end = _across(corners, out, depth.min() + (setback or 0.0), width, size)
-        found.append(Dimension("width", width, start, end, start + 0.3 * (end - start)))
+        measures.append(Dimension("width", width, start, end, start + 0.3 * (end - start)))
     foot = corners[np.argmin(corners[:, 2])] + _ASIDE * size * out
     top = foot + np.array([0.0, 0.0, height])
-    return [*found, Dimension("height", height, foot, top, foot + 0.45 * (top - foot))]
+    return [*measures, Dimension("height", height, foot, top, foot + 0.45 * (top - foot))]
 
 
 def _across(corners: Floats, out: Floats, crest: float, width: float, size: float) -> tuple[Floats, Floats]:
@@ -72,11 +72,11 @@ def _across(corners: Floats, out: Floats, crest: float, width: float, size: floa
     return low, low + np.ptp(across) * along
 
 
-def lines(stage: Stage, found: Sequence[Dimension]) -> list[Layer]:
+def lines(stage: Stage, measures: Sequence[Dimension]) -> list[Layer]:
     """Dimensions as thin lines with their ends."""
-    if not found:
+    if not measures:
         return []
-    starts, ends = np.array([one.start for one in found]), np.array([one.end for one in found])
+    starts, ends = np.array([one.start for one in measures]), np.array([one.end for one in measures])
     size = min(stage.size, 2.0 * float(np.sqrt(((ends - starts) ** 2).sum(axis=1)).max()))
     balls = spheres(np.concatenate([starts, ends]), _END * size)
     return [

@@ -78,10 +78,10 @@ def _templates() -> tuple[str, bool]:
     from slopekit.design.files import load
     from slopekit.design.templates import names, path_of
 
-    found = names()
-    for name in found:
+    templates = names()
+    for name in templates:
         load(path_of(name))
-    return f"{len(found)} read", bool(found)
+    return f"{len(templates)} read", bool(templates)
 
 
 def _wedge() -> tuple[str, bool]:

@@ -126,13 +126,13 @@ def hide_cut(figure: Any, axes: Any, labels: Any) -> None:
 
 def stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[float, float]]]:
     """Runs of neighbours that have a number."""
-    found: list[list[tuple[float, float]]] = [[]]
+    runs: list[list[tuple[float, float]]] = [[]]
     for value, factor in line:
         if factor is not None and 0.0 < factor < math.inf:
-            found[-1].append((value, factor))
-        elif found[-1]:
-            found.append([])
-    return [run for run in found if run]
+            runs[-1].append((value, factor))
+        elif runs[-1]:
+            runs.append([])
+    return [run for run in runs if run]
 
 
 # -- documents that were changed --------------------------------------------------------------------------------------
@@ -191,8 +191,8 @@ def needs(form: Mapping[str, Any]) -> Callable[[Function], Function]:
 
 def need_of_drawing(function: Callable[..., None]) -> Mapping[str, Any]:
     """The form that a function says its document must have."""
-    found: Mapping[str, Any] = vars(function)["need"]
-    return found
+    need: Mapping[str, Any] = vars(function)["need"]
+    return need
 
 
 def misfit(value: Any, need: Any, where: str = "") -> str:

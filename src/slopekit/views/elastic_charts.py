@@ -22,7 +22,7 @@ _OPEN = {"linestyle": "none", "marker": "x", "markersize": 4.5, "markeredgewidth
 
 
 @dataclass(frozen=True, slots=True)
-class _Face:
+class _PlaneMap:
     """The node pairs of one plane: places in it (n, 2) m, the second up dip; towards which azimuth the first goes.
 
     `where` is the middle of its pairs, where a joint has more planes than one.
@@ -72,16 +72,16 @@ def draw_elastic_tractions(figure: Any, document: Mapping[str, Any]) -> None:
     figure.suptitle(f"{said}; {100.0 * elastic['opened_share']:.2g} % of the contact area open{more}", fontsize=10.5)
 
 
-def _faces(pairs: Mapping[str, Any]) -> list[_Face]:
+def _faces(pairs: Mapping[str, Any]) -> list[_PlaneMap]:
     """The planes on which pairs lie, by joint, normal and distance."""
     points, normals = (np.array(pairs[key], dtype=float).reshape(-1, 3) for key in ("points_m", "normals"))
     around = points - points.mean(axis=0) if len(points) else points
     extent = float(np.abs(around).max(initial=0.0)) or 1.0
     planes = np.column_stack([normals, (around * normals).sum(axis=1) / extent])
     planes *= np.where(planes[:, 2] < 0.0, -1.0, 1.0)[:, None]  # seen from above
-    found: dict[str, list[list[int]]] = {}
+    by_joint: dict[str, list[list[int]]] = {}
     for k, name in enumerate(pairs["joint"]):
-        groups = found.setdefault(str(name), [])
+        groups = by_joint.setdefault(str(name), [])
         for group in groups:
             if float(np.abs(planes[group[0]] - planes[k]).max()) <= _ALIKE:
                 group.append(k)
@@ -89,7 +89,7 @@ def _faces(pairs: Mapping[str, Any]) -> list[_Face]:
         else:
             groups.append([k])
     out = []
-    for name, groups in found.items():
+    for name, groups in by_joint.items():
         for k, group in enumerate(groups, 1):
             own, normal = np.array(group), planes[group[0], :3]
             up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 1.0 - _FLAT else np.array([0.0, 1.0, 0.0])
@@ -101,14 +101,14 @@ def _faces(pairs: Mapping[str, Any]) -> list[_Face]:
             azimuth = float(np.degrees(np.arctan2(along[0], along[1])) % 360.0)
             east, north, above = (points[own].mean(axis=0).round(1) + 0.0).tolist()
             where = "" if len(groups) == 1 else f"middle {east:.1f} E, {north:.1f} N, {above:.1f} m up"
-            out.append(_Face(called, own, places - places.min(axis=0), azimuth, where))
+            out.append(_PlaneMap(called, own, places - places.min(axis=0), azimuth, where))
     return out
 
 
 def _without_rounding(values: Floats) -> Floats:
     """Tractions; those that are nothing beside the largest are 0."""
-    found: Floats = np.where(np.abs(values) <= _NOTHING * np.abs(values).max(initial=0.0), 0.0, values)
-    return found
+    tractions: Floats = np.where(np.abs(values) <= _NOTHING * np.abs(values).max(initial=0.0), 0.0, values)
+    return tractions
 
 
 def _levels(tractions: Mapping[str, Floats], own: Ints) -> Floats:
@@ -119,7 +119,7 @@ def _levels(tractions: Mapping[str, Floats], own: Ints) -> Floats:
 
 
 def _maps(
-    figure: Any, faces: list[_Face], area: Floats, tractions: Mapping[str, Floats], opened: Any
+    figure: Any, faces: list[_PlaneMap], area: Floats, tractions: Mapping[str, Floats], opened: Any
 ) -> None:  # fmt: skip
     """A row for each plane: contours of the traction over the plane, seen from above."""
     from matplotlib.tri import Triangulation
@@ -162,7 +162,7 @@ def _beyond(places: Floats, triangles: Ints, area: float) -> Bools:
     return beyond & (float(own.sum()) > area * (1.0 + _ALIKE))
 
 
-def _along(figure: Any, faces: list[_Face], tractions: Mapping[str, Floats], opened: Any) -> None:
+def _along(figure: Any, faces: list[_PlaneMap], tractions: Mapping[str, Floats], opened: Any) -> None:
     """A row for each line: both tractions along it."""
     figure.set_size_inches(9.0, 1.0 + 2.8 * len(faces))
     for axes, face in zip(figure.subplots(len(faces), 1, squeeze=False)[:, 0], faces, strict=True):

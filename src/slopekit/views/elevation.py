@@ -40,7 +40,7 @@ _MARKS = (("active", ACTIVE_BOLT, "o"), ("passive", PASSIVE_BOLT, "s"))
 
 
 @dataclass(frozen=True, slots=True)
-class _Face:
+class _FlatPiece:
     """A flat piece of the surface: triangles (t, 3, 3) m, its outline as lines (e, 2, 3), its colour; 1: in full."""
 
     triangles: Floats
@@ -111,7 +111,7 @@ def draw_elevation(figure: Any, document: Any) -> None:
 # -- the face ---------------------------------------------------------------------------------------------------------
 
 
-def _faces(stage: Stage) -> Iterator[_Face]:
+def _faces(stage: Stage) -> Iterator[_FlatPiece]:
     """What is seen of the surface from before the slope, the farthest first."""
     shapes = stage.scene.shapes
     solids = shapes.solids
@@ -137,7 +137,7 @@ def _faces(stage: Stage) -> Iterator[_Face]:
         yield from _pieces(stage, toward, kind.ravel(), 1.0)
 
 
-def _pieces(stage: Stage, own: Bools, kind: Ints, share: float) -> Iterator[_Face]:
+def _pieces(stage: Stage, own: Bools, kind: Ints, share: float) -> Iterator[_FlatPiece]:
     """The triangles `own` (t,) by block and kind (t,), the farthest first."""
     shapes = stage.scene.shapes
     solids, colours = shapes.solids, stage.block_colours()
@@ -155,12 +155,12 @@ def _pieces(stage: Stage, own: Bools, kind: Ints, share: float) -> Iterator[_Fac
         sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         edges, often = np.unique(sides, axis=0, return_counts=True)
         red, green, blue = colours[solids.block[mine[0]]].tolist()
-        yield _Face(
+        yield _FlatPiece(
             solids.vertices[triangles], solids.vertices[edges[often == 1]], (int(red), int(green), int(blue)), share
         )
 
 
-def _fill(axes: Any, faces: Sequence[_Face], triangles: Sequence[Floats], outlines: Sequence[Floats]) -> None:
+def _fill(axes: Any, faces: Sequence[_FlatPiece], triangles: Sequence[Floats], outlines: Sequence[Floats]) -> None:
     from matplotlib.collections import LineCollection, PolyCollection
 
     for k, (face, own, outline) in enumerate(zip(faces, triangles, outlines, strict=True)):
@@ -180,7 +180,7 @@ def _frame(axes: Any, points: Floats) -> None:
     axes.set_aspect("equal")
 
 
-def _blocks(stage: Stage, faces: Sequence[_Face]) -> list[tuple[str, Colour]]:
+def _blocks(stage: Stage, faces: Sequence[_FlatPiece]) -> list[tuple[str, Colour]]:
     """What the colours mean."""
     if stage.alone:
         return [(stage.scene.shapes.names[0], BLOCK)]

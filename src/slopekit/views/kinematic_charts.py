@@ -143,8 +143,8 @@ def _friction(survey: _Survey) -> str:
 
 
 def _planar(axes: Any, survey: _Survey) -> None:
-    found, free = survey.modes.planar, survey.modes.planar_without_limits
-    start(axes, f"Planar sliding, poles: {_share(found, 'joint')}, {int(free.sum())} without lateral limits")
+    planar, free = survey.modes.planar, survey.modes.planar_without_limits
+    start(axes, f"Planar sliding, poles: {_share(planar, 'joint')}, {int(free.sum())} without lateral limits")
     zone = survey.zones(zones_of_poles)
     shade(axes, zone["planar_without_limits"], survey.net, LIGHT, "critical without lateral limits")
     shade(axes, zone["planar"], survey.net, SHADE, f"critical{_at(survey)}")
@@ -154,7 +154,7 @@ def _planar(axes: Any, survey: _Survey) -> None:
         steeper_than(axes, 90.0 - friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
                      label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
     spokes(axes, survey.face.dip_direction_deg + 180.0, survey.limits[0])
-    _poles(axes, survey, found, "slides")
+    _poles(axes, survey, planar, "slides")
     _means(axes, survey)
 
 
@@ -175,8 +175,8 @@ def _wedge(axes: Any, survey: _Survey) -> None:
 
 
 def _flexural(axes: Any, survey: _Survey) -> None:
-    found = survey.modes.flexural
-    start(axes, f"Flexural toppling, poles: {_share(found, 'joint')}")
+    flexural = survey.modes.flexural
+    start(axes, f"Flexural toppling, poles: {_share(flexural, 'joint')}")
     shade(axes, survey.zones(zones_of_poles)["flexural"], survey.net, SHADE, f"critical{_at(survey)}")
     _face(axes, survey)
     for friction, style in _frictions(survey):
@@ -185,7 +185,7 @@ def _flexural(axes: Any, survey: _Survey) -> None:
             plane_circle(axes, Plane(slip, survey.face.dip_direction_deg), survey.net, color=BLUE, linewidth=1.3,
                          linestyle=style, label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
     spokes(axes, survey.face.dip_direction_deg, survey.limits[1])
-    _poles(axes, survey, found, "topples")
+    _poles(axes, survey, flexural, "topples")
     _means(axes, survey)
 
 
@@ -218,8 +218,8 @@ def _direct(axes: Any, survey: _Survey) -> None:
 # -- parts ------------------------------------------------------------------------------------------------------------
 
 
-def _share(found: Bools, what: str) -> str:
-    return f"{int(found.sum())} of {len(found)} {what}{'s' * (len(found) != 1)}"
+def _share(critical: Bools, what: str) -> str:
+    return f"{int(critical.sum())} of {len(critical)} {what}{'s' * (len(critical) != 1)}"
 
 
 def _frictions(survey: _Survey) -> list[tuple[float, str]]:
@@ -262,10 +262,10 @@ def _means(axes: Any, survey: _Survey) -> None:
                markersize=11, markeredgewidth=1.4, zorder=4.5, label=f"mean of {short(name, 14)}: {plane}")  # fmt: skip
 
 
-def _dots(axes: Any, survey: _Survey, found: Bools, colour: str, marker: str, said: str) -> None:
+def _dots(axes: Any, survey: _Survey, chosen: Bools, colour: str, marker: str, said: str) -> None:
     """Lines of intersection."""
-    size = 3.4 if len(found) <= _OFTEN else 2.2 if len(found) <= 10 * _OFTEN else 1.4
+    size = 3.4 if len(chosen) <= _OFTEN else 2.2 if len(chosen) <= 10 * _OFTEN else 1.4
     quiet = colour == GREY
-    points(axes, survey.lines.down[found], survey.net, marker="." if quiet else marker, color=colour,
+    points(axes, survey.lines.down[chosen], survey.net, marker="." if quiet else marker, color=colour,
            markersize=size if quiet else size + 0.6, markeredgewidth=0.3, alpha=0.7 if quiet else 1.0,
-           zorder=2.0 if quiet else 3.0, label=f"{said} ({int(found.sum())})")  # fmt: skip
+           zorder=2.0 if quiet else 3.0, label=f"{said} ({int(chosen.sum())})")  # fmt: skip

@@ -300,8 +300,8 @@ class Bar:
         lower = np.minimum(place.astype(np.int64), len(_SCALE) - 2)
         share = (place - lower)[:, None]
         mixed = _SCALE[lower] * (1.0 - share) + _SCALE[lower + 1] * share
-        found: Ints = np.rint(mixed).astype(np.int64)
-        return found
+        rounded: Ints = np.rint(mixed).astype(np.int64)
+        return rounded
 
 
 @dataclass(frozen=True, slots=True)

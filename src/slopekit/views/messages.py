@@ -35,15 +35,15 @@ _PARTS = (
 
 def messages_page() -> str:
     """Every code with its first lines and its long text, as Markdown."""
-    found = _first_lines()
+    first_lines = _first_lines()
     codes = sorted(explanations())
     lines = [_HEAD]
     for start, title in _PARTS:
         lines.append(f"## {title}\n")
         for code in (code for code in codes if code.startswith(start)):
             lines.append(f"### {code}\n")
-            lines += [f"    {code} {text}" for text in found.get(code, [])[:_MOST]]
-            lines += ["", _marked(code), ""] if found.get(code) else [_marked(code), ""]
+            lines += [f"    {code} {text}" for text in first_lines.get(code, [])[:_MOST]]
+            lines += ["", _marked(code), ""] if first_lines.get(code) else [_marked(code), ""]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -54,7 +54,7 @@ def _marked(code: str) -> str:
 
 def _first_lines() -> Mapping[str, list[str]]:
     """The first lines of every code, in the order of the source."""
-    found: dict[str, list[str]] = {}
+    first_lines: dict[str, list[str]] = {}
     for path in sorted(Path(__file__).parents[1].rglob("*.py")):
         source = path.read_text(encoding="utf-8")
         if not _CODE.search(source):
@@ -65,14 +65,14 @@ def _first_lines() -> Mapping[str, list[str]]:
                 if not any(map(_CODE.search, lines[function.lineno - 1 : function.end_lineno])):
                     continue  # most have none, and none of their parts need be looked at
                 for code, text in _of_function(function):
-                    if text not in found.setdefault(code, []):
-                        found[code].append(text)
+                    if text not in first_lines.setdefault(code, []):
+                        first_lines[code].append(text)
     for field in (field for kind in KINDS for field in every_field(record_of(kind))):
         if field.is_number and field.code != "E105" and (isfinite(field.least) or isfinite(field.most)):
             text = f"{field.in_words.format(k='…')} is …, {field.limits_in_words()}"
-            if text not in found.setdefault(field.code, []):
-                found[field.code].append(text)
-    return found
+            if text not in first_lines.setdefault(field.code, []):
+                first_lines[field.code].append(text)
+    return first_lines
 
 
 def _of_function(function: ast.FunctionDef) -> Iterator[tuple[str, str]]:

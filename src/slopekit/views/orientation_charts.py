@@ -117,34 +117,34 @@ def draw_orientations(figure: Any, document: Document, net: Net = "area") -> Non
     DesignError
         E273 where the document has no orientations.
     """
-    found = orientations_of(document)
-    if found is None:
+    orientations = orientations_of(document)
+    if orientations is None:
         nothing("the document has no joint with dip and dip direction")
     axes = figure.subplots()
     start(axes, "")
-    face = found.slope.get("face")
-    if face is not None and found.frictions:
-        _zone(axes, found, face, net)
+    face = orientations.slope.get("face")
+    if face is not None and orientations.frictions:
+        _zone(axes, orientations, face, net)
     styles = {"face": (FACE, "-", 2.2, "face"), "upper": (GREY, "-", 1.4, "upper slope"),
               "crack": (DARK, "--", 1.6, "tension crack")}  # fmt: skip
-    for name, plane in found.slope.items():
+    for name, plane in orientations.slope.items():
         colour, style, width, said = styles[name]
         plane_circle(axes, plane, net, color=colour, linestyle=style, linewidth=width, label=f"{said} {plane}")
     if face is not None:
-        style = "-" if found.is_planar else "--"
+        style = "-" if orientations.is_planar else "--"
         envelope(axes, face, net, color=FACE, linewidth=1.0, linestyle=style, label="daylight envelope of poles")
-    _joints(axes, found, net)
-    _cones(axes, found, net)
-    _lines(axes, document, found, net)
+    _joints(axes, orientations, net)
+    _cones(axes, orientations, net)
+    _lines(axes, document, orientations, net)
     lines = [title_of(document), *_answer(document), f"lower hemisphere, {NETS[net]}"]
     arrange(figure, [axes], 1, "\n".join(lines))
 
 
-def _zone(axes: Any, found: Oriented, face: Plane, net: Net) -> None:
+def _zone(axes: Any, orientations: Oriented, face: Plane, net: Net) -> None:
     """Where lines of intersection slide out; of a joint alone, where its pole means that."""
-    least = found.frictions[0]
-    steeper = f"daylight, steeper than φ {number(least)}°{', the least' if len(found.frictions) > 1 else ''}"
-    if not found.is_planar:
+    least = orientations.frictions[0]
+    steeper = f"daylight, steeper than φ {number(least)}°{', the least' if len(orientations.frictions) > 1 else ''}"
+    if not orientations.is_planar:
         zone = zones_of_lines(cells(net)[0], face, least, 90.0, 90.0)["wedge_primary"]
         shade(axes, zone, net, SHADE, f"lines here {steeper}")
         return
@@ -168,29 +168,33 @@ def _answer(document: Document) -> list[str]:
     return lines
 
 
-def _cones(axes: Any, found: Oriented, net: Net) -> None:
+def _cones(axes: Any, orientations: Oriented, net: Net) -> None:
     """Friction circle and cone of each angle, in the colour of its joint where it is of one."""
-    joints = list(found.joints)[: len(SETS)]
-    frictions = found.frictions
+    joints = list(orientations.joints)[: len(SETS)]
+    frictions = orientations.frictions
     if len(frictions) > _MOST_CONES:
         frictions = [frictions[0], frictions[-1]]
     for friction in frictions:
-        own = [name for name, angle in found.friction_deg.items() if angle == friction and name in found.joints]
-        alone = len(found.frictions) > 1 and bool(own) and own[0] in joints
+        own = [
+            name
+            for name, angle in orientations.friction_deg.items()
+            if angle == friction and name in orientations.joints
+        ]
+        alone = len(orientations.frictions) > 1 and bool(own) and own[0] in joints
         colour = SETS[joints.index(own[0])] if alone else BLUE
         of = f" ({', '.join(short(name, 10) for name in own[:3])}{', ...' if len(own) > 3 else ''})" if alone else ""
-        if not found.is_planar:
+        if not orientations.is_planar:
             steeper_than(axes, friction, net, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
                          label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
         steeper_than(axes, 90.0 - friction, net, color=colour, linewidth=0.9, linestyle="--" if not alone else ":",
                      label=f"friction cone of poles, φ {number(friction)}°{of}: steeper outside")  # fmt: skip
 
 
-def _joints(axes: Any, found: Oriented, net: Net) -> None:
-    shown = list(found.joints.items())[:_MOST_JOINTS]
+def _joints(axes: Any, orientations: Oriented, net: Net) -> None:
+    shown = list(orientations.joints.items())[:_MOST_JOINTS]
     for k, (name, plane) in enumerate(shown):
         colour, marker = SETS[k % len(SETS)], MARKERS[k % len(MARKERS)]
-        friction = found.friction_deg.get(name)
+        friction = orientations.friction_deg.get(name)
         rough = "" if friction is None else f", φ {number(friction)}°"
         style = "-" if k < len(SETS) else "-."
         plane_circle(axes, plane, net, color=colour, linewidth=1.7, linestyle=style)
@@ -198,13 +202,13 @@ def _joints(axes: Any, found: Oriented, net: Net) -> None:
                zorder=4)  # fmt: skip
         axes.plot([], [], color=colour, linestyle=style, linewidth=1.7, marker=marker, markeredgecolor="black",
                   label=f"{short(name, 16)} {_rounded(plane)}{rough}, with its pole")  # fmt: skip
-    left = list(found.joints.values())[_MOST_JOINTS:]
+    left = list(orientations.joints.values())[_MOST_JOINTS:]
     if left:
         points(axes, np.array([-plane.normal() for plane in left]), net, marker=".", color=GREY, markersize=5,
                label=f"poles of {len(left)} more joints")  # fmt: skip
 
 
-def _lines(axes: Any, document: Document, found: Oriented, net: Net) -> None:
+def _lines(axes: Any, document: Document, orientations: Oriented, net: Net) -> None:
     """Lines of intersection: of a combos document those of the worst pairs, else of all pairs of joints."""
     named: list[tuple[str, Floats]] = []
     if document.get("kind") == "combos":
@@ -212,7 +216,7 @@ def _lines(axes: Any, document: Document, found: Oriented, net: Net) -> None:
             a, b = (parse_plane(plane, "joint").normal() for plane in pair["planes"])
             named.append((" x ".join(pair["joints"]), downward(np.cross(a, b))))
     else:
-        shown = list(found.joints.items())[:_MOST_JOINTS]
+        shown = list(orientations.joints.items())[:_MOST_JOINTS]
         for (one, first), (other, second) in combinations(shown, 2):
             line = downward(np.cross(first.normal(), second.normal()))
             named.append((f"{short(one, 12)} x {short(other, 12)}", line))

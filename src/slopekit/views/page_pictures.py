@@ -11,7 +11,7 @@ from typing import Any
 from slopekit.core.errors import DesignError
 from slopekit.core.records import dataclass
 from slopekit.views.kinematic_charts import NETS_OF
-from slopekit.views.plots import Options, draw, offers
+from slopekit.views.plots import PlotOptions, draw, offers
 
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
 _OF_RESULT = (
@@ -27,7 +27,7 @@ _DIGITS = re.compile(r"-?\d+\.\d{3,}")
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class PagePicture:
     """A picture: its word, what it shows, and itself as a data URI."""
 
     what: str
@@ -40,7 +40,9 @@ class Picture:
         return self.what not in _SCENES
 
 
-def still_pictures(document: Mapping[str, Any], but: frozenset[str] = frozenset()) -> tuple[list[Picture], list[str]]:
+def still_pictures(
+    document: Mapping[str, Any], but: frozenset[str] = frozenset()
+) -> tuple[list[PagePicture], list[str]]:
     """The pictures that can be drawn of a document, and sentences on those that cannot, with the code of each.
 
     Parameters
@@ -52,19 +54,19 @@ def still_pictures(document: Mapping[str, Any], but: frozenset[str] = frozenset(
     names = [what for what in _OF_RESULT if what in offered] if is_result else list(offered)
     if document.get("assembly") is not None:
         names = _of_many(names, document["assembly"])
-    asked = [(what, offered[what], Options()) for what in names if what not in but]
+    asked = [(what, offered[what], PlotOptions()) for what in names if what not in but]
     if document.get("kind") == "kinematic":  # a net for each test: four in one have no legible letter on a phone
-        asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", Options(test=test))
+        asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", PlotOptions(test=test))
                  for what, _, _ in asked for test in NETS_OF]  # fmt: skip
-    found: list[Picture] = []
+    pictures: list[PagePicture] = []
     missing: dict[str, list[str]] = {}
     for what, caption, options in asked:
         try:
-            found.append(Picture(what, caption, picture_of(document, what, options)))
+            pictures.append(PagePicture(what, caption, picture_of(document, what, options)))
         except DesignError as error:
             fault = error.faults[0]
             missing.setdefault(f"{fault.code} {fault.message}", []).append(what)
-    return found, [f"{', '.join(dict.fromkeys(whats))}: {why}" for why, whats in missing.items()]
+    return pictures, [f"{', '.join(dict.fromkeys(whats))}: {why}" for why, whats in missing.items()]
 
 
 def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
@@ -76,7 +78,7 @@ def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
     return [what for what in names if what not in left]
 
 
-def picture_of(document: Mapping[str, Any], what: str, options: Options | None = None) -> str:
+def picture_of(document: Mapping[str, Any], what: str, options: PlotOptions | None = None) -> str:
     """A picture of a document as a data URI.
 
     Raises
@@ -87,16 +89,16 @@ def picture_of(document: Mapping[str, Any], what: str, options: Options | None =
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"
         draw(document, what, path, options)
-        found = path.read_bytes()
+        image = path.read_bytes()
         if path.suffix == ".svg":
-            found = light_svg(found.decode("utf-8")).encode("utf-8")
-            if len(found) > _LARGEST_SVG:
+            image = light_svg(image.decode("utf-8")).encode("utf-8")
+            if len(image) > _LARGEST_SVG:
                 path = path.with_suffix(".png")
                 draw(document, what, path, options)
-                found = path.read_bytes()
+                image = path.read_bytes()
         if path.suffix == ".png":
-            found = light_png(found)
-    return f"data:{_TYPES[path.suffix]};base64,{base64.b64encode(found).decode()}"
+            image = light_png(image)
+    return f"data:{_TYPES[path.suffix]};base64,{base64.b64encode(image).decode()}"
 
 
 def light_svg(text: str) -> str:

@@ -8,7 +8,7 @@ from slopekit.core.orientation import Line, number
 from slopekit.core.sheet import counted
 from slopekit.design.parts import Bolt
 from slopekit.kinds.words import bolt_text, more_of
-from slopekit.views.report_inputs import Table, rows_of, words
+from slopekit.views.report_inputs import InputTable, rows_of, words
 
 Document = Mapping[str, Any]
 Notices = Sequence[tuple[str, str]]
@@ -30,11 +30,11 @@ def shared_notices(every: Sequence[Notices], names: Sequence[str]) -> list[tuple
     for notices, name in zip(every, names, strict=True):
         for one in dict.fromkeys(notices):
             whose.setdefault(one, []).append(name)
-    found: dict[str, list[tuple[str, str]]] = {}
+    shared: dict[str, list[tuple[str, str]]] = {}
     for one, having in whose.items():
         if len(having) > 1:
-            found.setdefault(f"{', '.join(having[:-1])} and {having[-1]}", []).append(one)
-    return list(found.items())
+            shared.setdefault(f"{', '.join(having[:-1])} and {having[-1]}", []).append(one)
+    return list(shared.items())
 
 
 def folded(notices: Notices) -> list[tuple[str, str]]:
@@ -62,19 +62,19 @@ def _one_of(messages: Sequence[str]) -> str:
 def sheets_once(documents: Sequence[Document], names: Sequence[str]) -> list[Any]:
     """The sheets, with a reference where a table stands in the sheet of an earlier document already."""
     seen: dict[str, str] = {}
-    found: list[Any] = []
+    sheets: list[Any] = []
     for document, name in zip(documents, names, strict=True):
         sheet = document.get("sheet")
         if not isinstance(sheet, Mapping):
-            found.append(sheet)
+            sheets.append(sheet)
             continue
         own: dict[str, Any] = {}
         for label, entries in sheet.items():
             own[label] = entries
             if isinstance(entries, list):
                 own[label] = [_or_reference(one, label, name, seen) for one in entries]
-        found.append(own)
-    return found
+        sheets.append(own)
+    return sheets
 
 
 def _or_reference(entry: Any, label: str, name: str, seen: dict[str, str]) -> Any:
@@ -102,7 +102,7 @@ def _bolt(one: Document) -> Bolt:
 # -- inputs ------------------------------------------------------------------------------------------------------------
 
 
-def inputs_table(documents: Sequence[Document], names: Sequence[str]) -> Table | None:
+def inputs_table(documents: Sequence[Document], names: Sequence[str]) -> InputTable | None:
     """Which inputs differ between documents, and what studies change of them; None where nothing does."""
     rows = [*_differing(documents), *_scatter(documents)]
     changes = [_changed(document) for document in documents]
@@ -110,7 +110,7 @@ def inputs_table(documents: Sequence[Document], names: Sequence[str]) -> Table |
         rows.append(("changed by the study", *(change or "nothing" for change in changes)))
     if not rows:
         return None
-    return Table("", ("input", *names), tuple(rows), left=len(names) + 1)
+    return InputTable("", ("input", *names), tuple(rows), left=len(names) + 1)
 
 
 def same_design(documents: Sequence[Document]) -> bool:
@@ -121,7 +121,9 @@ def same_design(documents: Sequence[Document]) -> bool:
 def _differing(documents: Sequence[Document]) -> Iterator[tuple[str, ...]]:
     surveys = [document.get("study") == document.get("kind") for document in documents]  # of many joints, no design
     inputs = [
-        found if isinstance(found := document.get("inputs"), Mapping) and (all(surveys) or not of_survey) else {}
+        own_inputs
+        if isinstance(own_inputs := document.get("inputs"), Mapping) and (all(surveys) or not of_survey)
+        else {}
         for document, of_survey in zip(documents, surveys, strict=True)
     ]
     for key in dict.fromkeys(key for own in inputs for key in own):
@@ -181,6 +183,6 @@ def _changed(document: Document) -> str:
         key = document["key"]
         return f"{key['key'] if isinstance(key, Mapping) else key} is looked for"
     if study == "support":
-        found = [f"{case['pattern']['bolts']} {case['acts']}" for case in document["bolts"] or () if case["pattern"]]
-        return f"bolts are proposed: {' or '.join(dict.fromkeys(found))}" if found else ""
+        bolts = [f"{case['pattern']['bolts']} {case['acts']}" for case in document["bolts"] or () if case["pattern"]]
+        return f"bolts are proposed: {' or '.join(dict.fromkeys(bolts))}" if bolts else ""
     return ""

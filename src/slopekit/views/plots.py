@@ -24,7 +24,7 @@ _ODD = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticE
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class PlotOptions:
     """How to draw.
 
     Attributes
@@ -62,8 +62,8 @@ class Chart:
     def draw(self) -> Callable[..., None]:
         """Draws it, of a figure, a document and options; only now is loaded what draws."""
         module, function = self.drawn_by.split(".")
-        found: Callable[..., None] = getattr(import_module(f"slopekit.views.{module}"), function)
-        return found
+        draw_chart: Callable[..., None] = getattr(import_module(f"slopekit.views.{module}"), function)
+        return draw_chart
 
 
 def _is_kinematic(document: Document) -> bool:
@@ -192,15 +192,15 @@ def _chart(what: str, document: Document) -> Chart:
 def offers(document: Document) -> dict[str, str]:
     """What a document can give: the words, and what each picture shows."""
     scene = document.get("scene")
-    found = dict[str, str]()
+    pictures = dict[str, str]()
     if isinstance(scene, Mapping):
         lacks = {"displacement"} if scene.get("displacement") is None else set()
-        found |= {what: one.shows for what, one in SCENES.items()
-                  if what not in lacks and all(document.get(key) is not None for key in one.needs)}  # fmt: skip
-    return found | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
+        pictures |= {what: one.shows for what, one in SCENES.items()
+                     if what not in lacks and all(document.get(key) is not None for key in one.needs)}  # fmt: skip
+    return pictures | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
 
 
-def draw(document: Document, what: str, path: Path | None, options: Options | None = None, name: str = "") -> None:
+def draw(document: Document, what: str, path: Path | None, options: PlotOptions | None = None, name: str = "") -> None:
     """Draw a picture of a document to a file, or in a window.
 
     Parameters
@@ -216,7 +216,7 @@ def draw(document: Document, what: str, path: Path | None, options: Options | No
         for it, E344 it is damaged, E345 not a format, E346 no window, E347 an option of other pictures, E273 nothing to
         draw, E129 not writable. What goes wrong in drawing a whole document is ours, and goes through.
     """
-    options = options or Options()
+    options = options or PlotOptions()
     named, name = bool(name), name or "the document"
     check(document, what, path, options, name)
     document = kept(document)
@@ -265,7 +265,7 @@ def _damage(document: Document, what: str, error: Exception) -> str:
     return said
 
 
-def check(document: Document, what: str, path: Path | None, options: Options, name: str) -> None:
+def check(document: Document, what: str, path: Path | None, options: PlotOptions, name: str) -> None:
     """Refuse what cannot be drawn before anything is loaded: E106, E342, E343, E345, E347."""
     given = offers(document)
     can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."

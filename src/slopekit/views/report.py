@@ -16,7 +16,7 @@ from slopekit.views import page_together as together
 from slopekit.views import report_tables as tables
 from slopekit.views.page_pictures import still_pictures
 from slopekit.views.plots import by_case, checked_document
-from slopekit.views.report_inputs import Table, input_tables, value_text, words
+from slopekit.views.report_inputs import InputTable, input_tables, value_text, words
 from slopekit.views.report_tables import parts
 from slopekit.views.report_words import answer, force_notes, meaning
 from slopekit.views.viewer_data import viewer_data
@@ -123,13 +123,13 @@ def report_of(
                 context["verification"] = None
             verified.add(str(document["kind"]))
         again = _elsewhere(document, drawn, short[k - 1])
-        found, left = (
+        pictures, left = (
             still_pictures(document, frozenset(again)) if with_pictures else ([], ["all of them: left out as asked"])
         )
-        if any(picture.what == "histogram" for picture in found):  # what is drawn is not listed too
+        if any(picture.what == "histogram" for picture in pictures):  # what is drawn is not listed too
             context["sections"] = [one for one in context["sections"] if one[0] != "HISTOGRAM"]
         context["notices"] += [(one.code, one.message) for one in own]
-        articles.append(context | {"pictures": found, "missing": left, "again": again, "anchor": f"part-{k}",
+        articles.append(context | {"pictures": pictures, "missing": left, "again": again, "anchor": f"part-{k}",
                                    "name": short[k - 1]})  # fmt: skip
         notices += own
         missing += left
@@ -151,7 +151,7 @@ def report_of(
     return Report(html, seen, tuple(missing), tuple(notices))
 
 
-def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Table | None:
+def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[str]) -> InputTable | None:
     try:
         return together.inputs_table(documents, names)
     except _DAMAGED as error:
@@ -168,14 +168,14 @@ class _Views:
 
     def take(self, document: Mapping[str, Any], name: str, notices: list[Notice]) -> int:
         """Add the view of a result; its number from 1, 0 without one."""
-        found = _view(document, notices)
-        if not found:
+        view = _view(document, notices)
+        if not view:
             return 0
-        if self.data and sum(map(len, self.data)) + len(found) > _HEAVIEST_VIEWS:
+        if self.data and sum(map(len, self.data)) + len(view) > _HEAVIEST_VIEWS:
             said = f"the scene of {name} cannot be turned here: with it the views would weigh more than"
             notices.append(Notice("W385", f"{said} {_HEAVIEST_VIEWS // 1000} kB; a page of its own has it"))
             return 0
-        self.data.append(found)
+        self.data.append(view)
         return len(self.data)
 
 
@@ -199,12 +199,12 @@ def _project(documents: Sequence[Mapping[str, Any]], given: Mapping[str, str]) -
     if unknown:
         advice = f"Known: {', '.join(PROJECT)}."
         raise DesignError([Fault("E376", f"{key} is not a key of a project", "--project", advice) for key in unknown])
-    found: dict[str, str] = {}
+    project: dict[str, str] = {}
     for document in documents:
         own = document.get("project")
         if isinstance(own, Mapping):
-            found = {str(key): str(value) for key, value in own.items() if key in PROJECT} | found
-    return found | {key: value for key, value in given.items() if value}
+            project = {str(key): str(value) for key, value in own.items() if key in PROJECT} | project
+    return project | {key: value for key, value in given.items() if value}
 
 
 def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, Any]:
@@ -215,14 +215,14 @@ def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, An
     try:  # only what reads the document: faults of the program itself go through
         if not is_result:
             return _study(document, sheet)
-        found = _read(document, sheet)
+        article = _read(document, sheet)
     except _DAMAGED as error:
         said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
         what = "result" if is_result else "study"
         message = f"the {what} cannot be read as one ({said})"
         advice = "Was it changed, or written by another version? Make it again: slopekit run DESIGN -o DIR."
         raise DesignError([Fault("E372", message, name, advice)]) from error
-    return found | {"verification": _verification(str(document["kind"]))}
+    return article | {"verification": _verification(str(document["kind"]))}
 
 
 def _refuse(document: Mapping[str, Any], name: str, is_result: bool) -> NoReturn:
@@ -312,39 +312,39 @@ def _without_schedule(sheet: Mapping[str, Any], label: str, inputs: Mapping[str,
 
 
 def _entries(sheet: Mapping[str, Any], label: str) -> list[Any]:
-    found = sheet.get(label, [])
-    if not isinstance(found, list) or not all(isinstance(entry, str | Mapping) for entry in found):
+    entries = sheet.get(label, [])
+    if not isinstance(entries, list) or not all(isinstance(entry, str | Mapping) for entry in entries):
         raise TypeError(f"sheet.{label} is no list of texts and tables")
-    return found
+    return entries
 
 
 def _verification(kind: str) -> dict[str, Any]:
     """The rows of the shipped excerpt that stand for a kind; a bench is solved as blocks are."""
-    found = verification_excerpt()
+    excerpt = verification_excerpt()
     like = "blocks" if kind == "bench" else kind
     rows = []
-    for row in found["rows"]:
+    for row in excerpt["rows"]:
         if row["kind"] == like:
             judged = {True: "within", False: "OUTSIDE", None: "not judged"}[row["ok"]]
             shown = ["" if row[key] is None else str(row[key]) for key in ("published",)]
             exact, value = (("" if one is None else f"{one:.6g}") for one in (row["exact"], row["value"]))
             rows.append((row["title"], words(row["quantity"]), *shown, exact, value, row["source"], judged))
     head = ("case", "quantity", "published", "exact or other code", "slopekit", "source", "")
-    sources = [(key, found["sources"][key]) for key in found["sources"]
-               if any(row["source"] == key and row["kind"] == like for row in found["rows"])]  # fmt: skip
+    sources = [(key, excerpt["sources"][key]) for key in excerpt["sources"]
+               if any(row["source"] == key and row["kind"] == like for row in excerpt["rows"])]  # fmt: skip
     return {
-        "version": found["slopekit"], "counts": found["counts"], "whole": _WHOLE, "sources": sources,
+        "version": excerpt["slopekit"], "counts": excerpt["counts"], "whole": _WHOLE, "sources": sources,
         "bench": kind == "bench",
-        "table": Table("", head, tuple(rows), "Why a row is not judged stands in the whole.", left=2),
+        "table": InputTable("", head, tuple(rows), "Why a row is not judged stands in the whole.", left=2),
     }  # fmt: skip
 
 
 def verification_excerpt() -> dict[str, Any]:
     """The excerpt of docs/verification.json that came with this slopekit."""
-    found: dict[str, Any] = json.loads(
+    excerpt: dict[str, Any] = json.loads(
         Path(__file__).with_name("verification_excerpt.json").read_text(encoding="utf-8")
     )
-    return found
+    return excerpt
 
 
 def _rendered(context: Mapping[str, Any]) -> str:

@@ -39,7 +39,7 @@ _MOST = 24  # rows or values of one kind
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class InputTable:
     """A table: its title, heads, rows of texts, and what has to be said beneath; `left` columns are texts."""
 
     title: str
@@ -49,7 +49,7 @@ class Table:
     left: int = 1
 
 
-def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iterator[Table]:
+def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iterator[InputTable]:
     """Planes, strengths, and everything else by groups.
 
     Parameters
@@ -63,9 +63,9 @@ def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iter
     """
     used: set[str] = {"title", "joint_names", "joint_name"}
     if planes := tuple(_planes(inputs, used)):
-        yield Table("Planes", ("", "dip / direction", "in words"), planes, left=3)
+        yield InputTable("Planes", ("", "dip / direction", "in words"), planes, left=3)
     if strengths := tuple(_strengths(inputs, used)):
-        yield Table("Strength", ("", *(name for _, name in _STRENGTH)), strengths)
+        yield InputTable("Strength", ("", *(name for _, name in _STRENGTH)), strengths)
     shape = [key for key in inputs if key not in used and not any(key in keys for keys in _GROUPS.values())]
     for title, keys in {"Shape": tuple(shape), **_GROUPS}.items():
         rows: list[tuple[str, ...]] = []
@@ -81,13 +81,13 @@ def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iter
                 continue
             rows += rows_of(key, inputs[key], words(key))
         if rows:
-            yield Table(title, ("", "value"), tuple(rows), left=2)
+            yield InputTable(title, ("", "value"), tuple(rows), left=2)
 
 
 def plane_of(text: Any) -> Plane | None:
     """The plane that a text such as 45/115 names, None for anything else."""
-    found = _PLANE.match(text) if isinstance(text, str) else None
-    return Plane(float(found[1]), float(found[2])) if found else None
+    match = _PLANE.match(text) if isinstance(text, str) else None
+    return Plane(float(match[1]), float(match[2])) if match else None
 
 
 def plane_in_words(plane: Plane) -> str:

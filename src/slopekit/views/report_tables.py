@@ -11,7 +11,7 @@ from slopekit.core.sheet import Section, Verbatim, head_of
 from slopekit.findings import GoverningInterface
 from slopekit.kinds.sheets.many_blocks import governing
 from slopekit.kinds.words import line_in_words
-from slopekit.views.report_inputs import Table
+from slopekit.views.report_inputs import InputTable
 
 Document = Mapping[str, Any]
 
@@ -19,7 +19,7 @@ _DIGITS = 9  # signs of a number that nobody has rounded
 _MOST_MECHANISMS = 3  # whose interfaces are listed
 
 
-def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Table | Verbatim | str]:
+def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[InputTable | Verbatim | str]:
     """The entries of a section of a sheet: texts, texts to be copied, tables without columns that have nothing."""
     left = iter(captions)
     for entry in entries:
@@ -33,7 +33,7 @@ def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Tabl
             values = zip(rows, entry["rows"], strict=True)
             cells = tuple(tuple(_cell(str(row[k]), own[k]) for k in kept) for row, own in values)
             texts = [all(isinstance(row[k], str) for row in entry["rows"]) for k in kept]
-            yield Table(next(left, ""), heads, cells, entry["rest"], left=[*texts, False].index(False))
+            yield InputTable(next(left, ""), heads, cells, entry["rest"], left=[*texts, False].index(False))
 
 
 def _cell(shown: str, value: Any) -> str:
@@ -45,7 +45,7 @@ def _cell(shown: str, value: Any) -> str:
     return f"{value:.5g}" if isinstance(value, float) and shown == str(value) and len(shown) > _DIGITS else shown
 
 
-def motion_table(document: Document) -> Table | None:
+def motion_table(document: Document) -> InputTable | None:
     """Movement of one block in the mechanism and at full strength."""
     rows = []
     mechanism, one = document["mechanism"], document["at_factor_one"]
@@ -62,18 +62,18 @@ def motion_table(document: Document) -> Table | None:
              _vector(one["rotation_rad"], 3) + " rad")
         )  # fmt: skip
     head = ("", "displacement of the centroid (east, north, up)", "toward", "rotation about it")
-    return Table("Movement", head, tuple(rows), left=4) if rows else None
+    return InputTable("Movement", head, tuple(rows), left=4) if rows else None
 
 
-def later_mechanisms(document: Document) -> Iterator[Table | Verbatim | str]:
+def later_mechanisms(document: Document) -> Iterator[InputTable | Verbatim | str]:
     """The interfaces that govern the mechanisms after the first."""
     for k, one in enumerate((document["assembly"] or {"mechanisms": ()})["mechanisms"][:_MOST_MECHANISMS], 1):
         if k > 1:
-            found = Section("", governing([from_json(GoverningInterface, own) for own in one["interfaces"]]))
-            yield from parts(found.to_list(), [f"Interfaces that govern mechanism {k}"])
+            section = Section("", governing([from_json(GoverningInterface, own) for own in one["interfaces"]]))
+            yield from parts(section.to_list(), [f"Interfaces that govern mechanism {k}"])
 
 
-def check_tables(document: Document) -> Iterator[Table]:
+def check_tables(document: Document) -> Iterator[InputTable]:
     """Balance of forces and moments, checks of the geometry, the size of the model."""
     rows = []
     if (balance := document["balance"]) is not None:
@@ -86,26 +86,26 @@ def check_tables(document: Document) -> Iterator[Table]:
             ("largest pull on a node pair, part of the mean normal force", _small(balance["pull"])),
             ("largest friction beyond the reduced strength, part of the load", _small(balance["friction_excess"])),
         ]
-    found = document["assembly"]
-    if found is not None:
-        rows += [("groups of blocks that touch only through bedrock", str(found["components"])),
-                 ("contacts", str(found["contacts"]))]  # fmt: skip
+    assembly = document["assembly"]
+    if assembly is not None:
+        rows += [("groups of blocks that touch only through bedrock", str(assembly["components"])),
+                 ("contacts", str(assembly["contacts"]))]  # fmt: skip
     if rows:
-        yield Table("Checks of the answer", ("", "value"), tuple(rows))
+        yield InputTable("Checks of the answer", ("", "value"), tuple(rows))
     model = document["model"]
     size = [(words, str(model[key])) for key, words in
             (("moving_blocks", "moving blocks"), ("unknowns", "unknowns"), ("node_pairs", "node pairs"),
              ("refined", "times the triangles were split"), ("passes", "passes or factorisations"))]  # fmt: skip
     if model["mesh_change"] is not None:
         size.append(("change of the factor by the last split", _small(model["mesh_change"])))
-    yield Table("Size of the model", ("", "number"), tuple(size))
+    yield InputTable("Size of the model", ("", "number"), tuple(size))
 
 
-def time_table(document: Document) -> Table | None:
+def time_table(document: Document) -> InputTable | None:
     """Times of the stages; they alone differ from run to run."""
     rows = tuple((name.replace("_", " "), f"{seconds * 1e3:.1f}") for name, seconds in document["timing_s"].items()
                  if seconds >= 5e-5)  # fmt: skip
-    return Table("Times", ("stage", "ms"), rows, "Wall time; it alone differs from run to run.") if rows else None
+    return InputTable("Times", ("stage", "ms"), rows, "Wall time; it alone differs from run to run.") if rows else None
 
 
 # -- cells ------------------------------------------------------------------------------------------------------------

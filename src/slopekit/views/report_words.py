@@ -94,35 +94,35 @@ def meaning(document: Mapping[str, Any]) -> list[str]:
     """The check of the two methods: what was compared, how it came out, which number to use."""
     status, agree, fos = document["status"], document["agree"], document["fos"]
     within = f"{float(document['inputs'].get('agree_within', 0.01)) * 100:g} %"
-    found = []
+    sentences = []
     if status == "not_converged":
         return ["The analysis did not converge: there is no number to use."]
     if document["moments_govern"]:
-        found.append(_moments(document))
+        sentences.append(_moments(document))
     if agree is None:
-        found.append(_alone(document))
+        sentences.append(_alone(document))
     elif document["difference"] is None:
         same = (
             "Neither method finds a factor of safety."
             if status == "topples"
             else ("Both methods give no factor of safety, for the same reason.")
         )
-        found.append(
+        sentences.append(
             same if agree
             else "One method gives a factor of safety, the other none: neither is to be used before that is explained."
         )  # fmt: skip
     else:
         percent = document["difference"] * 100.0
         shown = "less than 0.0001 %" if percent < 1e-4 else f"{percent:.2g} %"
-        found.append(
+        sentences.append(
             f"PRE-IE and the closed form differ by {shown} (allowed: {within}). They share no code, so agreement "
             "speaks for the arithmetic; it says nothing of strengths, water and planes." if agree
             else f"PRE-IE and the closed form differ by {shown}, more than the {within} allowed: neither number is to "
             "be used before that is explained."
         )  # fmt: skip
     if fos["static_bound"] is not None and fos["limit"]:
-        found.append(_bound((fos["static_bound"] / fos["limit"] - 1.0) * 100.0))
-    return found
+        sentences.append(_bound((fos["static_bound"] / fos["limit"] - 1.0) * 100.0))
+    return sentences
 
 
 def force_notes(document: Mapping[str, Any]) -> list[str]:

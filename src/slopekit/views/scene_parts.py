@@ -233,9 +233,9 @@ def balanced(stage: Stage) -> Bools:
 
 def touched(stage: Stage) -> Bools:
     """Blocks that node pairs lie on, (n,)."""
-    found = np.zeros(len(stage.scene.shapes.names) + 1, dtype=bool)
-    found[stage.scene.pairs.plus] = found[stage.scene.pairs.minus] = True
-    return found[:-1]
+    is_touched = np.zeros(len(stage.scene.shapes.names) + 1, dtype=bool)
+    is_touched[stage.scene.pairs.plus] = is_touched[stage.scene.pairs.minus] = True
+    return is_touched[:-1]
 
 
 def neighbourhood(stage: Stage, shown: Bools) -> float:
@@ -331,12 +331,12 @@ def kinds_of_loads(names: Sequence[str], sizes: Sequence[Floats]) -> list[tuple[
     lines: dict[tuple[str, ...], list[int]] = {}
     families: dict[str, set[str]] = {}
     for name, size in zip(names, sizes, strict=True):
-        if found := NUMBERED.match(name):
-            families.setdefault(f"{found[1]}s{found[3] or ''}", set()).add(_sizes_in_words(size))
+        if match := NUMBERED.match(name):
+            families.setdefault(f"{match[1]}s{match[3] or ''}", set()).add(_sizes_in_words(size))
     for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
         key: tuple[str, ...] = (name,)
-        if found := NUMBERED.match(name):
-            family = f"{found[1]}s{found[3] or ''}"
+        if match := NUMBERED.match(name):
+            family = f"{match[1]}s{match[3] or ''}"
             key = (family, "" if len(families[family]) > _MOST_LINES else _sizes_in_words(size))
         lines.setdefault(key, []).append(k)
     return [(names[own[0]] if len(own) == 1 else f"{len(own)} {key[0]}", own) for key, own in lines.items()]
@@ -403,8 +403,8 @@ def unsettled(stage: Stage) -> Bools:
 def _of_mechanisms(stage: Stage, wanted: Callable[[Mapping[str, Any]], bool]) -> Bools:
     mechanisms = (stage.document.get("assembly") or {}).get("mechanisms") or []
     numbers = [k for k, one in enumerate(mechanisms, 1) if wanted(one)]
-    found: Bools = np.isin(stage.scene.order, numbers)
-    return found
+    in_mechanism: Bools = np.isin(stage.scene.order, numbers)
+    return in_mechanism
 
 
 def ways(stage: Stage, step: int) -> dict[str, str]:
@@ -417,9 +417,9 @@ def ways(stage: Stage, step: int) -> dict[str, str]:
 
 def counted(how: Mapping[str, str], named: Sequence[str], chosen: Bools) -> Iterator[tuple[str, int]]:
     """The ways in which chosen blocks move, with how many do."""
-    found = [how.get(named[k], "") for k in np.flatnonzero(chosen).tolist()]
-    for way in dict.fromkeys(found):
-        yield way, found.count(way)
+    movements = [how.get(named[k], "") for k in np.flatnonzero(chosen).tolist()]
+    for way in dict.fromkeys(movements):
+        yield way, movements.count(way)
 
 
 def ends(values: Floats) -> tuple[float, float]:

@@ -74,7 +74,7 @@ _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class SceneOptions:
     """What a user asks of a scene; None takes what fits it."""
 
     explode: float | None = None
@@ -90,7 +90,7 @@ class Scene:
     """
 
     shows: str
-    compose: Callable[[Stage, Asked], Picture]
+    compose: Callable[[Stage, SceneOptions], Picture]
     needs: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
 
@@ -115,14 +115,14 @@ def draw(
     """
     from slopekit.views.rendering import save, show_window
 
-    picture = compose(document, what, Asked(explode, magnify, step))
+    picture = compose(document, what, SceneOptions(explode, magnify, step))
     if show:
         show_window(picture)
     elif path is not None:
         save(picture, path)
 
 
-def compose(document: Mapping[str, Any], what: str, asked: Asked | None = None) -> Picture:
+def compose(document: Mapping[str, Any], what: str, asked: SceneOptions | None = None) -> Picture:
     """The picture of a document.
 
     Raises
@@ -130,7 +130,7 @@ def compose(document: Mapping[str, Any], what: str, asked: Asked | None = None) 
     DesignError
         E350 no scene, E351 no displacement, E352 no mechanism, E353 no such step, E354 a magnification that is none.
     """
-    wanted = asked or Asked()
+    wanted = asked or SceneOptions()
     for name, value in (("explode", wanted.explode), ("magnify", wanted.magnify)):
         if value is not None and not (math.isfinite(value) and value >= 0.0):
             raise DesignError([Fault("E354", f"--{name} is {value:g}, a number of 0 or more is needed", f"--{name}")])
@@ -140,7 +140,7 @@ def compose(document: Mapping[str, Any], what: str, asked: Asked | None = None) 
 # -- the pictures -----------------------------------------------------------------------------------------------------
 
 
-def _scene(stage: Stage, _: Asked) -> Picture:
+def _scene(stage: Stage, _: SceneOptions) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
     seen.rock()
     seen.legend += block_legend(stage, bool(seen.layers))
@@ -165,7 +165,7 @@ def _scene(stage: Stage, _: Asked) -> Picture:
     return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *names(stage)])
 
 
-def _exploded(stage: Stage, asked: Asked) -> Picture:
+def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
     apart = _EXPLODED if asked.explode is None else asked.explode
     if stage.alone:
@@ -190,7 +190,7 @@ def _exploded(stage: Stage, asked: Asked) -> Picture:
     return seen.picture("exploded", labels=names(stage, moved))
 
 
-def _tractions(stage: Stage, _: Asked) -> Picture:
+def _tractions(stage: Stage, _: SceneOptions) -> Picture:
     pairs, seen = stage.scene.pairs, Scenery(stage)
     shown = stage.free if stage.alone else stage.free & touched(stage)
     if stage.alone:
@@ -224,7 +224,7 @@ def _tractions(stage: Stage, _: Asked) -> Picture:
     return seen.picture("tractions", labels=names(stage, only=shown))
 
 
-def _forces(stage: Stage, _: Asked) -> Picture:
+def _forces(stage: Stage, _: SceneOptions) -> Picture:
     scene, loads, seen = stage.scene, stage.scene.loads, Scenery(stage)
     known = stage.free if stage.alone else balanced(stage)
     at, force, joint = resultants(stage, known)
@@ -269,7 +269,7 @@ def _forces(stage: Stage, _: Asked) -> Picture:
     return seen.picture("forces", labels=names(stage, only=known))
 
 
-def _displacement(stage: Stage, asked: Asked) -> Picture:
+def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
     scene = stage.scene
     if scene.displacement is None:
         limit = (stage.document.get("fos") or {}).get("limit")
@@ -299,7 +299,7 @@ def _displacement(stage: Stage, asked: Asked) -> Picture:
     return seen.picture("displacement")
 
 
-def _mechanism(stage: Stage, asked: Asked) -> Picture:
+def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
     scene, shapes = stage.scene, stage.scene.shapes
     last = int(scene.order.max(initial=0))
     if last == 0:
@@ -359,7 +359,7 @@ def _answer_of(stage: Stage, step: int) -> str:
     return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
 
-def _factors(stage: Stage, _: Asked) -> Picture:
+def _factors(stage: Stage, _: SceneOptions) -> Picture:
     """Blocks by the factor of safety at which they fail."""
     factor = stage.scene.factor
     known = np.isfinite(factor)
@@ -379,7 +379,7 @@ def _factors(stage: Stage, _: Asked) -> Picture:
     return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
 
 
-def _ravelling(stage: Stage, _: Asked) -> Picture:
+def _ravelling(stage: Stage, _: SceneOptions) -> Picture:
     """Blocks by the order in which they fail."""
     order = stage.scene.order
     if not order.any():

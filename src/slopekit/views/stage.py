@@ -85,8 +85,8 @@ class Stage:
         low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
         np.minimum.at(low, self.of_vertex, vertices)
         np.maximum.at(high, self.of_vertex, vertices)
-        found: Floats = np.where(np.isfinite(high - low), high - low, 0.0).max(axis=1)
-        return found
+        extents: Floats = np.where(np.isfinite(high - low), high - low, 0.0).max(axis=1)
+        return extents
 
     @property
     def in_section(self) -> bool:
@@ -102,8 +102,8 @@ class Stage:
         return self._given("inputs", "slip") is not None
 
     def _given(self, part: str, key: str) -> Any:
-        found = self.document.get(part)
-        return found.get(key) if isinstance(found, Mapping) else None
+        section = self.document.get(part)
+        return section.get(key) if isinstance(section, Mapping) else None
 
     # -- where it is seen from ----------------------------------------------------------------------------------------
 
@@ -220,5 +220,5 @@ def _seen(before: Floats, turned_deg: float, above_deg: float) -> Floats:
     turn, rise = math.radians(turned_deg), math.radians(above_deg)
     x, y = float(before[0]), float(before[1])
     level = np.array([x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), 0.0])
-    found: Floats = math.cos(rise) * level + np.array([0.0, 0.0, math.sin(rise)])
-    return found
+    direction: Floats = math.cos(rise) * level + np.array([0.0, 0.0, math.sin(rise)])
+    return direction

@@ -51,8 +51,8 @@ def project(vectors: Floats, net: Net = "area") -> Floats:
     """
     down = lower(vectors)
     scale = 1.0 - down[:, 2]
-    found: Floats = down[:, :2] / (np.sqrt(scale) if net == "area" else scale)[:, None]
-    return found
+    projected: Floats = down[:, :2] / (np.sqrt(scale) if net == "area" else scale)[:, None]
+    return projected
 
 
 def unproject(points: Floats, net: Net = "area") -> Floats:
@@ -127,8 +127,8 @@ def mean_axis(vectors: Floats) -> Floats:
 
     Source: Woodcock (1977); Fisher, Lewis & Embleton (1987), §3.2.4.
     """
-    found: Floats = lower(np.linalg.eigh(vectors.T @ vectors)[1][:, -1][None])[0]
-    return found
+    axis: Floats = lower(np.linalg.eigh(vectors.T @ vectors)[1][:, -1][None])[0]
+    return axis
 
 
 def start(axes: Any, title: str) -> None:
@@ -216,9 +216,9 @@ def shade(axes: Any, zone: Bools, net: Net, colour: str, label: str) -> None:
     inside = cells(net)[1]
     image = np.zeros((*inside.shape, 4))
     image[..., :] = (*to_rgba(colour)[:3], 0.0)
-    found = np.zeros(inside.shape, dtype=bool)
-    found[inside] = zone
-    image[found, 3] = 1.0
+    shaded = np.zeros(inside.shape, dtype=bool)
+    shaded[inside] = zone
+    image[shaded, 3] = 1.0
     axes.imshow(image, extent=(-1.0, 1.0, -1.0, 1.0), origin="lower", interpolation="nearest", zorder=0.5)
     axes.fill([], [], color=colour, linewidth=0.0, label=label)
     axes.set_xlim(-1.14, 1.14)
@@ -256,5 +256,5 @@ def _letters(inches: float, points: float) -> int:
 
 def set_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Colour and marker of each set; what has no set, or comes after the eighth, is grey."""
-    found = {name: (SETS[k], MARKERS[k]) for k, name in enumerate(names[: len(SETS)])}
-    return dict.fromkeys(names, (GREY, "o")) | found | {"": (GREY, "o")}
+    marks = {name: (SETS[k], MARKERS[k]) for k, name in enumerate(names[: len(SETS)])}
+    return dict.fromkeys(names, (GREY, "o")) | marks | {"": (GREY, "o")}

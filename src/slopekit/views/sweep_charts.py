@@ -246,7 +246,7 @@ def _draw_lines(figure: Any, swept: _Swept) -> None:
 
 
 @dataclass(frozen=True)
-class _Bar:
+class _TornadoBar:
     """A number and what its two ends do."""
 
     words: str
@@ -273,8 +273,10 @@ def draw_tornado(figure: Any, document: Document) -> None:
     method = asked[0]
     base = factor_at(own, method)
     every = [
-        _Bar(_words(document, bar, 40), _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")],
-             bar["swing"])
+        _TornadoBar(
+            _words(document, bar, 40), _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")],
+            bar["swing"],
+        )
         for bar in document["bars"]
     ]  # fmt: skip
     moving = [bar for bar in every if bar.swing(method)]
@@ -451,7 +453,7 @@ def _inside(value: float | None, values: Sequence[float]) -> bool:
 
 
 def _tornado_bar(
-    axes: Any, bar: _Bar, row: int, method: Method, base: float, room: tuple[float, float]
+    axes: Any, bar: _TornadoBar, row: int, method: Method, base: float, room: tuple[float, float]
 ) -> None:  # fmt: skip
     """One bar; an end without a number runs to the edge of the chart and says why."""
     ends = []

@@ -249,8 +249,8 @@ def _edges(vertices: Floats, triangles: Ints, block: Ints, face: Ints) -> Ints:
     cosine = (normal[one] * normal[two]).sum(axis=1)
     same = (face[one] == face[two]) & (face[one] >= 0)
     drawn = (count != 2) | (cosine < np.where(same, _SMOOTH, _FLAT))
-    found: Ints = ends[starts[drawn]]
-    return found
+    edges: Ints = ends[starts[drawn]]
+    return edges
 
 
 def _surfaces(contacts: Contacts) -> tuple[Floats, Ints, Ints, Floats]:

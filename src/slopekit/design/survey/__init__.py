@@ -4,6 +4,6 @@
 above the header, `reading` makes joints of the rows.
 """
 
-from slopekit.design.survey.reading import Joint, Survey, read_frame, read_joints, read_joints_text
+from slopekit.design.survey.reading import MeasuredJoint, Survey, read_frame, read_joints, read_joints_text
 
-__all__ = ["Joint", "Survey", "read_frame", "read_joints", "read_joints_text"]
+__all__ = ["MeasuredJoint", "Survey", "read_frame", "read_joints", "read_joints_text"]

@@ -73,7 +73,7 @@ _HEADER = re.compile(r"^(.*?)\s*(?:\(([^)]*)\)|\[([^\]]*)\])?\s*$")
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class SurveyColumn:
     """Where a column stands, what it is called in the list, the unit or the convention in its header."""
 
     index: int
@@ -148,13 +148,13 @@ def size_of(heading: str) -> str | None:
     return next((key for key, names in SIZES.items() if name in names), None)
 
 
-def column_of(index: int, heading: str) -> Column:
+def column_of(index: int, heading: str) -> SurveyColumn:
     """A column from its heading; `Strike (RHR)` and `strike_right` carry their convention."""
     bare, within = _split(heading)
     last = spelled(within) if within else spelled(bare).rpartition("_")[2]
     convention = _CONVENTIONS.get(last) if key_of(bare) == "strike" else None
     unit = "" if within.lower() in _DEGREES or (within and convention) else within
-    return Column(index, heading, unit, convention)
+    return SurveyColumn(index, heading, unit, convention)
 
 
 def way_of(keys: Iterable[str]) -> tuple[str, ...] | None:

@@ -29,7 +29,7 @@ from slopekit.design.survey.columns import (
     STRIKE_WITH_SIDE,
     WAYS,
     WORDS,
-    Column,
+    SurveyColumn,
     column_of,
     convention_of,
     key_of,
@@ -40,7 +40,7 @@ from slopekit.design.survey.columns import (
 )
 from slopekit.design.survey.planes import DIP_FIRST, PlaneReader
 from slopekit.design.survey.preamble import Preamble, preamble_of
-from slopekit.design.survey.tables import Table, frame_table, table_of
+from slopekit.design.survey.tables import SurveyTable, frame_table, table_of
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _PLANE = re.compile(r"^\d+([.,]\d+)?°?\s*/\s*\d+([.,]\d+)?°?$")
@@ -51,7 +51,7 @@ _NAME_THE_COLUMNS = "Name the columns in the first line: name,dip,dip_direction.
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class MeasuredJoint:
     """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
 
     quantity : how many like it were measured, or its weight against the bias of a scanline
@@ -76,7 +76,7 @@ class Joint:
 class Survey:
     """The joints of a list, in words what of it was left out, and what was read in another way than it stands there."""
 
-    joints: tuple[Joint, ...]
+    joints: tuple[MeasuredJoint, ...]
     left_out: tuple[str, ...] = field(default=())
     read_as: tuple[str, ...] = field(default=())
 
@@ -129,12 +129,12 @@ def read_frame(
 class _Reader:
     """Reads the rows one after the other and collects their faults."""
 
-    def __init__(self, table: Table, convention: str | None, skip_bad: bool, option: str, sizes: bool) -> None:
+    def __init__(self, table: SurveyTable, convention: str | None, skip_bad: bool, option: str, sizes: bool) -> None:
         self.sizes = sizes
         self.table, self.name, self.skip_bad, self.option = table, table.name, skip_bad, option
         self.given = self.convention = convention
         self.width = 2
-        self.columns: dict[str, Column] = {}
+        self.columns: dict[str, SurveyColumn] = {}
         self.way: tuple[str, ...] = ("dip", "dip_direction")
         self.may_repeat = False
         self.said = Preamble()
@@ -214,7 +214,7 @@ class _Reader:
             if len(cells) != 2:
                 message = f"{self.name} has no header, and {len(cells)} columns of numbers"
                 raise DesignError([Fault("E191", message, self.where(rows[at]), _NAME_THE_COLUMNS)])
-            self.columns = {"dip": Column(0), "dip_direction": Column(1)}
+            self.columns = {"dip": SurveyColumn(0), "dip_direction": SurveyColumn(1)}
             return list(rows)
         self.named_columns(cells, rows[at], rows[at + 1 :])
         self.preamble(rows[:at])
@@ -243,7 +243,7 @@ class _Reader:
             if begins and all(len(self.table.cells(below)) == len(cells) for below in rows[k:]):
                 self.width, self.way = len(cells), self.said.columns
                 keys = [*self.way, *(["quantity"] if self.said.has_quantity and len(cells) > 2 else [])]
-                self.columns = {key: Column(index, WORDS[key]) for index, key in enumerate(keys)}
+                self.columns = {key: SurveyColumn(index, WORDS[key]) for index, key in enumerate(keys)}
                 more = len(cells) - len(keys)
                 self.left_out += [f"{more} column{'s' if more > 1 else ''} without a name"] if more else []
                 return k
@@ -364,7 +364,7 @@ class _Reader:
     def near_columns(self, cells: Sequence[str]) -> str:
         known = [name for key in WAYS[0] for name in COLUMNS[key]]
         free = [cell for k, cell in enumerate(cells) if k not in {column.index for column in self.columns.values()}]
-        near = [(cell, found[0]) for cell in free if (found := get_close_matches(cell.lower(), known, n=1))]
+        near = [(cell, matches[0]) for cell in free if (matches := get_close_matches(cell.lower(), known, n=1))]
         if near:
             return f"Did you mean {near[0][1]} by {near[0][0]}?"
         if len(cells) == 1:
@@ -380,13 +380,13 @@ class _Reader:
         elif name is None and group is not None and self.once(group, rows):
             self.columns["name"] = self.columns.pop("set")
 
-    def once(self, column: Column, rows: Sequence[int]) -> bool:
-        found = [cells[column.index] for cells in map(self.table.cells, rows) if len(cells) > column.index]
-        return len(set(found)) == len(rows)
+    def once(self, column: SurveyColumn, rows: Sequence[int]) -> bool:
+        entries = [cells[column.index] for cells in map(self.table.cells, rows) if len(cells) > column.index]
+        return len(set(entries)) == len(rows)
 
     # -- rows --------------------------------------------------------------------------------------------------
 
-    def joint(self, line: int) -> Joint | None:
+    def joint(self, line: int) -> MeasuredJoint | None:
         cells = self.table.cells(line)
         if not any(cells):
             self.left_out.append(f"{self.table.noun} {line} (empty cells)")
@@ -404,18 +404,18 @@ class _Reader:
         if weight == 0.0:
             self.left_out.append(f"{self.table.noun} {line} (quantity 0)")
             return None
-        found = len(self.faults) - (weight is None)
+        faults_before = len(self.faults) - (weight is None)
         name = self.joint_name(cells, line)
         plane = self.plane(name, cells, line)
         cohesion = self.strength("c", name, cells, line)
         friction = self.strength("phi", name, cells, line)
         spacing, position, trace = (self.size(key, name, cells, line) for key in ("spacing", "position", "trace"))
         ends = self.ends(name, cells, line)
-        if plane is None or weight is None or len(self.faults) > found:
+        if plane is None or weight is None or len(self.faults) > faults_before:
             return None
         column = self.columns.get("set")
         of = cells[column.index] if column else ""
-        return Joint(name, plane, line, cohesion, friction, of, weight, spacing, position, trace, ends)
+        return MeasuredJoint(name, plane, line, cohesion, friction, of, weight, spacing, position, trace, ends)
 
     def cell(self, key: str, cells: Sequence[str]) -> str:
         """The text of a column in a row, with a decimal point and the unit of the header."""

@@ -22,7 +22,7 @@ _COMMENTS = ("#", "*")
 _BLANKS = re.compile(r"\s{2,}|\t")
 
 
-class Table(Protocol):
+class SurveyTable(Protocol):
     """Rows by their number.
 
     Attributes
@@ -77,10 +77,10 @@ class Text:
             cells = text.split()
             return cells if len(cells) == self.width else _BLANKS.split(text.strip())
         try:
-            found = next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=self.delimiter != "\t"), [])
+            fields = next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=self.delimiter != "\t"), [])
         except csv.Error:  # a field longer than csv takes
-            found = text.split(self.delimiter)
-        return [cell.strip() for cell in found]
+            fields = text.split(self.delimiter)
+        return [cell.strip() for cell in fields]
 
     def shown(self, row: int) -> str:
         return self.lines[row - 1]
@@ -109,7 +109,7 @@ class Grid:
         return "; ".join(self.cells(row)).rstrip("; ")
 
 
-def table_of(name: str, content: bytes) -> Table:
+def table_of(name: str, content: bytes) -> SurveyTable:
     """The table in a file, known by how its content begins.
 
     Raises
@@ -117,11 +117,11 @@ def table_of(name: str, content: bytes) -> Table:
     DesignError
         E140 a workbook without openpyxl, E159 neither a text nor a workbook.
     """
-    made: Callable[[str, bytes], Table] = Text
+    made: Callable[[str, bytes], SurveyTable] = Text
     return next((read for mark, read in _KNOWN_BY.items() if content.startswith(mark)), made)(name, content)
 
 
-def frame_table(frame: Any) -> Table:
+def frame_table(frame: Any) -> SurveyTable:
     """The table of a frame of pandas or polars, or of whatever has `columns` and gives each by its name."""
     names = list(frame.columns)
     columns = [list(frame[column]) for column in names]
@@ -135,7 +135,7 @@ def is_frame(source: Any) -> bool:
     return hasattr(source, "columns") and hasattr(source, "__getitem__") and not isinstance(source, Mapping)
 
 
-def _workbook(name: str, content: bytes) -> Table:
+def _workbook(name: str, content: bytes) -> SurveyTable:
     try:
         from openpyxl import load_workbook
     except ImportError:
@@ -154,11 +154,11 @@ def _workbook(name: str, content: bytes) -> Table:
     return Grid(name, values, 1, left_out)
 
 
-def _old_workbook(name: str, _: bytes) -> Table:
+def _old_workbook(name: str, _: bytes) -> SurveyTable:
     fail("E159", f"{name} is a workbook of before 2007", name, "Save it as .xlsx, or the sheet as CSV.")
 
 
-_KNOWN_BY: Mapping[bytes, Callable[[str, bytes], Table]] = {
+_KNOWN_BY: Mapping[bytes, Callable[[str, bytes], SurveyTable]] = {
     b"PK\x03\x04": _workbook,
     b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": _old_workbook,
 }

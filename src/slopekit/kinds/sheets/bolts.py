@@ -39,15 +39,15 @@ class ScheduledBolt:
 
 def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
     """The bolts of a result's document, in the order of its design."""
-    found = []
+    bolts = []
     thickness = (document.get("geometry") or {}).get("thickness_m")
     for number, bolt in enumerate((document.get("inputs") or {}).get("bolts") or [], 1):
         head, toward = bolt["head_m"], bolt["toward"]
         place = None if head is None else (float(head[0]), float(head[1]), float(head[2]))
         bolted = ScheduledBolt(number, place, bolt["length_m"], toward["trend_deg"], toward["plunge_deg"],
                                bolt["force_kn"], bolt["acts"], bolt["block"] or "", thickness)  # fmt: skip
-        found.append(bolted)
-    return found
+        bolts.append(bolted)
+    return bolts
 
 
 def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:

@@ -12,25 +12,25 @@ from slopekit.result import Result
 
 def elastic_entries(result: Result) -> list[Entry]:
     """What the deformation of the rock does, in a few lines; none without elastic blocks."""
-    found = result.elastic
-    if found is None:
+    blocks = result.elastic
+    if blocks is None:
         return []
-    return [_limit(found), *_bracket(found), _rock(found), _joints(found), _moves(found), _size(result, found)]
+    return [_limit(blocks), *_bracket(blocks), _rock(blocks), _joints(blocks), _moves(blocks), _size(result, blocks)]
 
 
-def _limit(found: ElasticBlocks) -> str:
-    if found.limit is None:
+def _limit(blocks: ElasticBlocks) -> str:
+    if blocks.limit is None:
         return "no limit: the blocks stand without strength"
-    factor, rigid = factor_text(found.limit).strip(), factor_text(found.rigid_limit).strip()
-    at = f"at F = {found.factor:.4g}"
-    if found.opened_share == 0.0:
+    factor, rigid = factor_text(blocks.limit).strip(), factor_text(blocks.rigid_limit).strip()
+    at = f"at F = {blocks.factor:.4g}"
+    if blocks.opened_share == 0.0:
         return f"{factor}  limit of elastic blocks, that of rigid ones: no contact is pulled open {at}"
-    if found.lost_share == found.rigid_lost_share == 0.0:
-        also = f" (rigid {_percent(found.rigid_opened_share)})" if found.rigid_opened_share else ""
-        words = f"{_percent(found.opened_share)} of the contact area{also} is pulled open {at}"
+    if blocks.lost_share == blocks.rigid_lost_share == 0.0:
+        also = f" (rigid {_percent(blocks.rigid_opened_share)})" if blocks.rigid_opened_share else ""
+        words = f"{_percent(blocks.opened_share)} of the contact area{also} is pulled open {at}"
         return f"{factor}  limit of elastic blocks, that of rigid ones: {words}, where there is no cohesion to lose"
-    lost = f"without the cohesion of {_percent(found.lost_share)} of the contact area, pulled open {at}"
-    also = f" without {_percent(found.rigid_lost_share)}" if found.rigid_lost_share else ""
+    lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open {at}"
+    also = f" without {_percent(blocks.rigid_lost_share)}" if blocks.rigid_lost_share else ""
     return f"{factor}  limit of elastic blocks, {lost}; rigid {rigid}{also}"
 
 
@@ -38,23 +38,25 @@ def _percent(share: float) -> str:
     return f"{share * 100.0:.2g} %"
 
 
-def _bracket(found: ElasticBlocks) -> list[str]:
-    if found.bracket is None:
+def _bracket(blocks: ElasticBlocks) -> list[str]:
+    if blocks.bracket is None:
         return []
-    low, high = found.bracket
-    last = "" if found.limit_at_bracket is None else f"; rigid without what is open there {found.limit_at_bracket:.5f}"
-    if found.gave_up:
+    low, high = blocks.bracket
+    last = (
+        "" if blocks.limit_at_bracket is None else f"; rigid without what is open there {blocks.limit_at_bracket:.5f}"
+    )
+    if blocks.gave_up:
         return [f"{low:.5f}  elastic blocks come to rest there; gave up at {high:.5f}{last}"]
     return [f"{low:.5f} .. {high:.5f}  elastic blocks come to rest up to the first, not at the second{last}"]
 
 
-def _rock(found: ElasticBlocks) -> str:
-    taken = f" ({' and '.join(found.taken)} taken, not given)" if found.taken else ""
-    rock = f"modulus {found.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {found.poisson:.3g}{taken}"
-    return f"{rock}; {found.bedrock} bedrock"
+def _rock(blocks: ElasticBlocks) -> str:
+    taken = f" ({' and '.join(blocks.taken)} taken, not given)" if blocks.taken else ""
+    rock = f"modulus {blocks.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {blocks.poisson:.3g}{taken}"
+    return f"{rock}; {blocks.bedrock} bedrock"
 
 
-def _joints(found: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
+def _joints(blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
     """Normal tractions of each joint."""
     Row = tuple[str, OnElasticJoint]
 
@@ -72,7 +74,7 @@ def _joints(found: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
         Column("to", end("rigid_kpa", 1), "rigid_to_kpa", "kPa", kpa),
         Column("open", lambda row: row[1].opened_share * 100.0, "opened_percent", "%", lambda share: f"{share:.2g}"),
     ]
-    rows = list(found.joints.items())
+    rows = list(blocks.joints.items())
     said = "  ".join(
         f"σ' {name} {kpa(one.elastic_kpa[0])}..{kpa(one.elastic_kpa[1])} kPa "
         f"(rigid {kpa(one.rigid_kpa[0])}..{kpa(one.rigid_kpa[1])})" for name, one in rows[:6]
@@ -80,17 +82,17 @@ def _joints(found: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
     return Table(columns, rows, said=said)
 
 
-def _moves(found: ElasticBlocks) -> str:
-    sizes = [math.sqrt(float(one @ one)) * 1e3 for one in (found.displacement_m, found.rigid_displacement_m)]
-    who = "" if found.block is None else f" of {found.block}"
+def _moves(blocks: ElasticBlocks) -> str:
+    sizes = [math.sqrt(float(one @ one)) * 1e3 for one in (blocks.displacement_m, blocks.rigid_displacement_m)]
+    who = "" if blocks.block is None else f" of {blocks.block}"
     elastic, rigid = (size_number(float(f"{size:.3g}")) for size in sizes)
-    return f"mean displacement{who} at F = {found.factor:.4g}: {elastic} mm, rigid {rigid} mm"
+    return f"mean displacement{who} at F = {blocks.factor:.4g}: {elastic} mm, rigid {rigid} mm"
 
 
-def _size(result: Result, found: ElasticBlocks) -> str:
+def _size(result: Result, blocks: ElasticBlocks) -> str:
     seconds = result.timing_s.get("elastic")
     took = "" if seconds is None else f"; {seconds:.2g} s"
     return (
-        f"{found.cells} elements of order {found.order}, edges up to {size_number(float(f'{found.edge_m:.3g}'))} m, "
-        f"{found.node_pairs} node pairs, {found.unknowns} unknowns, {found.steps} Newton steps{took}"
+        f"{blocks.cells} elements of order {blocks.order}, edges up to {size_number(float(f'{blocks.edge_m:.3g}'))} m, "
+        f"{blocks.node_pairs} node pairs, {blocks.unknowns} unknowns, {blocks.steps} Newton steps{took}"
     )

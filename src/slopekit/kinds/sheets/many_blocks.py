@@ -10,7 +10,7 @@ from slopekit.core.orientation import line_of
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
 from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
-from slopekit.findings import Column as GoodmanBray
+from slopekit.findings import ToppleColumn as GoodmanBray
 from slopekit.kinds import dilates
 from slopekit.kinds.sheets.shared import (
     Factor,
@@ -237,7 +237,7 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Step:
+class _SequenceStep:
     """A mechanism of a sequence and its number."""
 
     number: int
@@ -258,9 +258,9 @@ def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[
         text = _motions(one, order)
         if one.fos is None or not text:
             text = _joined(result.words.status(one.status), text)
-        rows.append(_Step(k, one, ("at once: " if at_once else "") + text))
+        rows.append(_SequenceStep(k, one, ("at once: " if at_once else "") + text))
         highest = one.fos if highest is None else max(highest, one.fos or highest)
-    columns: list[Column[_Step]] = [
+    columns: list[Column[_SequenceStep]] = [
         Column("n", attrgetter("number"), "n", width=3),
         Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
         Column("bound", lambda row: row.mechanism.static_bound, "static_bound", width=9,
@@ -315,18 +315,18 @@ def _which(names: Sequence[str], follow: Container[str]) -> str:
 
 def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
     """Blocks by their factors, the lowest first, then those without a number and why."""
-    found: dict[str, tuple[str, float | None]] = {}
+    by_block: dict[str, tuple[str, float | None]] = {}
     for name, factor in findings.factor_by_block.items():
-        found[name] = (_STAYS if factor is None else factor_text(factor).strip(), factor)
+        by_block[name] = (_STAYS if factor is None else factor_text(factor).strip(), factor)
     for one in findings.mechanisms:
         told = (_UNSETTLED, None) if one.status == "not_converged" else (
             (_FALLS, None) if one.fos is None else (factor_text(one.fos).strip(), one.fos))  # fmt: skip
         for block in one.blocks:
-            if told[0] == _UNSETTLED or found.get(block.name, (_STAYS,))[0] == _STAYS:
-                found[block.name] = told
+            if told[0] == _UNSETTLED or by_block.get(block.name, (_STAYS,))[0] == _STAYS:
+                by_block[block.name] = told
     groups: dict[str, _Together] = {}
-    for name in in_order(found, order):
-        shown, factor = found[name]
+    for name in in_order(by_block, order):
+        shown, factor = by_block[name]
         groups.setdefault(shown, _Together(shown, factor, [])).names.append(name)
     without = (_FALLS, _UNSETTLED, _STAYS)  # after the numbers, in this order
     return sorted(groups.values(), key=lambda row: (row.factor is None, row.factor or 0.0,

@@ -40,15 +40,15 @@ class _OnJoint:
 
 def forces(result: Result) -> list[Entry]:
     """Normal forces by interface, water, and what drives and resists along the movement."""
-    found, areas = result.forces, result.geometry.areas_m2
+    acting, areas = result.forces, result.geometry.areas_m2
     given = result.design.water.pressures_kpa if "slip" in result.design.inputs() else None
     rows = []
-    for name in dict.fromkeys([*found.normal, *found.water]):
-        area, water = areas.get(name), found.water.get(name)
+    for name in dict.fromkeys([*acting.normal, *acting.water]):
+        area, water = areas.get(name), acting.water.get(name)
         mean: float | str | None = water / area if water and area else 0.0
-        if given is not None and name in found.water:  # a resultant has no mean by the area of a curved surface
+        if given is not None and name in acting.water:  # a resultant has no mean by the area of a curved surface
             mean = ", ".join(f"{one:g}" for one in given) or 0.0
-        rows.append(_OnJoint(name, area, found.normal.get(name), water or 0.0, mean))
+        rows.append(_OnJoint(name, area, acting.normal.get(name), water or 0.0, mean))
     at_limit = result.fos.limit is not None and any(row.normal is not None for row in rows)
     own: list[Column[_OnJoint]] = [
         Column("N'", attrgetter("normal"), "normal_kn", "kN", _size_or_dash),
@@ -61,7 +61,7 @@ def forces(result: Result) -> list[Entry]:
         Column("water", attrgetter("water"), "water_kn", "kN", _size_or_dash),
         Column("mean u", attrgetter("pressure"), "pressure_kpa", "kPa", _rounded_or_dash),
     ]
-    whole = [("weight", found.weight), ("driving, along the slide", found.driving), ("resisting", found.resisting)]
+    whole = [("weight", acting.weight), ("driving, along the slide", acting.driving), ("resisting", acting.resisting)]
     sums: list[Column[tuple[str, float | None]]] = [
         Column("load", itemgetter(0)),
         Column("force", itemgetter(1), unit="kN", show=size_number),
@@ -73,7 +73,7 @@ def forces(result: Result) -> list[Entry]:
 
 
 def _forces_in_words(result: Result, rows: Sequence[_OnJoint]) -> str:
-    found = result.forces
+    acting = result.forces
     parts = []
     for row in rows:
         if row.normal is not None:
@@ -81,12 +81,12 @@ def _forces_in_words(result: Result, rows: Sequence[_OnJoint]) -> str:
             parts.append(f"N' {row.name} {size_number(row.normal)} kN{stress}")
     shown, rest, _ = first_and_last(parts, 6, 0)
     more = [f"... and {rest} more"] if rest else []
-    wet = [f"{name} {size_number(push)} kN" for name, push in found.water.items() if push]
+    wet = [f"{name} {size_number(push)} kN" for name, push in acting.water.items() if push]
     some, others, _ = first_and_last(wet, 6, 0)
     water = "water " + (", ".join([*some, *([f"... and {others} more"] if others else [])]) or "0")
     held = [
         f"{what} {size_number(value)} kN"
-        for what, value in (("driving", found.driving), ("resisting", found.resisting))
+        for what, value in (("driving", acting.driving), ("resisting", acting.resisting))
         if value is not None
     ]
     alone = " (forces alone)" if result.moments_govern and held else ""
@@ -192,12 +192,12 @@ def series(result: Result) -> list[Entry]:
         return None if x is None or y is None else x if horizontal == "x" else (x * x + y * y) ** 0.5
 
     def across_text(step: ReductionStep) -> str:
-        found = across(step)
-        return f"{'does not come to rest':>28}" if found is None else f"{found:16.4f}"
+        displacement_mm = across(step)
+        return f"{'does not come to rest':>28}" if displacement_mm is None else f"{displacement_mm:16.4f}"
 
     def up_text(step: ReductionStep) -> str:
-        found = up(step)
-        return "" if found is None else f"{found:12.4f}"
+        displacement_mm = up(step)
+        return "" if displacement_mm is None else f"{displacement_mm:12.4f}"
 
     parts = () if horizontal == "x" else (("east", "east_mm", east), ("north", "north_mm", north))
     columns: list[Column[ReductionStep]] = [
@@ -291,13 +291,17 @@ def times(count: int) -> str:
 
 def cohesion(result: Result) -> list[str]:
     """Where moments open part of a contact with cohesion: the factor by each rule, and the evidence."""
-    found = result.cohesion_under_moments
-    if found is None:
+    under_moments = result.cohesion_under_moments
+    if under_moments is None:
         return []
-    named = {"cracked_base": found.cracked_base, "by_mechanism": found.by_mechanism, "bond_gone": found.bond_gone}
+    named = {
+        "cracked_base": under_moments.cracked_base,
+        "by_mechanism": under_moments.by_mechanism,
+        "bond_gone": under_moments.bond_gone,
+    }
     parts = [f"{RULES[name]} {'none' if value is None else f'{value:.4g}'}" for name, value in named.items()]
-    said = f"{', '.join(parts)}; used: {RULES[found.rule]}"
-    for name, contact in found.evidence.items():
+    said = f"{', '.join(parts)}; used: {RULES[under_moments.rule]}"
+    for name, contact in under_moments.evidence.items():
         said += f"; {name} {_share(contact.pressed_share)} pressed"
         if contact.resultant_m is not None:
             said += f", force at {_place(contact.resultant_m)}"
@@ -308,19 +312,19 @@ def cohesion(result: Result) -> list[str]:
 
 def curved_strength(result: Result) -> list[str]:
     """Where strength is curved: the line of each joint at its mean normal traction, and what the mean leaves out."""
-    found = result.curved_strength
-    if found is None:
+    strength = result.curved_strength
+    if strength is None:
         return []
     said = []
-    for name, line in found.lines.items():
+    for name, line in strength.lines.items():
         low, high = line.range_kpa
         said.append(
             f"{name} at {line.traction_kpa:.4g} kPa (node pairs {low:.4g} .. {high:.4g}): "
             f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
         )
-    if found.gap is not None:
+    if strength.gap is not None:
         said.append(
-            f"the tractions of the node pairs lower the limit by {-found.gap * 100:.2f} % below that of one mean "
+            f"the tractions of the node pairs lower the limit by {-strength.gap * 100:.2f} % below that of one mean "
             "traction a joint"
         )
     return said

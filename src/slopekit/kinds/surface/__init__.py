@@ -26,7 +26,7 @@ from slopekit.geometry.meshes import outward, read_mesh
 from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
 from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
 from slopekit.kinds.one_block import DILATES, Cut, Solved, block_status, forces_of, limit_alone, result, solve
-from slopekit.kinds.one_block_states import Scene
+from slopekit.kinds.one_block_states import ContactModel
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
@@ -104,7 +104,7 @@ def _analysed(design: SurfaceDesign, solved_by: Callable[[SurfaceDesign, Cut, Cl
     return result(WORDS, design, made, solved, status, closed, forces, clock, methods=methods, extra=notes)
 
 
-def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene: Scene) -> Cut:
+def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene: ContactModel) -> Cut:
     mass = cut.mass
     left_out = ["bedrock (no unknowns)", "ground surface (free)", "deformation of the mass"]
     if design.slip.shape == "cylinder":
@@ -149,10 +149,10 @@ def cut(design: SurfaceDesign) -> Cut:
     return _made(design, mass, loads, *_scene(design, mass, loads))
 
 
-def _scene(design: SurfaceDesign, cut: _Mass, loads: Loads) -> tuple[Slippage, Scene]:
+def _scene(design: SurfaceDesign, cut: _Mass, loads: Loads) -> tuple[Slippage, ContactModel]:
     slip = slippable(cut.pairs, cut.mass.centroid, np.concatenate([loads.force, loads.moment]))
     pairs = cut.pairs if design.slip.normals == "facet" else slip.pairs
-    return slip, Scene(pairs, build_model(pairs, loads, cut.mass.centroid, joint_strength([design.strength])))
+    return slip, ContactModel(pairs, build_model(pairs, loads, cut.mass.centroid, joint_strength([design.strength])))
 
 
 def _turns(velocity: Floats) -> bool:
@@ -446,13 +446,13 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> li
 def _ladder(design: SurfaceDesign) -> "Ladder":
     from slopekit.kinds.ladders import ladder_of_block
 
-    found = ladder_of_block(design, analyse_surface, cut, _meshes)
-    return replace(found, normals=normals_rungs(design, found.result, found.rungs))
+    ladder = ladder_of_block(design, analyse_surface, cut, _meshes)
+    return replace(ladder, normals=normals_rungs(design, ladder.result, ladder.rungs))
 
 
 def _meshed(
     design: SurfaceDesign, result: Result, edges: Sequence[float], normals: Normals
-) -> Iterator[tuple[int, float, Scene, float]]:
+) -> Iterator[tuple[int, float, ContactModel, float]]:
     """Scenes with edges so many times as long as the result's, with their number, the edge wanted and the mean edge.
 
     A mesh file is what it is; what has too many node pairs, and edges too coarse to cut this mass, are left out.

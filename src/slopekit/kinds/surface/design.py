@@ -224,12 +224,12 @@ def _profile(reader: Reader, node: Node | None) -> Points | None:
     points: list[tuple[float, ...]] = []
     for k, item in enumerate(node.elements, 1):
         name = f"point {k} of the profile"
-        found = reader.kept(_lengths, reader.value(item), name, str(item.place))
-        if found is not None and found in points:
+        point = reader.kept(_lengths, reader.value(item), name, str(item.place))
+        if point is not None and point in points:
             advice = "Give each point once, from the toe to behind the crest."
             reader.fault("E109", f"{name} is the same as an earlier one", item, advice)
-        elif found is not None:
-            points.append(found)
+        elif point is not None:
+            points.append(point)
     return tuple(points)
 
 

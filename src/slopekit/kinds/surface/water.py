@@ -47,13 +47,13 @@ def pushes_of(design: SurfaceDesign, mass: SlidingMass, origin: Floats) -> dict[
     volume, moment = volume_of(mass.vertices, mass.triangles)
     sliver, first = mass.volume - volume, mass.volume * mass.centroid - moment
     lift = np.array([0.0, 0.0, water.unit_weight * wet])
-    found = {"water": PointForce(
+    loads = {"water": PointForce(
         force + sliver * lift, None, couple + cross(first - sliver * mass.centroid, lift)
     )}  # fmt: skip
     if water.pond is not None:
         force, couple, _ = _on_facets(Pressure((), water.pond, water.unit_weight), ground, centre)
-        found["pond"] = PointForce(force, None, couple)
-    return found
+        loads["pond"] = PointForce(force, None, couple)
+    return loads
 
 
 def _on_facets(water: Pressure, facets: Floats, centre: Floats) -> tuple[Floats, Floats, float]:

@@ -110,8 +110,8 @@ def _heights(design: WedgeDesign) -> tuple[Any, Any]:
         return design.height_m, None
     from slopekit.kinds.wedge import limits
 
-    found = limits.fitted(design)
-    heights, why = np.asarray(design.height_m) * found.scale, found.why.astype(np.float64)
+    fit = limits.fitted(design)
+    heights, why = np.asarray(design.height_m) * fit.scale, fit.why.astype(np.float64)
     return (heights, why) if len(why) > 1 else (float(heights[0]), float(why[0]))
 
 
@@ -156,10 +156,10 @@ def in_crack(design: WedgeDesign, block: Block, joints: Sequence[int], crack: in
     return crack_water.pushes(block, joints, crack, design.crack_water_m, design.water_unit_weight_kn_m3)
 
 
-def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> "ground_water.Ground":
+def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> "ground_water.LocalSlope":
     from slopekit.kinds import ground_water
 
-    return ground_water.Ground(
+    return ground_water.LocalSlope(
         block, (J1, J2, CRACK), (FACE, UPPER), rock.normals[[FACE, UPPER]], rock.offsets[[FACE, UPPER]], np.eye(3),
         -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
     )  # fmt: skip
@@ -245,8 +245,8 @@ def arguments(design: WedgeDesign) -> Arguments:
 
 
 def _of_strengths(strengths: Sequence[Strength]) -> Arguments:
-    found: Arguments = {f"cohesion{k}_kpa": own.cohesion_kpa for k, own in enumerate(strengths, 1)}
-    return found | {f"friction{k}_deg": own.friction_angle_deg for k, own in enumerate(strengths, 1)}
+    cohesions: Arguments = {f"cohesion{k}_kpa": own.cohesion_kpa for k, own in enumerate(strengths, 1)}
+    return cohesions | {f"friction{k}_deg": own.friction_angle_deg for k, own in enumerate(strengths, 1)}
 
 
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
@@ -310,11 +310,11 @@ def _sizes(design: WedgeDesign) -> SizesOfMany | None:
         return None
     from slopekit.kinds.wedge import limits
 
-    found = limits.fitted(design)
-    columns = {key: getattr(found.sizes, key) for key in ("volume_m3", "height_m", "face_width_m", "setback_m")}
+    fit = limits.fitted(design)
+    columns = {key: getattr(fit.sizes, key) for key in ("volume_m3", "height_m", "face_width_m", "setback_m")}
     if design.limits is not None:
-        columns["scale"] = found.scale
-    return SizesOfMany(columns, limits.LIMITED_BY, found.by, found.why)
+        columns["scale"] = fit.scale
+    return SizesOfMany(columns, limits.LIMITED_BY, fit.by, fit.why)
 
 
 def crack_reach(design: WedgeDesign) -> Floats | None:
@@ -330,8 +330,8 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
         line, trace = np.cross(first, second), np.cross(first, face)
         crest = trace * (np.atleast_1d(_heights(design)[0]) / trace[..., 2])[:, None]
         back = line * ((upper * crest).sum(axis=-1) / (upper * line).sum(axis=-1))[:, None]
-    found: Floats = np.sqrt(((back - crest) ** 2).sum(axis=-1))
-    return found
+    reach_m: Floats = np.sqrt(((back - crest) ** 2).sum(axis=-1))
+    return reach_m
 
 
 ON_ARRAYS = OnArrays(

@@ -128,16 +128,16 @@ def _pushes(design: WedgeDesign, rock: BasalRockMass, block: Block) -> dict[str,
     return ground_water.pushes(design, _ground(design, rock, block), in_crack(design, block, _IDS, CRACK))
 
 
-def ground_of(design: WedgeDesign) -> "ground_water.Ground":
+def ground_of(design: WedgeDesign) -> "ground_water.LocalSlope":
     """The block in its slope, for water and surcharge on its faces."""
     rock = _rock_mass(design)
     return _ground(design, rock, cut_basal_wedge(rock))
 
 
-def _ground(design: WedgeDesign, rock: BasalRockMass, block: Block) -> "ground_water.Ground":
+def _ground(design: WedgeDesign, rock: BasalRockMass, block: Block) -> "ground_water.LocalSlope":
     from slopekit.kinds import ground_water
 
-    return ground_water.Ground(
+    return ground_water.LocalSlope(
         block, (*_IDS, CRACK), (FACE, UPPER), np.array([rock.outward[face] for face in (FACE, UPPER)]),
         np.array([rock.offsets[face] for face in (FACE, UPPER)]), np.eye(3),
         -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
@@ -217,8 +217,8 @@ def bounds(design: WedgeDesign) -> Bounds:
 
 
 def _dots(one: Floats, other: Floats) -> Floats:
-    found: Floats = (one * other).sum(axis=-1)
-    return found
+    products: Floats = (one * other).sum(axis=-1)
+    return products
 
 
 def _shared_edge(one: Floats, other: Floats) -> float:
@@ -306,12 +306,12 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
     whole = replace(design.with_strengths(design.strengths[:2]), basal=None, water=water)
     try:
-        found = closed_form(whole)
+        solution = closed_form(whole)
     except GeometryError:
         if whole.crack is None:
             return None
         try:  # the crack may lie behind it
-            found = closed_form(replace(whole, crack=None, water=replace(water, crack_fill=None)))
+            solution = closed_form(replace(whole, crack=None, water=replace(water, crack_fill=None)))
         except GeometryError:
             return None
-    return WithoutBasal(found.status, found.factor)
+    return WithoutBasal(solution.status, solution.factor)

@@ -52,12 +52,12 @@ def pushes(block: Block, joints: Sequence[int], crack: int, depth: float, unit_w
         raise GeometryError([Fault("E207", message, "", "Give at most its depth where its upper edge is lowest.")])
     level = lowest + depth
     thrust, at = Pressure((), level, unit_weight).on(polygon)
-    found = {f"water {crack}": PointForce(-thrust * outward_of(polygon), at)}
+    loads = {f"water {crack}": PointForce(-thrust * outward_of(polygon), at)}
     for joint in joints:
         push = _on_joint(block, joint, joints, crack, level, unit_weight, size)
         if push is not None:
-            found[f"water {joint}"] = push
-    return found
+            loads[f"water {joint}"] = push
+    return loads
 
 
 def _on_joint(

@@ -189,7 +189,7 @@ class WedgeDesign(SlopeDesign):
 
     def in_own_names(self, sentence: str) -> str:
         """A sentence with the names of the two joints in place of J1 and J2."""
-        return re.sub(r"\bJ([12])\b", lambda found: self.joint_names[int(found[1]) - 1], sentence)
+        return re.sub(r"\bJ([12])\b", lambda match: self.joint_names[int(match[1]) - 1], sentence)
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out."""
@@ -376,11 +376,11 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Wate
             )
         return table
     if node is None or node.value is None or _is_depth(reader, node):
-        found, at = read_water(reader, order, has_crack, has_basal)
-        if node is not None and node.value is not None and found != Water():
+        joint_water, at = read_water(reader, order, has_crack, has_basal)
+        if node is not None and node.value is not None and joint_water != Water():
             reader.fault("E198", f"the crack's water is {node.text}, which wets the joints, and water says another "
                          "thing", at, "Keep one of them.")  # fmt: skip
-        return found
+        return joint_water
     top = reader.at("water")
     given = None if top is None or top.value is None else given_water(reader, top, order)
     water, value = ("dry" if given is None else given[0]), reader.value(node)
@@ -530,23 +530,25 @@ def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) 
     texts = [value] if isinstance(value, str) else value
     if value is None:
         return {}
-    found: dict[str, Any] = {}
+    limits: dict[str, Any] = {}
     if isinstance(value, Mapping):
-        found = {str(key): part for key, part in value.items() if part is not None}
+        limits = {str(key): part for key, part in value.items() if part is not None}
     elif isinstance(texts, Sequence) and all(isinstance(one, str) and "=" in one for one in texts):
         for one in texts:
             key, _, part = (piece.strip() for piece in one.partition("="))
-            found[key.replace("-", "_")] = re.split(r"\s*,\s*", part) if "," in part else part
+            limits[key.replace("-", "_")] = re.split(r"\s*,\s*", part) if "," in part else part
     else:
         advice = 'Write bench_width=6m, in Python {"bench_width": 6}.'
         message = f"limits of size are {words.shown(value)}, each is a key and a value"
         faults.append(Fault("E394", message, f"{option('limits')} {words.shown(value)}", advice))
     known = [field.path for field in fields_of(SizeLimits).values()]
-    for key in [key for key in found if key not in known]:
+    for key in [key for key in limits if key not in known]:
         near = get_close_matches(key, known, n=1)
         advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(known)}."
-        faults.append(Fault("E394", f"{key} is no limit of size", f"{option('limits')} {key}={found.pop(key)}", advice))
-    return found
+        faults.append(
+            Fault("E394", f"{key} is no limit of size", f"{option('limits')} {key}={limits.pop(key)}", advice)
+        )
+    return limits
 
 
 def _each(

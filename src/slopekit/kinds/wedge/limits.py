@@ -114,10 +114,10 @@ def fitted_height(design: Any) -> float:
     GeometryError
         E486 larger than its limits where these filter, E487 smaller than its least volume.
     """
-    found = fitted(design)
-    if found.why[0]:
-        raise GeometryError([_fault(design, found)])
-    return float(design.height_m * found.scale[0])
+    fit = fitted(design)
+    if fit.why[0]:
+        raise GeometryError([_fault(design, fit)])
+    return float(design.height_m * fit.scale[0])
 
 
 def without(
@@ -137,16 +137,16 @@ def without(
 
 def scaled(design: Any) -> Scaled:
     """What the limits made of one wedge."""
-    found = fitted(design)
-    return Scaled(float(found.scale[0]), LIMITED_BY[found.by[0]] or None)
+    fit = fitted(design)
+    return Scaled(float(fit.scale[0]), LIMITED_BY[fit.by[0]] or None)
 
 
 def in_words(design: Any) -> list[str]:
     """What the limits do to one wedge, for the sheet."""
-    found, listed = fitted(design), limits_in_words(design)
-    if not found.by[0]:
+    fit, listed = fitted(design), limits_in_words(design)
+    if not fit.by[0]:
         return [f"within its limits of size: {listed}"]
-    by, scale = LIMITED_BY[found.by[0]], found.scale[0]
+    by, scale = LIMITED_BY[fit.by[0]], fit.scale[0]
     higher = size_number(float(f"{design.height_m * (1.0 - scale):.4g}"))
     return [
         f"made smaller by the limit of {by}: lengths times {scale:.4g}, same shape, at the crest, its toe {higher} m "
@@ -171,11 +171,11 @@ def limits_in_words(design: Any) -> str:
     return ", ".join(parts) + (": larger ones are left out" if limits.by == "filter" else "")
 
 
-def _fault(design: Any, found: Fitted) -> Fault:
-    if found.why[0] == 1:
-        what, advice = LIMITED_BY[found.by[0]], "limits.by: scale makes it smaller instead."
+def _fault(design: Any, fit: Fitted) -> Fault:
+    if fit.why[0] == 1:
+        what, advice = LIMITED_BY[fit.by[0]], "limits.by: scale makes it smaller instead."
         message = f"the wedge is larger than the limit of {what} ({limits_in_words(design)})"
         return Fault("E486", message, "limits", advice)
-    volume = size_number(float(f"{found.sizes.volume_m3[0]:.4g}"))
+    volume = size_number(float(f"{fit.sizes.volume_m3[0]:.4g}"))
     least = number(design.limits.min_volume_m3)
     return Fault("E487", f"the wedge has {volume} m³, less than the min volume of {least} m³", "limits")

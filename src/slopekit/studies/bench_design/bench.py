@@ -39,7 +39,7 @@ _ANGLE: Final = 1e-9  # degrees, as in studies.kinematic.criteria
 
 
 @dataclass(frozen=True, slots=True)
-class Ground:
+class BenchSite:
     """What all benches of a study share.
 
     Attributes
@@ -102,7 +102,7 @@ class Bench:
     width_m: Floats
 
 
-def bench_of(ground: Ground, trials: Trials, height_m: float, face_dip_deg: float) -> Bench:
+def bench_of(ground: BenchSite, trials: Trials, height_m: float, face_dip_deg: float) -> Bench:
     """Every trial in a bench of one height and face."""
     n = len(trials)
     parts = [
@@ -134,15 +134,15 @@ class _Part:
     @classmethod
     def of(cls, n: int, those: Ints, **values: Floats | Bools) -> "_Part":
         """Values of some trials; all others form nothing."""
-        found: dict[str, np.ndarray] = {}
+        arrays: dict[str, np.ndarray] = {}
         for name in names_of(cls):
             is_said = name in ("forms", "fails")
-            found[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
-            found[name][those] = True if name == "forms" else values[name]
-        return cls(**found)
+            arrays[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
+            arrays[name][those] = True if name == "forms" else values[name]
+        return cls(**arrays)
 
 
-def strengths_at(ground: Ground, trials: Trials) -> tuple[Floats, Floats]:
+def strengths_at(ground: BenchSite, trials: Trials) -> tuple[Floats, Floats]:
     """Cohesion and friction (2, n) of the first and second joint of each place."""
     joints = np.stack([trials.first, trials.second])
     cohesion, friction = trials.cohesion_kpa, trials.friction_deg
@@ -152,7 +152,7 @@ def strengths_at(ground: Ground, trials: Trials) -> tuple[Floats, Floats]:
     )
 
 
-def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
+def _wedges(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:
     a, b = trials.first, trials.second
     cohesion, friction = strengths_at(ground, trials)
     planes = (
@@ -170,7 +170,7 @@ def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part
         return _Part.of(len(trials), those, **_nothing())
     one, two = a[those], b[those]
     pressures = () if ground.pressure_kpa is None else (ground.pressure_kpa, ground.pressure_kpa)
-    found = hoek_bray_wedges(
+    wedges = hoek_bray_wedges(
         WedgeArrays(
             joint1_dip_deg=ground.dips_deg[one], joint1_dip_direction_deg=ground.dip_directions_deg[one],
             joint2_dip_deg=ground.dips_deg[two], joint2_dip_direction_deg=ground.dip_directions_deg[two],
@@ -183,9 +183,9 @@ def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part
             seismic_trend_deg=ground.toward_deg if ground.seismic else None,
         ), forces=False,
     )  # fmt: skip
-    kept = found.outcome < WEDGE_OUTCOMES.index("E201")
+    kept = wedges.outcome < WEDGE_OUTCOMES.index("E201")
     those, scales = those[kept], scale[those][kept]
-    factor, fails = _judged(WEDGE_OUTCOMES, found.outcome[kept], found.factor[kept], ground.target)
+    factor, fails = _judged(WEDGE_OUTCOMES, wedges.outcome[kept], wedges.factor[kept], ground.target)
     volume = whole.volume_m3[those] * scales**3
     return _Part.of(
         len(trials), those, fails=fails, factor=factor, block_height_m=heights[those],
@@ -195,7 +195,7 @@ def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part
     )  # fmt: skip
 
 
-def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
+def _planes(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:
     a = trials.first
     dips = ground.dips_deg[a]
     whole = plane_sizes(dips, face, 0.0, height)
@@ -210,7 +210,7 @@ def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part
         return _Part.of(len(trials), those, **_nothing())
     cohesion, friction = strengths_at(ground, trials)
     heights = (height * scale)[those]
-    found = plane_failures(
+    blocks = plane_failures(
         PlaneArrays(
             face_dip_deg=face, upper_dip_deg=0.0, plane_dip_deg=dips[those], height_m=heights,
             cohesion_kpa=cohesion[0, those], friction_deg=friction[0, those],
@@ -218,9 +218,9 @@ def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part
             water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
         )
     )  # fmt: skip
-    kept = found.outcome < PLANE_OUTCOMES.index("E203")
+    kept = blocks.outcome < PLANE_OUTCOMES.index("E203")
     those, scales = those[kept], scale[those][kept]
-    factor, fails = _judged(PLANE_OUTCOMES, found.outcome[kept], found.factor[kept], ground.target)
+    factor, fails = _judged(PLANE_OUTCOMES, blocks.outcome[kept], blocks.factor[kept], ground.target)
     area = whole.area_m2[those] * scales**2
     return _Part.of(
         len(trials), those, fails=fails, factor=factor, block_height_m=heights[kept],
@@ -230,10 +230,10 @@ def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part
     )  # fmt: skip
 
 
-def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
+def _columns(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:
     """Either joint of a place may be the steep one."""
     heights = height * (1.0 - trials.toe)
-    found = _Part.of(len(trials), np.empty(0, dtype=np.int64), **_nothing())
+    part = _Part.of(len(trials), np.empty(0, dtype=np.int64), **_nothing())
     friction = strengths_at(ground, trials)[1]
     for at, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
         dip, out = ground.dips_deg[steep], ground.dips_deg[base]
@@ -241,7 +241,7 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
         toward = beside_deg(ground.dip_directions_deg[base], ground.toward_deg)
         can = (into <= ground.lateral_toppling_deg + _ANGLE) & (toward <= ground.lateral_toppling_deg + _ANGLE)
         can &= (dip >= 90.0 - face + friction[at] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
-        those = np.flatnonzero(can & ~found.forms)
+        those = np.flatnonzero(can & ~part.forms)
         if not those.size:
             continue
         widths = ground.spacing_m[steep[those]]
@@ -265,10 +265,10 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
             "spill_m": prism_spill_width(rows.area_m2[held], face, ground.repose_deg, ground.swell),
             "width_m": np.full(some.size, ground.every_m),
         }  # fmt: skip
-        found.forms[some] = True
+        part.forms[some] = True
         for name, own in values.items():
-            getattr(found, name)[some] = own
-    return found
+            getattr(part, name)[some] = own
+    return part
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,7 +289,7 @@ class SlidingColumns:
     places: int
 
 
-def sliding_columns(ground: Ground, trials: Trials, bench: Bench) -> SlidingColumns:
+def sliding_columns(ground: BenchSite, trials: Trials, bench: Bench) -> SlidingColumns:
     """How many of the columns that stand against toppling slide on their base all the same.
 
     The first column of each place, by its weight: F = (c b + W cos ψ_b tan φ) / (W sin ψ_b), W = γ y Δx, b = Δx /

@@ -21,7 +21,7 @@ from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.kinematic.criteria import beside_deg
 from slopekit.studies.points import GIVEN_UP, Point
 from slopekit.studies.prob.judged import chosen
-from slopekit.studies.protocol import Desk
+from slopekit.studies.protocol import Workplace
 from slopekit.studies.running import Crew, run_all
 
 _TURNS = ("topples", "rotates", "falls", "lifts")
@@ -53,7 +53,7 @@ class ConfirmedColumns:
 
 
 def confirmed_columns(
-    asked: BenchInputs, trials: Trials, benches: Sequence[Bench], crew: Crew, desk: Desk
+    asked: BenchInputs, trials: Trials, benches: Sequence[Bench], crew: Crew, desk: Workplace
 ) -> ConfirmedColumns | None:
     """PRE-IE's judgement of the first column of places that are chosen; None where none is asked for.
 
@@ -73,22 +73,22 @@ def confirmed_columns(
         records = run_all(both_methods, designs, crew, advance=advance, given_up=GIVEN_UP)
     points = [Point.from_record(record) for record in records]
     turns = factor[index.all] < 1.0
-    found = {"topple": 0, "stand": 0, "pre_ie_only": 0, "closed_form_only": 0, "slide": 0, "unanswered": 0}
+    counts = {"topple": 0, "stand": 0, "pre_ie_only": 0, "closed_form_only": 0, "slide": 0, "unanswered": 0}
     doubted = set()
     for (part, _), point, turned in zip(rows, points, turns.tolist(), strict=True):
         said = point.factors
         if said is None or said.status == "not_converged":
-            found["unanswered"] += 1
+            counts["unanswered"] += 1
         else:
             too = said.status in _TURNS
             name = ("topple" if too else "closed_form_only") if turned else "pre_ie_only" if too else "stand"
-            found[name] += 1
-            found["slide"] += not too and not turned and said.limit is not None and said.limit < asked.number("fos")
+            counts[name] += 1
+            counts["slide"] += not too and not turned and said.limit is not None and said.limit < asked.number("fos")
             if turned or not too:
                 continue
         if not turned:
             doubted.add((benches[part].height_m, benches[part].face_dip_deg))
-    return ConfirmedColumns(len(points), int(index.near.sum()), **found, doubted=frozenset(doubted))
+    return ConfirmedColumns(len(points), int(index.near.sum()), **counts, doubted=frozenset(doubted))
 
 
 def _column(asked: BenchInputs, trials: Trials, bench: Bench, trial: int) -> Design:

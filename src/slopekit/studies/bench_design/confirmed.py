@@ -20,7 +20,7 @@ from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.points import GIVEN_UP, Point, falls_short
 from slopekit.studies.prob.judged import Confirmation, chosen, confirmation_of
-from slopekit.studies.protocol import Desk
+from slopekit.studies.protocol import Workplace
 from slopekit.studies.running import Crew, Journal, Record, run_all
 
 _MODES = (WEDGE, PLANE)
@@ -44,7 +44,7 @@ class Confirmed:
 
 
 def confirmed(
-    asked: BenchInputs, trials: Trials, benches: Sequence[Bench], crew: Crew, desk: Desk
+    asked: BenchInputs, trials: Trials, benches: Sequence[Bench], crew: Crew, desk: Workplace
 ) -> tuple[Confirmed | None, Journal | None]:
     """PRE-IE's judgement of the blocks that are chosen; None where none forms, or none is asked for."""
     forms, factor, fails = (
@@ -85,8 +85,8 @@ def confirmed(
 
 def _is_doubted(point: Point, target: float) -> bool:
     """Whether PRE-IE does not say that a block stands."""
-    found = point.factors
-    return found is None or found.status == "not_converged" or falls_short(found.status, found.limit, target)
+    factors = point.factors
+    return factors is None or factors.status == "not_converged" or falls_short(factors.status, factors.limit, target)
 
 
 def both_methods(design: Design) -> Record:

@@ -31,7 +31,7 @@ from slopekit.design.document import load_document
 from slopekit.design.joint_lists import JointList
 from slopekit.design.nodes import Node, document_from
 from slopekit.design.structure import has_angles, is_distribution
-from slopekit.design.survey import Joint
+from slopekit.design.survey import MeasuredJoint
 from slopekit.studies.marginals import MOST_BEYOND, tails
 from slopekit.studies.prob.sampling import samples
 
@@ -153,11 +153,11 @@ def number_or_scatter(
     where = str(node.place)
     if not (may_scatter and is_distribution(node)):
         written: Any = node.text if node.text is not None else node.plain()
-        found = quantity(written, kind, name, where)
-        if not least <= found <= most:
-            message = f"{name} is {number(found)}, it lies between {number(least)} and {number(most)}"
+        value = quantity(written, kind, name, where)
+        if not least <= value <= most:
+            message = f"{name} is {number(value)}, it lies between {number(least)} and {number(most)}"
             raise DesignError([Fault("E421", message, where)])
-        return found
+        return value
     scatters = read_distribution(node, kind, name)
     beyond = sum(tails(scatters, least, most))
     cut = scatters.name in ("normal", "lognormal")
@@ -188,9 +188,9 @@ def _drawn(
     ]  # fmt: skip
     columns: dict[str, Floats] = {}
     if variables:
-        found = samples(variables, (), int(counts.max()), (seed ^ _OWN_SEED) % 2**63)
-        columns = {path: found.values[:, k] for k, path in enumerate(found.names)}
-    joints: list[Joint] = []
+        drawn = samples(variables, (), int(counts.max()), (seed ^ _OWN_SEED) % 2**63)
+        columns = {path: drawn.values[:, k] for k, path in enumerate(drawn.names)}
+    joints: list[MeasuredJoint] = []
     for (own, plane), many in zip(planes.items(), counts.tolist(), strict=True):
         for k in range(many):
             known = {
@@ -200,7 +200,7 @@ def _drawn(
             at = plane if isinstance(plane, Plane) else Plane(
                 *(float(columns[f"{own}.plane.{angle}"][k]) for angle in ("dip", "dip_direction"))
             )  # fmt: skip
-            joints.append(Joint(
+            joints.append(MeasuredJoint(
                 f"{own}-{k + 1}", at, len(joints) + 1, known.get("c"), known.get("phi"), own,
                 spacing_m=known.get("spacing"), trace_m=known.get("trace"),
             ))  # fmt: skip

@@ -20,7 +20,7 @@ from slopekit.design.distributions import Distribution
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.studies.bench_design.bench import Ground
+from slopekit.studies.bench_design.bench import BenchSite
 from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
 from slopekit.studies.bench_design.strengths import drawn_strength
 from slopekit.studies.keys import Key
@@ -99,9 +99,9 @@ class BenchInputs:
 
     def number(self, name: str) -> float:
         """A number that is there, given or its default."""
-        found = self.numbers[name]
-        assert found is not None
-        return found
+        value = self.numbers[name]
+        assert value is not None
+        return value
 
     @property
     def has_cohesion(self) -> bool:
@@ -111,18 +111,18 @@ class BenchInputs:
     @property
     def near(self) -> float:
         """The part of the target that counts as near it."""
-        found = self.numbers["near"]
-        return self.slope.agree_within if found is None else found
+        part = self.numbers["near"]
+        return self.slope.agree_within if part is None else part
 
     def catch_m(self, height_m: float) -> float:
         """The berm width wanted: what was given, else the modified Ritchie criterion."""
-        found = self.numbers["catch"]
-        return float(catch_width(height_m)) if found is None else found
+        width_m = self.numbers["catch"]
+        return float(catch_width(height_m)) if width_m is None else width_m
 
-    def ground(self, height_m: float) -> Ground:
+    def ground(self, height_m: float) -> BenchSite:
         """What the trials are judged with in benches of a height."""
         water, slope = self.slope.water, self.slope
-        return Ground(
+        return BenchSite(
             self.joints.dips_deg, self.joints.dip_directions_deg, self.cohesion_kpa, self.friction_deg, self.trace_m,
             self.spacing_m, self.toward_deg, slope.unit_weight_kn_m3, slope.water_unit_weight_kn_m3, water.fill,
             water.pressures_kpa[0] if water.pressures_kpa else None, slope.seismic.coefficient, self.number("lateral"),
@@ -240,11 +240,11 @@ def _values(name: str, given: object, option: Callable[[str], str]) -> tuple[flo
         example = {"height": "10,15", "face": "60:80:+5"}[name]
         raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} {example}.")])
     key, (*_, code, said) = _key(name), _RANGED[name]
-    found = parse_values(key, given, MOST_VALUES)
-    bad = [value for value in found if not key.low <= value <= key.high]
+    values = parse_values(key, given, MOST_VALUES)
+    bad = [value for value in values if not key.low <= value <= key.high]
     if bad:
         raise DesignError([Fault(code, f"{name} is {number(bad[0])}: {said}", f"{where} {given}")])
-    return found
+    return values
 
 
 def _toward(given: object, where: str) -> float:
@@ -252,26 +252,32 @@ def _toward(given: object, where: str) -> float:
         raise DesignError(
             [Fault("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")]
         )
-    found = quantity(given, "angle", "dip direction", f"{where} {given}")
-    if not 0.0 <= found <= 360.0:
+    direction_deg = quantity(given, "angle", "dip direction", f"{where} {given}")
+    if not 0.0 <= direction_deg <= 360.0:
         raise DesignError(
-            [Fault("E102", f"the dip direction is {number(found)}, it lies between 0 and 360", f"{where} {given}")]
+            [
+                Fault(
+                    "E102",
+                    f"the dip direction is {number(direction_deg)}, it lies between 0 and 360",
+                    f"{where} {given}",
+                )
+            ]
         )
-    return found % 360.0
+    return direction_deg % 360.0
 
 
 def _number(name: str, given: object, where: str) -> float | None:
     kind, low, high, what, default = _NUMBERS[name]
     if given is None:
         return default
-    found = quantity(given, kind, name.replace("_", " "), f"{where} {given}")
-    if name in _WHOLE and found != int(found):
-        raise DesignError([Fault("E106", f"{where} is {number(found)}, a whole number is needed", f"{where} {given}")])
-    if not low <= found <= high:
+    value = quantity(given, kind, name.replace("_", " "), f"{where} {given}")
+    if name in _WHOLE and value != int(value):
+        raise DesignError([Fault("E106", f"{where} is {number(value)}, a whole number is needed", f"{where} {given}")])
+    if not low <= value <= high:
         code = "E414" if kind == "length" else "E415" if kind == "angle" or name == "swell" else "E413"
-        message = f"{where} is {number(found)}, {what} lies between {number(low)} and {number(high)}"
+        message = f"{where} is {number(value)}, {what} lies between {number(low)} and {number(high)}"
         raise DesignError([Fault(code, message, f"{where} {given}")])
-    return found
+    return value
 
 
 def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]) -> WedgeDesign:

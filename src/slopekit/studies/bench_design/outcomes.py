@@ -22,7 +22,7 @@ _CALLED = (*MODES, "any")
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class LengthDistribution:
     """A distribution over the length of the bench, over places or stretches.
 
     Attributes
@@ -35,7 +35,7 @@ class Spread:
     quantiles: Mapping[float, float]
 
     @classmethod
-    def of(cls, values: Floats, weights: Floats | None = None) -> "Spread":
+    def of(cls, values: Floats, weights: Floats | None = None) -> "LengthDistribution":
         """Of values (n,), n above 0, each as often as its weight."""
         return cls(float(np.average(values, weights=weights)), float(values.max()),
                    dict(zip(PERCENTILES, quantiles(values, PERCENTILES, weights), strict=True)))  # fmt: skip
@@ -52,8 +52,8 @@ def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = 
     order = np.argsort(values, kind="stable")
     below = np.cumsum(np.ones(len(values)) if weights is None else weights[order])
     at = np.searchsorted(below, np.array(shares) * below[-1] * (1.0 - 1e-12), side="left")
-    found: list[float] = values[order][np.minimum(at, len(values) - 1)].tolist()
-    return found
+    least_values: list[float] = values[order][np.minimum(at, len(values) - 1)].tolist()
+    return least_values
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,14 +126,14 @@ class OfBench:
     face_dip_deg: float
     catch_width_m: float
     modes: Mapping[str, OfMode] = field(metadata={"json": "probability"})
-    backbreak: Spread = field(metadata={"json": "backbreak_m"})
-    if_failed: Spread | None = field(metadata={"json": "backbreak_where_something_fails_m"})
+    backbreak: LengthDistribution = field(metadata={"json": "backbreak_m"})
+    if_failed: LengthDistribution | None = field(metadata={"json": "backbreak_where_something_fails_m"})
     curve_m: tuple[float, ...] = field(metadata={"json": "backbreak_curve_m"})
     face_curve_deg: tuple[float, ...] = field(metadata={"json": "effective_face_curve_deg"})
     effective_face_deg: float
-    volume_m3: Spread | None = field(metadata={"json": "volume_per_100_m_m3"})
+    volume_m3: LengthDistribution | None = field(metadata={"json": "volume_per_100_m_m3"})
     crest_lost: float = field(metadata={"json": "share_of_crest_lost"})
-    spill: Spread | None = field(metadata={"json": "spill_width_m"})
+    spill: LengthDistribution | None = field(metadata={"json": "spill_width_m"})
     berm_needed_m: float
     inter_ramp_deg: float = field(metadata={"json": "inter_ramp_at_berm_needed_deg"})
     berms: tuple[OfBerm, ...] = field(metadata={"json": "reliability"})
@@ -191,11 +191,11 @@ def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     volumes, crest_lost = along(bench, steps)
     curve = quantiles(lost, _CURVE, steps)
     return OfBench(
-        height, face, catch, modes, Spread.of(lost, steps), Spread.of(lost[failed]) if failed.any() else None,
-        tuple(curve),
+        height, face, catch, modes, LengthDistribution.of(lost, steps),
+        LengthDistribution.of(lost[failed]) if failed.any() else None, tuple(curve),
         tuple(effective_face_angle(height, face, curve).tolist()), float(effective_face_angle(height, face, loss_at)),
-        Spread.of(volumes) if len(volumes) else None, crest_lost,
-        Spread.of(bench.spill_m[failed]) if failed.any() else None, needed,
+        LengthDistribution.of(volumes) if len(volumes) else None, crest_lost,
+        LengthDistribution.of(bench.spill_m[failed]) if failed.any() else None, needed,
         float(inter_ramp_angle(height, face, needed)),
         tuple(
             OfBerm(
@@ -212,8 +212,8 @@ def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
 
 def steps_of(bench: Bench, every_m: float) -> Floats:
     """How much of the bench each place stands for, (n,): `every_m`, or what has failed there where that is wider."""
-    found: Floats = np.maximum(every_m, bench.width_m)
-    return found
+    steps_m: Floats = np.maximum(every_m, bench.width_m)
+    return steps_m
 
 
 def along(bench: Bench, steps: Floats) -> tuple[Floats, float]:

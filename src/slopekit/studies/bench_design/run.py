@@ -26,13 +26,13 @@ from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion,
 from slopekit.studies.bench_design.said import notices_of, of_columns
 from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
-from slopekit.studies.protocol import DESK, Argument, Desk, Jobs, Option, Outcome, Scheduler, documented
+from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
 from slopekit.studies.surveys import Convention, SkipBad, survey_head
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class BenchDesigns(Outcome):
+class BenchDesigns(StudyOutcome):
     """Benches against a survey.
 
     Attributes
@@ -87,8 +87,8 @@ class BenchDesigns(Outcome):
     @property
     def accepted(self) -> bool | None:
         """Whether a bench reaches the reliability that has to be reached, None where none has to be."""
-        found = [berm.accepted for berm in self.berms]
-        return None if found[0] is None else any(found)
+        verdicts = [berm.accepted for berm in self.berms]
+        return None if verdicts[0] is None else any(verdicts)
 
     @property
     def exit_code(self) -> int:
@@ -163,7 +163,7 @@ def bench_design(
     seed: Annotated[Any, Option("Seed of the random numbers: the same seed gives the same numbers [1].")] = None,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> BenchDesigns:
     """Benches from a joint survey: what fails by height and face angle, the berm that is left, the inter-ramp angle.
 
@@ -227,12 +227,12 @@ def bench_design(
     }  # fmt: skip
     sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
     notices = [*notices_of(asked, outcomes, checked), *of_columns(outcomes, sliding)]
-    found = BenchDesigns(
+    study = BenchDesigns(
         asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal, columns
     )  # fmt: skip
     if desk.folder is None:
-        found.done()
-    return found
+        study.done()
+    return study
 
 
 def accepted(

@@ -111,12 +111,12 @@ def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
     )
 
 
-def of_columns(benches: Sequence[OfBench], found: Sequence[SlidingColumns]) -> Iterator[Notice]:
+def of_columns(benches: Sequence[OfBench], sliding: Sequence[SlidingColumns]) -> Iterator[Notice]:
     """W425, with the bench in which most of what slides is not counted."""
-    slide, stand = sum(one.slide for one in found), sum(one.stand for one in found)
+    slide, stand = sum(one.slide for one in sliding), sum(one.stand for one in sliding)
     if not slide:
         return
-    bench, most = max(zip(benches, found, strict=True), key=lambda one: one[1].uncounted)
+    bench, most = max(zip(benches, sliding, strict=True), key=lambda one: one[1].uncounted)
     counted, with_them = (100.0 * part / most.places for part in (most.failing, most.failing + most.uncounted))
     where = f"at {number(bench.height_m)} m and {number(bench.face_dip_deg)}°"
     yield Notice(

@@ -17,32 +17,32 @@ from slopekit.studies.prob.estimates import Share
 from slopekit.studies.surveys import head, survey_entry
 
 
-def sheet_of(found: BenchDesigns) -> Sheet:
+def sheet_of(study: BenchDesigns) -> Sheet:
     """The sheet of a study of benches."""
-    return Sheet(head("bench-design", found.joints, found.given.input_hash()), (
-        Section("SURVEY", [survey_entry(found.joints), _strength(found), _sizes(found)]),
-        Section("TRIALS", _trials(found)),
-        Section("FAILS", [_OF_PLACES, _fails(found)]),
-        Section("COHESION", [_OF_COHESION, _cohesion(found)] if found.given.has_cohesion else []),
-        Section("BACKBREAK", [_backbreak_said(found), _backbreak(found)]),
-        Section("BERMS", [_OF_BERMS, _berms(found)] if found.given.berms_m is not None else []),
-        Section("NEEDED", [_needed_said(found), _needed(found)]),
-        Section("BEST", _best(found)),
-        Section("PRE-IE", [*_pre_ie(found), *_pre_ie_columns(found)]),
+    return Sheet(head("bench-design", study.joints, study.given.input_hash()), (
+        Section("SURVEY", [survey_entry(study.joints), _strength(study), _sizes(study)]),
+        Section("TRIALS", _trials(study)),
+        Section("FAILS", [_OF_PLACES, _fails(study)]),
+        Section("COHESION", [_OF_COHESION, _cohesion(study)] if study.given.has_cohesion else []),
+        Section("BACKBREAK", [_backbreak_said(study), _backbreak(study)]),
+        Section("BERMS", [_OF_BERMS, _berms(study)] if study.given.berms_m is not None else []),
+        Section("NEEDED", [_needed_said(study), _needed(study)]),
+        Section("BEST", _best(study)),
+        Section("PRE-IE", [*_pre_ie(study), *_pre_ie_columns(study)]),
         Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", _defaults(found)),
-        Section("TIME", [f"{found.timing_s['total']:.1f} s, {found.crew}"]),
-        Section("NOTE", [str(notice) for notice in found.warnings]),
-    ), {"benches.csv": _benches_table(found), "berms.csv": _berms_table(found)})  # fmt: skip
+        Section("DEFAULTS", _defaults(study)),
+        Section("TIME", [f"{study.timing_s['total']:.1f} s, {study.crew}"]),
+        Section("NOTE", [str(notice) for notice in study.warnings]),
+    ), {"benches.csv": _benches_table(study), "berms.csv": _berms_table(study)})  # fmt: skip
 
 
-def line_of(found: BenchDesigns) -> str:
+def line_of(study: BenchDesigns) -> str:
     """The best bench on one line."""
-    best, wanted = found.best, found.given.number("reliability")
-    said = "" if found.accepted is None else "  ACCEPTED" if found.accepted else "  NOT ACCEPTED"
-    checked = found.checked
+    best, wanted = study.best, study.given.number("reliability")
+    said = "" if study.accepted is None else "  ACCEPTED" if study.accepted else "  NOT ACCEPTED"
+    checked = study.checked
     agree = "" if checked is None else f"  PRE-IE agrees on {checked.said.agree} of {checked.said.samples}"
-    steepest = found.steepest_accepted
+    steepest = study.steepest_accepted
     if steepest is not None:
         return f"steepest accepted: {_in_words(steepest)}{agree}{said}"
     return (
@@ -54,8 +54,8 @@ def line_of(found: BenchDesigns) -> str:
 # -- what was given ---------------------------------------------------------------------------------------------------
 
 
-def _strength(found: BenchDesigns) -> str:
-    asked = found.given
+def _strength(study: BenchDesigns) -> str:
+    asked = study.given
     low, high = float(asked.friction_deg.min()), float(asked.friction_deg.max())
     friction = f"φ {number(low)}°" if low == high else f"φ {number(low)} to {number(high)}°"
     low, high = float(asked.cohesion_kpa.min()), float(asked.cohesion_kpa.max())
@@ -79,8 +79,8 @@ def _scatters(symbol: str, scatters: Distribution, unit: str, own: int) -> str:
     return f"{symbol} drawn at each place ({in_words(scatters)}{unit}){of}"
 
 
-def _sizes(found: BenchDesigns) -> str:
-    asked = found.given
+def _sizes(study: BenchDesigns) -> str:
+    asked = study.given
     texts = []
     for values, what, none in (
         (asked.trace_m, "traces", "no trace lengths: joints run on"), (asked.spacing_m, "spacings", "no spacings"),
@@ -98,8 +98,8 @@ def _listed(values: Sequence[float]) -> str:
     return ", ".join(texts if len(texts) <= _LISTED else [*texts[: _LISTED - 2], "...", texts[-1]])
 
 
-def _trials(found: BenchDesigns) -> list[str]:
-    asked = found.given
+def _trials(study: BenchDesigns) -> list[str]:
+    asked = study.given
     every = "one each bench height" if asked.every_m is None else f"one each {asked.every_m:.3g} m"
     toe = "anywhere on the face" if asked.toe == "anywhere" else "at the toe of the bench, as large as the joints allow"
     ranges = [f"heights {_listed(asked.heights_m)} m", f"faces {_listed(asked.face_dips_deg)}°"]
@@ -125,7 +125,7 @@ def _size_columns() -> list[Column[Any]]:
     ]  # fmt: skip
 
 
-def _fails(found: BenchDesigns) -> Table[OfBench]:
+def _fails(study: BenchDesigns) -> Table[OfBench]:
     """How often something forms and fails."""
 
     def of(mode: str, what: str) -> Callable[[OfBench], Any]:
@@ -148,10 +148,10 @@ def _fails(found: BenchDesigns) -> Table[OfBench]:
             text=lambda row: _between(row.modes["any"].fails),
         ),
     ]  # fmt: skip
-    return Table(columns, found.benches)
+    return Table(columns, study.benches)
 
 
-def _cohesion(found: BenchDesigns) -> Table[OfBench]:
+def _cohesion(study: BenchDesigns) -> Table[OfBench]:
     """What fails, and the berm needed, as given and without cohesion."""
 
     def bare(row: OfBench) -> OfCohesion:
@@ -172,7 +172,7 @@ def _cohesion(found: BenchDesigns) -> Table[OfBench]:
         Column("c = 0", lambda row: bare(row).berm_needed_m, "berm_needed_without_cohesion_m", "m", ".2f", 8),
         Column("", lambda row: bare(row).decides, "cohesion_decides", width=9, show=lambda own: " decides" * bool(own)),
     ]
-    return Table(columns, found.benches)
+    return Table(columns, study.benches)
 
 
 def _if_formed(mode: str) -> Callable[[OfBench], float | None]:
@@ -183,7 +183,7 @@ def _percent_of(share: float | None) -> float | None:
     return None if share is None else 100.0 * share
 
 
-def _backbreak(found: BenchDesigns) -> Table[OfBench]:
+def _backbreak(study: BenchDesigns) -> Table[OfBench]:
     """Distributions: of the crest, of the face, of the volume."""
 
     def at(share: float) -> Callable[[OfBench], Any]:
@@ -201,10 +201,10 @@ def _backbreak(found: BenchDesigns) -> Table[OfBench]:
         Column("95 %", lambda row: row.volume_m3.quantiles[0.95] if row.volume_m3 else None,
                "volume_per_100_m_95_m3", "m³", ".0f", 8),
         Column("lost", lambda row: 100.0 * row.crest_lost, "crest_lost_percent", "%", ".1f", 7),
-    ], found.benches)  # fmt: skip
+    ], study.benches)  # fmt: skip
 
 
-def _berms(found: BenchDesigns) -> Table[OfBerm]:
+def _berms(study: BenchDesigns) -> Table[OfBerm]:
     """What each berm keeps."""
     columns: list[Column[OfBerm]] = [
         *_size_columns(),
@@ -218,14 +218,14 @@ def _berms(found: BenchDesigns) -> Table[OfBerm]:
         Column("spill, %", lambda row: 100.0 * row.spill_kept, "spill_kept_percent", "%", ".1f", 9),
         Column("ramp", lambda row: row.inter_ramp_deg, "inter_ramp_deg", "°", ".1f", 7),
     ]  # fmt: skip
-    if found.accepted is not None:
+    if study.accepted is not None:
         columns.append(
             Column("", lambda row: row.accepted, "accepted", width=4, show=lambda ok: " ok" if ok else " NO")
         )
-    return Table(columns, found.berms)
+    return Table(columns, study.berms)
 
 
-def _needed(found: BenchDesigns) -> Table[OfBench]:
+def _needed(study: BenchDesigns) -> Table[OfBench]:
     """The berm for the reliability that is wanted."""
     return Table([
         *_size_columns(),
@@ -233,15 +233,15 @@ def _needed(found: BenchDesigns) -> Table[OfBench]:
         Column("backbreak", lambda row: row.berm_needed_m - row.catch_width_m, "backbreak_m", "m", ".2f", 11),
         Column("berm needed", lambda row: row.berm_needed_m, "berm_needed_m", "m", ".2f", 13),
         Column("inter-ramp", lambda row: row.inter_ramp_deg, "inter_ramp_at_berm_needed_deg", "°", ".1f", 12),
-    ], found.benches)  # fmt: skip
+    ], study.benches)  # fmt: skip
 
 
 def _between(share: Share) -> str:
     return f"{100.0 * share.low:.1f} to {100.0 * share.high:.1f}"
 
 
-def _best(found: BenchDesigns) -> list[str]:
-    best, asked = found.best, found.given
+def _best(study: BenchDesigns) -> list[str]:
+    best, asked = study.best, study.given
     wanted = number(100.0 * asked.number("reliability"))
     entries = [
         f"steepest inter-ramp angle at {wanted} %: {best.inter_ramp_deg:.1f}° with benches of {number(best.height_m)} "
@@ -250,9 +250,9 @@ def _best(found: BenchDesigns) -> list[str]:
     ]
     least = asked.numbers["accept"]
     if least is not None:
-        met, steepest = [berm for berm in found.berms if berm.accepted], found.steepest_accepted
+        met, steepest = [berm for berm in study.berms if berm.accepted], study.steepest_accepted
         verdict = (
-            f"{len(met)} of {len(found.berms)} reach {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
+            f"{len(met)} of {len(study.berms)} reach {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
             if met else f"none reaches {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
         )  # fmt: skip
         entries.append(f"{'ACCEPTED' if met else 'NOT ACCEPTED'}: {verdict}")
@@ -268,10 +268,10 @@ def _in_words(berm: OfBerm) -> str:
     )
 
 
-def _pre_ie(found: BenchDesigns) -> list[str]:
-    if found.checked is None:
+def _pre_ie(study: BenchDesigns) -> list[str]:
+    if study.checked is None:
         return ["not asked, or no wedge and no plane forms"]
-    checked, said = found.checked, found.checked.said
+    checked, said = study.checked, study.checked.said
     modes = ", ".join(f"{counted(count, mode)}" for mode, count in checked.by_mode.items())
     largest = "" if said.largest is None else f", largest difference {100.0 * said.largest:.2g} %"
     rows = [
@@ -286,8 +286,8 @@ def _pre_ie(found: BenchDesigns) -> list[str]:
     return rows
 
 
-def _pre_ie_columns(found: BenchDesigns) -> list[str]:
-    said = found.columns
+def _pre_ie_columns(study: BenchDesigns) -> list[str]:
+    said = study.columns
     if said is None:
         return []
     none = f", {said.unanswered} without an answer" if said.unanswered else ""
@@ -298,8 +298,8 @@ def _pre_ie_columns(found: BenchDesigns) -> list[str]:
     ]  # fmt: skip
 
 
-def _defaults(found: BenchDesigns) -> list[str]:
-    asked = found.given
+def _defaults(study: BenchDesigns) -> list[str]:
+    asked = study.given
     words = {
         "berm": "berm: the width needed", "catch": "catch width 0.2 H + 4.5 m (modified Ritchie)",
         "every": "places by spacing" if asked.every_m is not None else "a place each bench height",
@@ -326,16 +326,16 @@ _OF_BERMS = (
 )
 
 
-def _backbreak_said(found: BenchDesigns) -> str:
-    wanted = number(100.0 * found.given.number("reliability"))
+def _backbreak_said(study: BenchDesigns) -> str:
+    wanted = number(100.0 * study.given.number("reliability"))
     return (
         f"m behind the crest by share of the length; face left: angle at {wanted} %; m³ that fail on 100 m, mean and "
         "95 % of such lengths; lost: per cent of the crest"
     )
 
 
-def _needed_said(found: BenchDesigns) -> str:
-    wanted = number(100.0 * found.given.number("reliability"))
+def _needed_said(study: BenchDesigns) -> str:
+    wanted = number(100.0 * study.given.number("reliability"))
     return f"so that {wanted} % of the length keeps the catch width"
 
 
@@ -350,7 +350,7 @@ _MEANING = (
 # -- files ------------------------------------------------------------------------------------------------------------
 
 
-def _benches_table(found: BenchDesigns) -> Table[OfBench]:
+def _benches_table(study: BenchDesigns) -> Table[OfBench]:
     """All that is said of each bench."""
     columns: list[Column[OfBench]] = [*_size_columns()]
 
@@ -364,10 +364,10 @@ def _benches_table(found: BenchDesigns) -> Table[OfBench]:
 
     def spread(of: str, part: str | float) -> Callable[[OfBench], Any]:
         def value(row: OfBench) -> float | None:
-            found = getattr(row, of)
-            if found is None:
+            distribution = getattr(row, of)
+            if distribution is None:
                 return None
-            return float(getattr(found, part) if isinstance(part, str) else found.quantiles[part])
+            return float(getattr(distribution, part) if isinstance(part, str) else distribution.quantiles[part])
 
         return value
 
@@ -391,10 +391,10 @@ def _benches_table(found: BenchDesigns) -> Table[OfBench]:
         Column("", lambda row: row.bare and row.bare.fails["any"], "any_fails_without_cohesion"),
         Column("", lambda row: row.bare and row.bare.berm_needed_m, "berm_needed_without_cohesion_m"),
     ]
-    return Table(columns, found.benches)
+    return Table(columns, study.benches)
 
 
-def _berms_table(found: BenchDesigns) -> Table[OfBerm]:
+def _berms_table(study: BenchDesigns) -> Table[OfBerm]:
     """All that is said of each berm."""
 
     def left(part: float) -> Callable[[OfBerm], Any]:
@@ -410,4 +410,4 @@ def _berms_table(found: BenchDesigns) -> Table[OfBerm]:
         *(Column("", left(part), f"berm_left_{100 * part:.0f}_m") for part in (0.5, 0.8, 0.9, 0.95, 0.99)),
         Column("", lambda row: row.spill_kept, "spill_kept"),
         Column("", lambda row: row.accepted, "accepted"),
-    ], found.berms)  # fmt: skip
+    ], study.berms)  # fmt: skip

@@ -74,11 +74,11 @@ def _read(key: str, document: Document, where: str, given: Any) -> Distribution:
             message = f"{key} is a group of keys without dist"
             raise DesignError([Fault("E422", message, "", f"Write {where} {_EXAMPLE[key]}.")])
         kind, least, most = STRENGTHS[key]
-        found = number_or_scatter(node, kind, key, least, most, True)
+        distribution = number_or_scatter(node, kind, key, least, most, True)
     except DesignError as error:
         raise DesignError([replace(fault, where=f"{where} {given}") for fault in error.faults]) from None
-    assert isinstance(found, Distribution)
-    return found
+    assert isinstance(distribution, Distribution)
+    return distribution
 
 
 def with_drawn(asked: "BenchInputs", trials: Trials) -> Trials:
@@ -90,8 +90,8 @@ def with_drawn(asked: "BenchInputs", trials: Trials) -> Trials:
         return trials
     own, joints = asked.joints.joints, np.stack([trials.first, trials.second])
     variables = [Variable(key, one) for key, one in asked.drawn.items()]
-    found = samples(variables, (), joints.size, (int(asked.number("seed")) ^ _OWN_SEED) % 2**63)
-    columns = {key: found.values[:, k].reshape(joints.shape) for k, key in enumerate(found.names)}
+    drawn = samples(variables, (), joints.size, (int(asked.number("seed")) ^ _OWN_SEED) % 2**63)
+    columns = {key: drawn.values[:, k].reshape(joints.shape) for k, key in enumerate(drawn.names)}
     return replace(
         trials,
         cohesion_kpa=_at(asked.cohesion_kpa, [one.cohesion_kpa for one in own], joints, columns.get("c")),

@@ -22,7 +22,7 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.balance import Balance
 from slopekit.result import Result
-from slopekit.studies.protocol import DESK, ADesign, Desk, Option, Outcome, study
+from slopekit.studies.protocol import DESK, ADesign, Option, StudyOutcome, Workplace, study
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
@@ -52,7 +52,7 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Check(Outcome):
+class Check(StudyOutcome):
     """A checked design.
 
     Attributes
@@ -120,7 +120,7 @@ class Check(Outcome):
         """Those of its result, and whether it is consistent."""
 
         def of_result(column: Column[Any]) -> Column[Any]:
-            return replace(column, of=lambda found: column.of(found.result))
+            return replace(column, of=lambda checked: column.of(checked.result))
 
         *own, status = map(of_result, self.result.case_columns())
         word = {True: "yes", False: "NO", None: "open"}
@@ -161,7 +161,7 @@ def check(
     elastic: Annotated[
         bool, Option("Elastic blocks beside the rigid ones, with their bracket (extra: elastic).")
     ] = False,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Check:
     """Closed form against PRE-IE on a design, speed against error; or the verification suite.
 
@@ -195,24 +195,24 @@ def check(
         from slopekit.elastic.meshing import required
 
         required()
-    found = kind_of(design).ladder(design)
+    evidence = kind_of(design).ladder(design)
     if elastic:
         from slopekit.kinds.elastic import with_elastic
 
-        found = replace(found, result=with_elastic(kind_of(design), found.result, bracket=True))
-    result, ladder = found.result, found.rungs
+        evidence = replace(evidence, result=with_elastic(kind_of(design), evidence.result, bracket=True))
+    result, ladder = evidence.result, evidence.rungs
     reference, against, own = _reference(result, ladder)
     errors = tuple(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     orders = _orders(ladder)
-    findings = (*_findings(result, ladder, orders, found), *([_elastic(result)] if elastic else []))
+    findings = (*_findings(result, ladder, orders, evidence), *([_elastic(result)] if elastic else []))
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
     return Check(
         result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began,
-        found.normals,
+        evidence.normals,
     )  # fmt: skip
 
 
@@ -231,12 +231,12 @@ def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, 
 def _orders(ladder: tuple[Rung, ...]) -> tuple[float, ...]:
     """log₂ of how much less each halving of the mesh changes the factor than the one before it."""
     factors = [rung.factor for rung in ladder if rung.method == "mesh"]
-    found = []
+    orders = []
     for a, b, c in zip(factors, factors[1:], factors[2:], strict=False):  # three neighbours: none is left out
         if a is None or b is None or c is None or min(abs(b - a), abs(c - b)) <= _EXACT * c:
             continue
-        found.append(math.log2(abs(b - a) / abs(c - b)))
-    return tuple(found)
+        orders.append(math.log2(abs(b - a) / abs(c - b)))
+    return tuple(orders)
 
 
 def _cheapest(
@@ -257,20 +257,22 @@ def _cheapest(
     return min(fit, key=lambda k: ladder[k].seconds, default=None)
 
 
-def _findings(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], found: Ladder) -> Iterator[Finding]:
-    design, fos, others = result.design, result.fos, found.others
+def _findings(
+    result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], evidence: Ladder
+) -> Iterator[Finding]:
+    design, fos, others = result.design, result.fos, evidence.others
     yield _agreement(result)
     if fos.limit is None:
         met = False if result.status == "not_converged" else None
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
-    yield _convergence(result, ladder, orders, found.unrefined)
+    yield _convergence(result, ladder, orders, evidence.unrefined)
     settled = result.model.residual <= design.stop_when
     last = "what it changed of the factor (0: solved exactly)"
     if result.findings is not None:
         last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
     yield Finding("last pass", result.model.residual, design.stop_when, settled, last)
-    yield from _balance(result, found.rest, fos.limit)
+    yield from _balance(result, evidence.rest, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
         words = "the same F where strength is doubled, and where it is divided by F" if all(others) else (
@@ -369,23 +371,23 @@ def _elastic(result: Result) -> Finding:
     Judged is whether they come to rest up to the rigid limit without it; where moments lead them to another limit state
     (W453) that is said and not judged.
     """
-    name, found = "elastic blocks", result.elastic
-    if found is None or found.limit is None or found.rigid_limit is None:
+    name, elastic = "elastic blocks", result.elastic
+    if elastic is None or elastic.limit is None or elastic.rigid_limit is None:
         return Finding(
-            name, None, None, None, "none: see NOTE" if found is None else "no limit: they stand as they are"
+            name, None, None, None, "none: see NOTE" if elastic is None else "no limit: they stand as they are"
         )
-    less, lost = 1.0 - found.limit / found.rigid_limit, 100.0 * found.lost_share
+    less, lost = 1.0 - elastic.limit / elastic.rigid_limit, 100.0 * elastic.lost_share
     same = "the same" if less < _ALIKE else f"{100.0 * less:.2g} % less, the cohesion of {lost:.2g} % that opens"
-    words = f"limit {found.limit:.4f}, rigid {found.rigid_limit:.4f}: {same}"
-    if found.bracket is None or found.limit_at_bracket is None:
+    words = f"limit {elastic.limit:.4f}, rigid {elastic.rigid_limit:.4f}: {same}"
+    if elastic.bracket is None or elastic.limit_at_bracket is None:
         return Finding(name, None, None, None, f"{words}; where they lose their rest was not found")
-    low, high = found.bracket
-    if found.gave_up:
+    low, high = elastic.bracket
+    if elastic.gave_up:
         words = f"{words}; at rest at {low:.5f}, the search gave up at {high:.5f}"
         return Finding(name, None, None, None, words, "W456")
-    off = max(low / found.limit_at_bracket - 1.0, found.limit_at_bracket / high - 1.0, 0.0)
+    off = max(low / elastic.limit_at_bracket - 1.0, elastic.limit_at_bracket / high - 1.0, 0.0)
     words = f"{words}; at rest up to {low:.5f} .. {high:.5f}, rigid without what is open there"
-    words = f"{words} {found.limit_at_bracket:.5f}"
+    words = f"{words} {elastic.limit_at_bracket:.5f}"
     if off > _ELASTIC:
         return Finding(name, off, _ELASTIC, None, f"{words}: another limit state, take the lower", "W453")
     return Finding(name, off, _ELASTIC, True, words)

@@ -86,7 +86,7 @@ _FINDING: tuple[Column[Finding], ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class _Step:
+class _Rung:
     """A rung of the ladder, its error, how many times the seconds of the base, and whether its method is said here."""
 
     rung: Rung
@@ -95,7 +95,7 @@ class _Step:
     first: bool
 
 
-_LADDER: tuple[Column[_Step], ...] = (
+_LADDER: tuple[Column[_Rung], ...] = (
     Column("method", attrgetter("rung.method"), "method", text=lambda step: step.rung.method * step.first, width=-13),
     Column("setting", attrgetter("rung.setting"), "setting", width=-23),
     Column("pairs", attrgetter("rung.node_pairs"), "node_pairs", width=6),
@@ -119,10 +119,10 @@ def _ladder(checked: Check) -> list[Entry]:
     return [said, Table(_LADDER, list(_steps(checked, least if base is None else base)))]
 
 
-def _steps(checked: Check, base: float) -> Iterator[_Step]:
+def _steps(checked: Check, base: float) -> Iterator[_Rung]:
     said = ""
     for rung, error in zip(checked.ladder, checked.errors, strict=True):
-        yield _Step(rung, error, rung.seconds / base, rung.method != said)
+        yield _Rung(rung, error, rung.seconds / base, rung.method != said)
         said = rung.method
 
 

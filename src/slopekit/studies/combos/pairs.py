@@ -55,7 +55,7 @@ _AT_ONCE = 1 << 18  # pairs: 4.5 million at a time would take gigabytes
 
 
 @dataclass(frozen=True, slots=True)
-class SizeLimits:
+class PairLimits:
     """Limits of size, None where there is none.
 
     Attributes
@@ -118,7 +118,7 @@ def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
 
 
 def pair_shapes(
-    joints: JointList, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: SizeLimits
+    joints: JointList, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: PairLimits
 ) -> PairShapes:
     """The size of the wedge of every pair; of pairs that cut no wedge it means nothing.
 
@@ -175,7 +175,7 @@ class PairInputs:
 
     joints: JointList
     slope: WedgeDesign
-    limits: SizeLimits
+    limits: PairLimits
     cohesion_kpa: Floats
     friction_deg: Floats
     own: tuple[int, int]
@@ -218,7 +218,7 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
     )
     face: Plane | None = faults.of(partial(plane_of, given["face"], "face", option("face")))
     slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
-    sizes: SizeLimits | None = faults.of(partial(_limits, given, option))
+    sizes: PairLimits | None = faults.of(partial(_limits, given, option))
     where = f"{option('fos')} {fos}"
     target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
     top = faults.of(partial(_top, given["top"], option("top")))
@@ -249,8 +249,8 @@ def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str],
     return slope
 
 
-def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimits:
-    faults, found = Faults(), dict[str, float | None]()
+def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> PairLimits:
+    faults, limits = Faults(), dict[str, float | None]()
     for key, kind, unit in (
         ("persistence", "length", "_m"), ("bench_width", "length", "_m"), ("max_volume", "volume", "_m3"),
         ("min_volume", "volume", "_m3"), ("trace_length", "length", "_m"), ("slope_length", "length", "_m"),
@@ -258,8 +258,8 @@ def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimit
         value = given.get(key)
         if value is not None:
             name, where = key.replace("_", " "), f"{option(key)} {value}"
-            found[key + unit] = faults.of(partial(words.above_zero, value, kind, name, "E334", where))
-    least, most = found.get("min_volume_m3"), found.get("max_volume_m3")
+            limits[key + unit] = faults.of(partial(words.above_zero, value, kind, name, "E334", where))
+    least, most = limits.get("min_volume_m3"), limits.get("max_volume_m3")
     if least is not None and most is not None and least > most:
         message = f"min volume {number(least)} m³ is more than max volume {number(most)} m³: nothing would be left"
         faults.append(Fault("E334", message, option("min_volume")))
@@ -268,7 +268,7 @@ def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimit
         advice = "scale makes larger wedges smaller, filter leaves them out."
         faults.append(Fault("E491", f"limits of size go by {by!r}, it is scale or filter", option("limit_by"), advice))
     faults.refuse()
-    return SizeLimits(**found, by=by)
+    return PairLimits(**limits, by=by)
 
 
 def _top(value: object, option: str) -> int | None:
@@ -276,17 +276,17 @@ def _top(value: object, option: str) -> int | None:
         return TOP
     if value == ALL:
         return None
-    found = quantity(value, "ratio", "top", f"{option} {value}")
-    if found != int(found) or found < 0:
+    top = quantity(value, "ratio", "top", f"{option} {value}")
+    if top != int(top) or top < 0:
         advice = "It is how many of the worst pairs PRE-IE looks at; 0 leaves it out, all takes every removable one."
         raise DesignError(
-            [Fault("E335", f"top is {number(found)}, a whole number is needed", f"{option} {value}", advice)]
+            [Fault("E335", f"top is {number(top)}, a whole number is needed", f"{option} {value}", advice)]
         )
-    return int(found)
+    return int(top)
 
 
 @dataclass(frozen=True, slots=True)
-class Pairs:
+class JointPairs:
     """Every pair of the list, (m,) each.
 
     Attributes
@@ -309,8 +309,8 @@ class Pairs:
     @property
     def is_removable(self) -> Bools:
         """Which pairs form a wedge that could leave the slope, and is large enough to count."""
-        found: Bools = self.outcome < _STATUSES
-        return found
+        removable: Bools = self.outcome < _STATUSES
+        return removable
 
     def ranked(self) -> Ints:
         """The removable pairs: what nothing holds, then by factor, ties by volume (larger first), then what stands."""
@@ -323,11 +323,13 @@ class Pairs:
     def fails(self, target: float) -> Bools:
         """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
         slides = np.isin(self.outcome, _SLIDES)
-        found: Bools = self.is_removable & ((slides & (self.factor < target)) | (~slides & (self.outcome != _STANDS)))
-        return found
+        failing: Bools = self.is_removable & ((slides & (self.factor < target)) | (~slides & (self.outcome != _STANDS)))
+        return failing
 
 
-def evaluated(joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats) -> Pairs:
+def evaluated(
+    joints: JointList, slope: WedgeDesign, limits: PairLimits, cohesion: Floats, friction: Floats
+) -> JointPairs:
     """All pairs by the vectorised closed form, each wedge at the size that the limits leave it."""
     first, second = joints.pairs()
     parts = [
@@ -345,18 +347,18 @@ def evaluated(joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesio
     }
     shapes = PairShapes(**plain, sizes=WedgeSizes(**sizes))
     rest = ("outcome", "factor", "volume_m3", "trend_deg", "plunge_deg")
-    return Pairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
+    return JointPairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
 
 
 def _part(
-    joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats, first: Ints,
+    joints: JointList, slope: WedgeDesign, limits: PairLimits, cohesion: Floats, friction: Floats, first: Ints,
     second: Ints,
-) -> Pairs:  # fmt: skip
+) -> JointPairs:  # fmt: skip
     shapes = pair_shapes(joints, first, second, slope.face, slope.upper, slope.height_m, limits)
     one, two = shapes.first, shapes.second
     climbs = shapes.height_m > 0.0
     dips, ways = joints.dips_deg, joints.dip_directions_deg
-    found = hoek_bray_wedges(
+    wedges = hoek_bray_wedges(
         WedgeArrays(
             joint1_dip_deg=dips[one], joint1_dip_direction_deg=ways[one], joint2_dip_deg=dips[two],
             joint2_dip_direction_deg=ways[two], face_dip_deg=slope.face.dip_deg,
@@ -368,10 +370,10 @@ def _part(
             seismic=slope.seismic.coefficient, seismic_trend_deg=slope.seismic.trend_deg,
         ),
     )  # fmt: skip
-    outcome, volume = found.outcome.copy(), found.volume_m3
+    outcome, volume = wedges.outcome.copy(), wedges.volume_m3
     outcome[~climbs & (outcome < _STATUSES)] = _NO_CORNER
     outcome[(outcome < _STATUSES) & shapes.is_left_out] = TOO_LARGE
     if limits.min_volume_m3:
         outcome[(outcome < _STATUSES) & (volume < limits.min_volume_m3)] = TOO_SMALL
-    factor = np.where(np.isin(outcome, _SLIDES), found.factor, np.nan)
-    return Pairs(shapes, outcome, factor, volume, *found.line_trend_plunge_deg())
+    factor = np.where(np.isin(outcome, _SLIDES), wedges.factor, np.nan)
+    return JointPairs(shapes, outcome, factor, volume, *wedges.line_trend_plunge_deg())

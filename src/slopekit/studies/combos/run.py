@@ -25,8 +25,8 @@ from slopekit.design.joint_lists import JointList
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import LIMITED_BY
-from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
-from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, documented
+from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
+from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, survey_head
 
@@ -116,7 +116,7 @@ class Target:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Combos(Outcome):
+class Combos(StudyOutcome):
     """A survey's pairs against a slope.
 
     Attributes
@@ -127,7 +127,7 @@ class Combos(Outcome):
 
     name: ClassVar[str] = "combos"
     given: PairInputs
-    pairs: Pairs
+    pairs: JointPairs
     worst: tuple[PairCheck, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
@@ -151,8 +151,8 @@ class Combos(Outcome):
     @property
     def counts(self) -> dict[str, int]:
         """How many pairs there are of each outcome; they add up to all pairs."""
-        found = np.bincount(self.pairs.outcome, minlength=len(PAIR_OUTCOMES))
-        counted = zip(PAIR_OUTCOMES, map(int, found), strict=True)
+        frequencies = np.bincount(self.pairs.outcome, minlength=len(PAIR_OUTCOMES))
+        counted = zip(PAIR_OUTCOMES, map(int, frequencies), strict=True)
         return {name: count for name, count in counted if name not in NEVER}
 
     @property
@@ -162,10 +162,10 @@ class Combos(Outcome):
 
     def below(self, fos: float) -> Bools:
         """Which of all pairs lie below: by PRE-IE where it looked; by either method where they are in doubt of it."""
-        found = self.pairs.fails(fos)
+        is_below = self.pairs.fails(fos)
         for pair in self.worst:
-            found[pair.index] = pair.falls_short(fos) or (pair.is_in_doubt and found[pair.index])
-        return found
+            is_below[pair.index] = pair.falls_short(fos) or (pair.is_in_doubt and is_below[pair.index])
+        return is_below
 
     @property
     def target(self) -> Target | None:
@@ -267,7 +267,7 @@ def combos(
     skip_bad: SkipBad = False,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Combos:
     """Every pair of a joint list as a wedge: removable or not and why, ranked; PRE-IE on the worst.
 
@@ -314,7 +314,7 @@ def combos(
     return Combos(asked, pairs, worst, times)
 
 
-def _looked_at(asked: PairInputs, pairs: Pairs, crew: Crew, desk: Desk) -> tuple[PairCheck, ...]:
+def _looked_at(asked: PairInputs, pairs: JointPairs, crew: Crew, desk: Workplace) -> tuple[PairCheck, ...]:
     """PRE-IE on the worst, or on all; what is done is kept in a journal until all are."""
     chosen = pairs.ranked()[: asked.top]
     joints, cohesion, friction = asked.joints.joints, asked.cohesion_kpa, asked.friction_deg
@@ -331,7 +331,7 @@ def _looked_at(asked: PairInputs, pairs: Pairs, crew: Crew, desk: Desk) -> tuple
     with desk.bar("PRE-IE", len(designs)) as advance:
         records = run_all(both_methods, designs, crew, journal=journal, advance=advance)
     journal.remove()
-    found = tuple(
+    checks = tuple(
         PairCheck(
             **record, index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
             volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.shapes.sizes.face_width_m[k]),
@@ -341,13 +341,13 @@ def _looked_at(asked: PairInputs, pairs: Pairs, crew: Crew, desk: Desk) -> tuple
         )
         for k, design, record in zip(chosen, designs, records, strict=True)
     )  # fmt: skip
-    return tuple(sorted(found, key=PairCheck.severity)) if asked.top is None else found
+    return tuple(sorted(checks, key=PairCheck.severity)) if asked.top is None else checks
 
 
 def both_methods(design: WedgeDesign) -> dict[str, Any]:
     """Both factors of safety of a wedge as JSON values: what a worker does."""
     from slopekit.kinds import factors_of
 
-    found = factors_of(design)
-    settled = found.settled and found.status != "not_converged"
-    return record_of(found) | {"closed_status": found.closed_status or "", "settled": settled}
+    factors = factors_of(design)
+    settled = factors.settled and factors.status != "not_converged"
+    return record_of(factors) | {"closed_status": factors.closed_status or "", "settled": settled}

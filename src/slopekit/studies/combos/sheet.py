@@ -33,50 +33,50 @@ _MOST_ROWS = 50
 _NAME = 11
 
 
-def sheet_of(found: Combos) -> Sheet:
+def sheet_of(combos: Combos) -> Sheet:
     """The sheet of all pairs."""
-    slope, pairs = found.given.slope, _every_pair(found)
-    return Sheet(head("combos", found.joints, found.given.input_hash()), (
-        Section("SURVEY", [survey_entry(found.joints)]),
+    slope, pairs = combos.given.slope, _every_pair(combos)
+    return Sheet(head("combos", combos.joints, combos.given.input_hash()), (
+        Section("SURVEY", [survey_entry(combos.joints)]),
         Section("SLOPE", [
             f"face {slope.face}  {slope.face.in_words()}",
             f"upper {slope.upper}  {slope.upper.in_words() if slope.upper.dip_deg else 'level'}",
             f"height {size_number(slope.height_m)} m, the same for every pair: vertical, from the toe of a wedge up "
             "the dip of the face to the crest (H1 below: to where the trace of its first joint meets the crest)",
         ]),
-        Section("STRENGTH", [_strength(found)]),
-        Section("LOADS", _loads(found)),
-        Section("LIMITS", _limits(found)),
-        Section("PAIRS", [_outcomes(found)], hang=4),
-        Section("TARGET", _target(found)),
-        Section("WORST", [_no_worst(found) if not found.worst else pairs]),
-        Section("PRE-IE", _checked(found)),
-        Section("AGAIN", _again(found), hang=2),
-        Section("JOINTS", _joints(found)),
+        Section("STRENGTH", [_strength(combos)]),
+        Section("LOADS", _loads(combos)),
+        Section("LIMITS", _limits(combos)),
+        Section("PAIRS", [_outcomes(combos)], hang=4),
+        Section("TARGET", _target(combos)),
+        Section("WORST", [_no_worst(combos) if not combos.worst else pairs]),
+        Section("PRE-IE", _checked(combos)),
+        Section("AGAIN", _again(combos), hang=2),
+        Section("JOINTS", _joints(combos)),
         Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", _defaults(found)),
-        Section("TIME", [_time(found)]),
-        Section("NOTE", [str(notice) for notice in found.warnings]),
+        Section("DEFAULTS", _defaults(combos)),
+        Section("TIME", [_time(combos)]),
+        Section("NOTE", [str(notice) for notice in combos.warnings]),
     ), {"pairs.csv": pairs})  # fmt: skip
 
 
-def line_of(found: Combos) -> str:
+def line_of(combos: Combos) -> str:
     """What became of the pairs, on one line."""
-    parts = [f"{found.removable} of {len(found.pairs)} pairs removable"]
-    if found.worst:
-        first = found.worst[0]
+    parts = [f"{combos.removable} of {len(combos.pairs)} pairs removable"]
+    if combos.worst:
+        first = combos.worst[0]
         parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(first.factor).strip()}")
-    if found.target is not None:
-        parts.append(f"{found.target.below} below {found.target.fos:g} by {_judges(found.target)}")
-    if found.worst:
-        parts.append(_agreement(found).split(";")[0])
+    if combos.target is not None:
+        parts.append(f"{combos.target.below} below {combos.target.fos:g} by {_judges(combos.target)}")
+    if combos.worst:
+        parts.append(_agreement(combos).split(";")[0])
     return "  ".join(parts)
 
 
-def _every_pair(found: Combos) -> Table[int]:
+def _every_pair(combos: Combos) -> Table[int]:
     """Every pair, the removable ones first and ranked; the worst are shown."""
-    pairs, shapes, joints = found.pairs, found.pairs.shapes, found.joints.joints
-    looked = {pair.index: pair for pair in found.worst}
+    pairs, shapes, joints = combos.pairs, combos.pairs.shapes, combos.joints.joints
+    looked = {pair.index: pair for pair in combos.worst}
     is_wedge = pairs.volume_m3 > 0.0
     ranked = [*looked, *(k for k in pairs.ranked().tolist() if k not in looked)]
     shown, left = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS
@@ -122,8 +122,8 @@ def _mark(pair: PairCheck) -> str:
     return mark + ("*" if pair.limited_by else "")
 
 
-def _strength(found: Combos) -> str:
-    parts, given = [], found.given
+def _strength(combos: Combos) -> str:
+    parts, given = [], combos.given
     for name, unit, values, own in (
         ("c", " kPa", given.cohesion_kpa, given.own[0]), ("φ", "°", given.friction_deg, given.own[1]),
     ):  # fmt: skip
@@ -136,8 +136,8 @@ def _strength(found: Combos) -> str:
     return f"{'  '.join(parts)}  unit weight {slope.unit_weight_kn_m3:.5g} kN/m³{density}"
 
 
-def _loads(found: Combos) -> list[str]:
-    slope, entries = found.given.slope, []
+def _loads(combos: Combos) -> list[str]:
+    slope, entries = combos.given.slope, []
     if slope.water.mode == "pressures":
         entries.append(f"water u = {slope.water.pressures_kpa[0]:g} kPa on both joints, whatever the size")
     elif slope.water.mode != "dry":
@@ -149,8 +149,8 @@ def _loads(found: Combos) -> list[str]:
     return entries or [WEIGHT_ONLY.replace(", no forces, no bolts", "")]
 
 
-def _limits(found: Combos) -> list[str]:
-    limits = found.given.limits
+def _limits(combos: Combos) -> list[str]:
+    limits = combos.given.limits
     parts = [
         f"{name} {size_number(value)} {unit}"
         for name, value, unit in (
@@ -165,24 +165,24 @@ def _limits(found: Combos) -> list[str]:
     given = (limits.trace_length_m, limits.persistence_m, limits.slope_length_m, limits.bench_width_m,
              limits.max_volume_m3)  # fmt: skip
     if limits.by == "filter":
-        return [", ".join(parts), f"left out, larger than that: {counted(found.counts['beyond_limits'], 'pair')}"]
-    removable = found.pairs.is_removable
+        return [", ".join(parts), f"left out, larger than that: {counted(combos.counts['beyond_limits'], 'pair')}"]
+    removable = combos.pairs.is_removable
     scaled = [
-        f"{int((removable & (found.pairs.shapes.limited_by == kind)).sum())} by {LIMITED_BY[kind]}"
+        f"{int((removable & (combos.pairs.shapes.limited_by == kind)).sum())} by {LIMITED_BY[kind]}"
         for kind, value in enumerate(given, 1) if value is not None
     ]  # fmt: skip
     return [", ".join(parts), *([f"made smaller, same shape, at the crest: {', '.join(scaled)}"] if scaled else [])]
 
 
-def _outcomes(found: Combos) -> Table[tuple[str, int]]:
-    counts, whole, least = found.counts, len(found.pairs), found.given.limits.min_volume_m3
+def _outcomes(combos: Combos) -> Table[tuple[str, int]]:
+    counts, whole, least = combos.counts, len(combos.pairs), combos.given.limits.min_volume_m3
     rows = [
-        ("removable", found.removable),
+        ("removable", combos.removable),
         ("  slide on both joints", counts["slides_on_both"]),
         ("  slide on one joint", counts["slides_on_J1"] + counts["slides_on_J2"]),
         *((f"  {words}", counts[status]) for status, words in _PLURAL.items() if counts[status]),
         *([] if least is None else [(f"smaller than {size_number(least)} m³", counts["below_min_volume"])]),
-        *([] if found.given.limits.by == "scale" else [("larger than the limits of size", counts["beyond_limits"])]),
+        *([] if combos.given.limits.by == "scale" else [("larger than the limits of size", counts["beyond_limits"])]),
         ("not removable", sum(counts[name] for name in _WHY)),
         *((f"  {why} ({_CODES[name]})", counts[name]) for name, why in _WHY.items() if counts[name]),
     ]  # fmt: skip
@@ -198,9 +198,9 @@ _PLURAL = {
 }  # fmt: skip
 
 
-def _target(found: Combos) -> list[str]:
+def _target(combos: Combos) -> list[str]:
     """What lies below, and whose count that is."""
-    target = found.target
+    target = combos.target
     if target is None:
         return []
     by_closed_form = target.removable - target.judged_by_pre_ie
@@ -227,46 +227,46 @@ def _judges(target: Target) -> str:
     return "PRE-IE" if target.judged_by_pre_ie == target.removable else "PRE-IE and the closed form"
 
 
-def _no_worst(found: Combos) -> Entry:
-    if not found.removable:
-        small = found.counts.get("below_min_volume", 0)
+def _no_worst(combos: Combos) -> Entry:
+    if not combos.removable:
+        small = combos.counts.get("below_min_volume", 0)
         those = f"{counted(small, 'pair')} can leave the slope, but smaller than the least volume asked for"
         return those if small else "no pair can leave the slope"
-    return f"PRE-IE was not asked; {found.removable} pairs are ranked by the closed form in pairs.csv"
+    return f"PRE-IE was not asked; {combos.removable} pairs are ranked by the closed form in pairs.csv"
 
 
-def _checked(found: Combos) -> list[str]:
-    if not found.worst:
+def _checked(combos: Combos) -> list[str]:
+    if not combos.worst:
         return []
-    entries = [_agreement(found)]
-    if any(pair.moments_govern for pair in found.worst):
+    entries = [_agreement(combos)]
+    if any(pair.moments_govern for pair in combos.worst):
         entries.append("M  moments govern: the PRE-IE limit is the number to use, the closed form knows no moments")
-    if any(pair.limited_by for pair in found.worst):
+    if any(pair.limited_by for pair in combos.worst):
         entries.append("*  made smaller by a limit of size")
-    if any(pair.is_in_doubt for pair in found.worst):
+    if any(pair.is_in_doubt for pair in combos.worst):
         entries.append("!  the methods disagree, or PRE-IE did not settle: no number to judge by")
     return entries
 
 
-def _agreement(found: Combos) -> str:
-    worst = found.worst
+def _agreement(combos: Combos) -> str:
+    worst = combos.worst
     agree, compared = sum(pair.agree is True for pair in worst), sum(pair.agree is not None for pair in worst)
     most = max((pair.difference for pair in worst if pair.difference is not None), default=0.0)
     word = "AGREE" if agree == compared and all(pair.settled for pair in worst) else "DISAGREE"
     governed = sum(pair.moments_govern for pair in worst)
     return (
-        f"{agree} of {len(worst)} {word} within {found.given.slope.agree_within * 100:g} %; largest difference "
+        f"{agree} of {len(worst)} {word} within {combos.given.slope.agree_within * 100:g} %; largest difference "
         f"{most * 100:.2g} %; moments govern {governed}"
     )
 
 
-def _again(found: Combos) -> list[str]:
+def _again(combos: Combos) -> list[str]:
     """The worst pair as a command of its own."""
-    if not found.worst:
+    if not combos.worst:
         return []
-    pair, given = found.worst[0], found.given
-    slope, a = given.slope, int(found.pairs.shapes.first[found.worst[0].index])
-    b = int(found.pairs.shapes.second[pair.index])
+    pair, given = combos.worst[0], combos.given
+    slope, a = given.slope, int(combos.pairs.shapes.first[combos.worst[0].index])
+    b = int(combos.pairs.shapes.second[pair.index])
     own = [
         f"{number(float(values[a]))},{number(float(values[b]))}" for values in (given.cohesion_kpa, given.friction_deg)
     ]
@@ -287,27 +287,27 @@ def _again(found: Combos) -> list[str]:
     return [" ".join(parts)]
 
 
-def _joints(found: Combos) -> list[str]:
-    target = 1.0 if found.target is None else found.target.fos
-    return partners_entry(f"in pairs below {target:g}", found.partners()[:_MOST_JOINTS])
+def _joints(combos: Combos) -> list[str]:
+    target = 1.0 if combos.target is None else combos.target.fos
+    return partners_entry(f"in pairs below {target:g}", combos.partners()[:_MOST_JOINTS])
 
 
-def _defaults(found: Combos) -> list[str]:
-    slope = found.given.slope
+def _defaults(combos: Combos) -> list[str]:
+    slope = combos.given.slope
     names = {
         "upper": "upper slope level", "height": f"height {slope.height_m:g} m", "density": "density 2600 kg/m³",
         "seismic.trend": f"seismic trend ({kind_named('wedge').words.seismic})",
     }  # fmt: skip
-    return [", ".join(names[name] for name in found.given.defaults)] if found.given.defaults else []
+    return [", ".join(names[name] for name in combos.given.defaults)] if combos.given.defaults else []
 
 
-def _time(found: Combos) -> str:
-    times, m = found.timing_s, len(found.pairs)
+def _time(combos: Combos) -> str:
+    times, m = combos.timing_s, len(combos.pairs)
     rate = m / max(times["closed_form"], 1e-9)
     text = (
         f"reading {times['read'] * 1e3:.0f} ms  closed form {times['closed_form'] * 1e3:.0f} ms ({rate:,.0f} pairs/s)"
     )
-    return f"{text}  PRE-IE {times['pre_ie'] * 1e3:.0f} ms" if found.worst else text
+    return f"{text}  PRE-IE {times['pre_ie'] * 1e3:.0f} ms" if combos.worst else text
 
 
 _MEANING = (

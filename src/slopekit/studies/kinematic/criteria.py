@@ -116,14 +116,14 @@ class Modes:
 
     def counts(self) -> dict[str, int]:
         """How many joints and lines."""
-        return {name: int(found.sum()) for name, found in (self.of_joints() | self.of_lines()).items()}
+        return {name: int(critical.sum()) for name, critical in (self.of_joints() | self.of_lines()).items()}
 
     def shares(self, of_joints: Floats, of_lines: Floats) -> dict[str, float | None]:
         """The part of all joints, or of all lines, in per cent, each by its weight (n,), (m,); None of none."""
         return {
-            name: 100.0 * float(weights[found].sum()) / whole if (whole := float(weights.sum())) else None
+            name: 100.0 * float(weights[critical].sum()) / whole if (whole := float(weights.sum())) else None
             for weights, kinds in ((of_joints, self.of_joints()), (of_lines, self.of_lines()))
-            for name, found in kinds.items()
+            for name, critical in kinds.items()
         }
 
 
@@ -247,8 +247,8 @@ def _trend_plunge(down: Floats) -> tuple[Floats, Floats]:
 
 def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
     """Degrees between dip directions and another direction, 0 to 180."""
-    found: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
-    return found
+    angles_deg: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
+    return angles_deg
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,8 +304,8 @@ def zones_of_lines(
     first = np.zeros(count, dtype=np.intp)
     lines = Lines(first, first + 1, down, *_trend_plunge(down), np.zeros(count), np.ones(count))
     modes: Modes = modes_of(any_two, lines, face, np.full(2, friction_deg), lateral_deg, lateral_toppling_deg)
-    found = modes.of_lines()
+    critical = modes.of_lines()
     return {
-        **{kind: found[kind] for kind in ("wedge_primary", "direct", "oblique")},
+        **{kind: critical[kind] for kind in ("wedge_primary", "direct", "oblique")},
         "wedge_secondary_of_dips": modes.secondary_of_dips,
     }

@@ -30,7 +30,7 @@ from slopekit.design.parts import Strength
 from slopekit.studies.axes import Axes, axes_of
 from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of, planes_of_poles
-from slopekit.studies.protocol import DESK, Desk, Option, Outcome, documented
+from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented
 from slopekit.studies.ranges import as_steps, parse_values
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, range_of, survey_head
 
@@ -40,7 +40,7 @@ _MOST_LISTED = 12
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Kinematic(Outcome):
+class Kinematic(StudyOutcome):
     """A survey tested against a slope.
 
     Attributes
@@ -87,13 +87,13 @@ class Kinematic(Outcome):
 
     def joint_names(self, what: str) -> tuple[str, ...]:
         """The joints of one kind (`OF_JOINTS`), in the order of the list."""
-        found = self.modes.of_joints()[what]
-        return tuple(joint.name for joint, critical in zip(self.joints.joints, found, strict=True) if critical)
+        is_critical = self.modes.of_joints()[what]
+        return tuple(joint.name for joint, critical in zip(self.joints.joints, is_critical, strict=True) if critical)
 
     def partners(self, what: str) -> tuple[tuple[str, int], ...]:
         """Joints by how many critical lines (`OF_LINES`) they take part in, most first; none that is in none."""
-        found = self.modes.of_lines()[what]
-        return partners(self.joints, self.lines.first[found], self.lines.second[found])
+        critical = self.modes.of_lines()[what]
+        return partners(self.joints, self.lines.first[critical], self.lines.second[critical])
 
     def by_set(self) -> dict[str, dict[str, int]]:
         """Joints of each set, and those of them that could move; joints without a set stand under an empty name."""
@@ -104,7 +104,7 @@ class Kinematic(Outcome):
         kinds = self.modes.of_joints()
         return {
             name: {"joints": int((own == name).sum())}
-            | {kind: int((found & (own == name)).sum()) for kind, found in kinds.items()}
+            | {kind: int((critical & (own == name)).sum()) for kind, critical in kinds.items()}
             for name in names
         }
 
@@ -127,9 +127,9 @@ class Kinematic(Outcome):
         key = np.minimum(a, b) * len(sets) + np.maximum(a, b)
         size = len(sets) ** 2
         counted = {"lines": np.bincount(key, minlength=size)}
-        counted |= {kind: np.bincount(key[found], minlength=size) for kind, found in self.modes.of_lines().items()}
+        counted |= {kind: np.bincount(key[lines], minlength=size) for kind, lines in self.modes.of_lines().items()}
         return {
-            (sets[k // len(sets)], sets[k % len(sets)]): {kind: int(found[k]) for kind, found in counted.items()}
+            (sets[k // len(sets)], sets[k % len(sets)]): {kind: int(lines[k]) for kind, lines in counted.items()}
             for k in np.flatnonzero(counted["lines"])
         }
 
@@ -174,7 +174,7 @@ class Kinematic(Outcome):
                 kind: [{"joint": name, "lines": times} for name, times in self.partners(kind)]
                 for kind in ("wedge", "direct", "oblique")
             },
-            "sets": [{"set": name} | found for name, found in self.by_set().items()],
+            "sets": [{"set": name} | tally for name, tally in self.by_set().items()],
             "set_statistics": [
                 {
                     "set": name, "plane": str(mean_plane(axes)), "k": json_of(axes.k), "k_low": json_of(axes.k_low),
@@ -182,10 +182,10 @@ class Kinematic(Outcome):
                 }
                 for name, axes in self.statistics().items()
             ],
-            "set_pairs": [{"sets": list(names)} | found for names, found in self.by_set_pair().items()],
+            "set_pairs": [{"sets": list(names)} | tally for names, tally in self.by_set_pair().items()],
             "faces": [
-                {"dip_deg": dip, "counts": dict(found), "percent": dict(part)}
-                for (dip, found), part in zip(self.over_faces, self.percent_of_faces, strict=True)
+                {"dip_deg": dip, "counts": dict(tally), "percent": dict(part)}
+                for (dip, tally), part in zip(self.over_faces, self.percent_of_faces, strict=True)
             ],
             "timing_s": {"total": self.seconds},
             **self.words(),
@@ -203,7 +203,7 @@ def kinematic(
     faces: Annotated[Any, Option("Dips of the face to go through: 45:90:+5 (in steps of 5), or 45,60,75.")] = None,
     convention: Convention = None,
     skip_bad: SkipBad = False,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Kinematic:
     """Planar and wedge sliding, flexural and direct toppling of every joint and pair, by orientation and friction.
 
@@ -260,30 +260,30 @@ def kinematic(
     modes = modes_of(listed, lines, plane, friction, *limits_deg)
     return Kinematic(
         listed, plane, friction, measured, lateral_deg, toppling_deg, lines, modes,
-        tuple((dip, found.counts()) for dip, found in zip(dips, over, strict=True)), modes.shares(*weights),
-        tuple(found.shares(*weights) for found in over), tuple(defaults),
+        tuple((dip, face_modes.counts()) for dip, face_modes in zip(dips, over, strict=True)), modes.shares(*weights),
+        tuple(face_modes.shares(*weights) for face_modes in over), tuple(defaults),
         tuple(_notices(listed, plane, friction, measured, modes)), time.perf_counter() - began,
     )  # fmt: skip
 
 
 def mean_plane(axes: Axes) -> Plane:
     """The mean plane of a set, to a tenth of a degree."""
-    found = planes_of_poles(axes.mean[None])
-    return Plane(round(float(found.dips_deg[0]), 1), round(float(found.dip_directions_deg[0]), 1) % 360.0)
+    planes = planes_of_poles(axes.mean[None])
+    return Plane(round(float(planes.dips_deg[0]), 1), round(float(planes.dip_directions_deg[0]), 1) % 360.0)
 
 
 def _friction(value: object, where: str) -> float:
-    found = quantity(value, "angle", "phi", where)
-    return fields_of(Strength)["friction_angle_deg"].checked(found, "phi", where, str(value))
+    friction_deg = quantity(value, "angle", "phi", where)
+    return fields_of(Strength)["friction_angle_deg"].checked(friction_deg, "phi", where, str(value))
 
 
 def _limit(value: object, option: str) -> float:
-    found = quantity(value, "angle", "lateral limit", f"{option} {value}")
-    if not 0.0 <= found <= 90.0:
-        message = f"the lateral limit is {number(found)}°, it lies between 0 and 90"
+    limit_deg = quantity(value, "angle", "lateral limit", f"{option} {value}")
+    if not 0.0 <= limit_deg <= 90.0:
+        message = f"the lateral limit is {number(limit_deg)}°, it lies between 0 and 90"
         advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
         raise DesignError([Fault("E337", message, f"{option} {value}", advice)])
-    return found
+    return limit_deg
 
 
 def _faces(given: Any, key: Key) -> tuple[float, ...]:
@@ -304,24 +304,24 @@ def _faces(given: Any, key: Key) -> tuple[float, ...]:
 
 
 def _notices(joints: JointList, face: Plane, friction: Floats, measured: int, modes: Modes) -> list[Notice]:
-    found = left_out(joints)
+    notices = left_out(joints)
     if joints.has_quantities:
         message = (
             f"percentages count each joint of {joints.name} by its quantity ({len(joints)} joints, "
             f"{joints.quantities.sum():.6g} by quantity) and each line by the product of its two; counts are of rows"
         )
-        found.append(Notice("W374", message))
+        notices.append(Notice("W374", message))
     if any(joint.cohesion_kpa for joint in joints.joints):
         message = "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
-        found.append(Notice("W367", message))
+        notices.append(Notice("W367", message))
     if 0 < measured < len(joints) or (measured and float(np.ptp(friction)) > 0.0):
         message = (
             f"friction angles are the joints' own for {measured} of {len(joints)}, from "
             f"{number(float(friction.min()))} to {number(float(friction.max()))}°: lines take the lower of their two "
             "joints, oblique toppling the highest of all; a stereonet has no one circle for them"
         )
-        found.append(Notice("W368", message))
+        notices.append(Notice("W368", message))
     if face.dip_deg <= float(friction.min()):
         message = f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it"
-        found.append(Notice("W369", message))
-    return found
+        notices.append(Notice("W369", message))
+    return notices

@@ -30,37 +30,37 @@ _BASES = {0: "", SLIDING_BASE: "sliding", RELEASE: "release", OBLIQUE_RELEASE: "
 _Counted: TypeAlias = tuple[Any, Mapping[str, Any]]
 
 
-def sheet_of(found: Kinematic) -> Sheet:
+def sheet_of(analysis: Kinematic) -> Sheet:
     """The sheet of the kinematic tests."""
-    n, m, of = len(found.joints), len(found.lines.first), _Shares(found)
+    n, m, of = len(analysis.joints), len(analysis.lines.first), _Shares(analysis)
     parallel = n * (n - 1) // 2 - m
     few = f", {parallel} of them parallel, without a line of intersection" if parallel else ""
-    return Sheet(head("kinematic", found.joints, found.input_hash()), (
-        Section("SURVEY", [survey_entry(found.joints) + few]),
-        Section("SLOPE", [f"face {found.face}  {found.face.in_words()}; horizontal behind the crest"]),
-        Section("LIMITS", [_limits(found)]),
+    return Sheet(head("kinematic", analysis.joints, analysis.input_hash()), (
+        Section("SURVEY", [survey_entry(analysis.joints) + few]),
+        Section("SLOPE", [f"face {analysis.face}  {analysis.face.in_words()}; horizontal behind the crest"]),
+        Section("LIMITS", [_limits(analysis)]),
         Section("PLANAR", [
             f"{of('planar')} joints slide within the lateral limit, {of('planar_without_limits')} without one",
-            *_names(found.joint_names("planar")),
+            *_names(analysis.joint_names("planar")),
         ]),
-        Section("WEDGE", _wedge(found, of)),
+        Section("WEDGE", _wedge(analysis, of)),
         Section("FLEXURAL", [
-            f"{of('flexural')} joints could bend over as layers", *_names(found.joint_names("flexural"))
+            f"{of('flexural')} joints could bend over as layers", *_names(analysis.joint_names("flexural"))
         ]),
-        Section("DIRECT", _direct(found, of)),
-        Section("SETS", _sets(found)),
-        Section("FACES", _faces(found, n, m)),
+        Section("DIRECT", _direct(analysis, of)),
+        Section("SETS", _sets(analysis)),
+        Section("FACES", _faces(analysis, n, m)),
         Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", _defaults(found)),
-        Section("TIME", [f"{found.seconds * 1e3:.0f} ms"]),
-        Section("NOTE", [str(notice) for notice in found.warnings]),
-    ), {"joints.csv": _joints(found), "intersections.csv": _intersections(found)})  # fmt: skip
+        Section("DEFAULTS", _defaults(analysis)),
+        Section("TIME", [f"{analysis.seconds * 1e3:.0f} ms"]),
+        Section("NOTE", [str(notice) for notice in analysis.warnings]),
+    ), {"joints.csv": _joints(analysis), "intersections.csv": _intersections(analysis)})  # fmt: skip
 
 
-def line_of(found: Kinematic) -> str:
+def line_of(analysis: Kinematic) -> str:
     """The counts on one line."""
-    counts = found.counts
-    direct, oblique = found.toppling
+    counts = analysis.counts
+    direct, oblique = analysis.toppling
     toppling = "direct toppling" if direct else "oblique toppling" if oblique else "no direct toppling"
     return (
         f"planar {counts['planar']}  wedge {counts['wedge_primary']}+{counts['wedge_secondary']} "
@@ -68,15 +68,15 @@ def line_of(found: Kinematic) -> str:
     )
 
 
-def _joints(found: Kinematic) -> Table[int]:
+def _joints(analysis: Kinematic) -> Table[int]:
     """Every joint with what could happen to it."""
-    joints, modes = found.joints.joints, found.modes
+    joints, modes = analysis.joints.joints, analysis.modes
     return Table([
         Column("joint", lambda k: joints[k].name, "name"),
         Column("set", lambda k: joints[k].set_name, "set"),
         Column("dip", lambda k: joints[k].plane.dip_deg, "dip", "°", exact=".10g"),
         Column("dip direction", lambda k: joints[k].plane.dip_direction_deg, "dip_direction", "°", exact=".10g"),
-        Column("φ", _at(found.friction_deg, float), "phi", "°", exact=".10g"),
+        Column("φ", _at(analysis.friction_deg, float), "phi", "°", exact=".10g"),
         Column("slides", _at(modes.planar, int), "planar"),
         Column("slides without lateral limits", _at(modes.planar_without_limits, int), "planar_without_limits"),
         Column("bends over", _at(modes.flexural, int), "flexural"),
@@ -84,9 +84,9 @@ def _joints(found: Kinematic) -> Table[int]:
     ], range(len(joints)))  # fmt: skip
 
 
-def _intersections(found: Kinematic) -> Table[int]:
+def _intersections(analysis: Kinematic) -> Table[int]:
     """Every line of intersection with what could happen along it."""
-    lines, modes, names = found.lines, found.modes, [joint.name for joint in found.joints.joints]
+    lines, modes, names = analysis.lines, analysis.modes, [joint.name for joint in analysis.joints.joints]
     return Table([
         Column("first", _at(lines.first, names.__getitem__), "joint1"),
         Column("second", _at(lines.second, names.__getitem__), "joint2"),
@@ -106,10 +106,10 @@ def _at(values: Any, what: Callable[[Any], Any]) -> Callable[[int], Any]:
 class _Shares:
     """Counts with what they are counted of and their percentages, by quantity where joints have such."""
 
-    def __init__(self, found: Kinematic) -> None:
-        self.counts, self.percent = found.counts, found.percent
-        self.joints, self.lines = len(found.joints), len(found.lines.first)
-        self.by = " by quantity" if found.joints.has_quantities else ""
+    def __init__(self, analysis: Kinematic) -> None:
+        self.counts, self.percent = analysis.counts, analysis.percent
+        self.joints, self.lines = len(analysis.joints), len(analysis.lines.first)
+        self.by = " by quantity" if analysis.joints.has_quantities else ""
 
     def __call__(self, *kinds: str) -> str:
         whole = self.joints if kinds[0] in OF_JOINTS else self.lines
@@ -125,35 +125,35 @@ def _names(names: Sequence[str]) -> list[str]:
     return [", ".join(names[:_MOST_NAMES]) + more]
 
 
-def _limits(found: Kinematic) -> str:
-    low, high = float(found.friction_deg.min()), float(found.friction_deg.max())
+def _limits(analysis: Kinematic) -> str:
+    low, high = float(analysis.friction_deg.min()), float(analysis.friction_deg.max())
     friction = f"friction {number(low)}°" if low == high else f"friction {number(low)} to {number(high)}°"
     return (
-        f"{friction}; lateral ±{number(found.lateral_deg)}° for planar sliding, "
-        f"±{number(found.lateral_toppling_deg)}° for toppling, none for wedges"
+        f"{friction}; lateral ±{number(analysis.lateral_deg)}° for planar sliding, "
+        f"±{number(analysis.lateral_toppling_deg)}° for toppling, none for wedges"
     )
 
 
-def _wedge(found: Kinematic, of: _Shares) -> list[str]:
-    counts = found.counts
+def _wedge(analysis: Kinematic, of: _Shares) -> list[str]:
+    counts = analysis.counts
     on_one = counts["wedge_primary"] - counts["wedge_on_both"]
     entries = [
         f"primary    {of('wedge_primary')} lines daylight and plunge steeper than friction: "
         f"{counts['wedge_on_both']} slide on both joints, {on_one} on one",
         f"secondary  {of('wedge_secondary')} plunge flatter, the wedge slides on one steeper joint "
-        f"(Dips draws this zone otherwise: {int(found.modes.secondary_of_dips.sum())} lines)",
+        f"(Dips draws this zone otherwise: {int(analysis.modes.secondary_of_dips.sum())} lines)",
         f"friction alone does not hold {counts['wedge_by_friction']} of the {counts['wedge']}; the others stick "
         "between their joints (c = 0, dry: F > 1)",
     ]
-    return entries + _partners(found, "wedge")
+    return entries + _partners(analysis, "wedge")
 
 
-def _partners(found: Kinematic, kind: str) -> list[str]:
-    return partners_entry("most often", found.partners(kind)[:8])
+def _partners(analysis: Kinematic, kind: str) -> list[str]:
+    return partners_entry("most often", analysis.partners(kind)[:8])
 
 
-def _direct(found: Kinematic, of: _Shares) -> list[str]:
-    counts, (direct, oblique) = found.counts, found.toppling
+def _direct(analysis: Kinematic, of: _Shares) -> list[str]:
+    counts, (direct, oblique) = analysis.counts, analysis.toppling
     verdict = {
         (True, True): "possible, also obliquely: there are edges of columns and bases under them",
         (True, False): "possible: there are edges of columns and bases under them",
@@ -168,16 +168,16 @@ def _direct(found: Kinematic, of: _Shares) -> list[str]:
         f"edges  {of('direct')} lines plunge steeply into the slope; {counts['oblique']} oblique",
         f"bases  {of('base_sliding', 'base_release')} joints, on {counts['base_sliding']} of them columns may slide "
         f"as well; {counts['base_oblique']} oblique",
-        *_partners(found, "direct"),
+        *_partners(analysis, "direct"),
     ]
 
 
-def _sets(found: Kinematic) -> list[Entry]:
+def _sets(analysis: Kinematic) -> list[Entry]:
     """Joints by set, lines by two sets."""
-    by_set = list(found.by_set().items())
+    by_set = list(analysis.by_set().items())
     if not by_set:
         return []
-    by_pair = [(f"{a or _NONE} x {b or _NONE}", counts) for (a, b), counts in found.by_set_pair().items()]
+    by_pair = [(f"{a or _NONE} x {b or _NONE}", counts) for (a, b), counts in analysis.by_set_pair().items()]
     width = min(max(len(name) for name, _ in (*by_set, *by_pair)), 28)
 
     def named(key: str) -> Column[_Counted]:
@@ -194,7 +194,7 @@ def _sets(found: Kinematic) -> list[Entry]:
                Column("from", lambda row: row[1].k_low, "k_low", show=_number, width=8),
                Column("to", lambda row: row[1].k_high, "k_high", show=_number, width=8),
                Column("mean ±", lambda row: row[1].cone_deg, "cone_of_mean", "°", _degrees, 9)],
-              list(found.statistics().items())),
+              list(analysis.statistics().items())),
     ]  # fmt: skip
 
 
@@ -206,15 +206,15 @@ def _degrees(value: float) -> str:
     return f"{value:.1f}°" if math.isfinite(value) else "-"
 
 
-def _faces(found: Kinematic, n: int, m: int) -> list[Entry]:
+def _faces(analysis: Kinematic, n: int, m: int) -> list[Entry]:
     """Percentages by face."""
-    if not found.over_faces:
+    if not analysis.over_faces:
         return []
     rows = [
         (dip, {kind: value or 0.0 for kind, value in part.items()})
-        for (dip, _), part in zip(found.over_faces, found.percent_of_faces, strict=True)
+        for (dip, _), part in zip(analysis.over_faces, analysis.percent_of_faces, strict=True)
     ]
-    by = " by quantity" if found.joints.has_quantities else ""
+    by = " by quantity" if analysis.joints.has_quantities else ""
     table: Table[_Counted] = Table([
         Column("dip", itemgetter(0), "dip", "°", width=5, text=lambda row: f"{row[0]:.4g}°"),
         _percent("planar", "planar", 9, 1), _percent("primary", "wedge_primary", 10),
@@ -223,7 +223,7 @@ def _faces(found: Kinematic, n: int, m: int) -> list[Entry]:
         Column("bases", _bases, "bases", "%", ".1f", 8),
     ], rows)  # fmt: skip
     return [
-        f"toward {found.face.dip_direction_deg:03.0f}; per cent{by} of {n} joints (planar, flexural, bases), "
+        f"toward {analysis.face.dip_direction_deg:03.0f}; per cent{by} of {n} joints (planar, flexural, bases), "
         f"of {m} lines",
         table,
     ]
@@ -241,11 +241,11 @@ def _bases(row: _Counted) -> Any:
     return row[1]["base_sliding"] + row[1]["base_release"]
 
 
-def _defaults(found: Kinematic) -> list[str]:
+def _defaults(analysis: Kinematic) -> list[str]:
     words = {
         "phi": "φ 30°", "lateral": "lateral limit 20°", "lateral_toppling": "lateral limit of toppling 30°",
     }  # fmt: skip
-    return [", ".join(words[name] for name in found.defaults)] if found.defaults else []
+    return [", ".join(words[name] for name in analysis.defaults)] if analysis.defaults else []
 
 
 _MEANING = (

@@ -65,17 +65,17 @@ def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:
     ----------
     samples : their values, as `with_values` takes them
     """
-    found, before = np.ones((len(design.bolts), len(samples)), dtype=bool), as_laid_out(design)
+    holds, before = np.ones((len(design.bolts), len(samples)), dtype=bool), as_laid_out(design)
     on_arrays = kind_of(design).on_arrays
     if on_arrays is None or not has_heads(design):
-        return found
+        return holds
     for row, values in enumerate(samples):
         try:
             sample = with_values(design, values)
         except SlopekitError:
             continue
-        found[:, row] = held(on_arrays.bounds(sample), sample.bolts, before).holds[:, 0]
-    return found
+        holds[:, row] = held(on_arrays.bounds(sample), sample.bolts, before).holds[:, 0]
+    return holds
 
 
 @dataclass(frozen=True, slots=True)

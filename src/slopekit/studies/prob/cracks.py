@@ -63,10 +63,10 @@ def cracked(design: Design, samples: Samples) -> Cracked | None:
     except DesignError:
         return None  # written in one word, 80/180@worst
     fast = vectorised(fixed, samples.values, samples.settings)
-    found = None if fast is None else fast.worst_cracks(samples.values)
-    if found is None:
+    worst = None if fast is None else fast.worst_cracks(samples.values)
+    if worst is None:
         return None
-    bare, lowest = found
+    bare, lowest = worst
     blocks = ~np.array([name.startswith("E") for name in bare.names])[bare.outcome]
     known = blocks & np.isfinite(lowest.places)
     # without a block any place says the same of it

@@ -123,19 +123,19 @@ def summary_of(factors: Sequence[float] | Floats) -> Summary | None:
     2.0
     """
     all_of_them = np.asarray(factors, dtype=np.float64)
-    found = all_of_them[~np.isnan(all_of_them)]
-    if found.size == 0:
+    known = all_of_them[~np.isnan(all_of_them)]
+    if known.size == 0:
         return None
-    low, high = (float(value) for value in np.quantile(found, (0.001, 0.999)))
-    bins = int(min(_MOST_BINS, max(1, np.sqrt(found.size))))
+    low, high = (float(value) for value in np.quantile(known, (0.001, 0.999)))
+    bins = int(min(_MOST_BINS, max(1, np.sqrt(known.size))))
     if not high - low > 1e-12 * max(abs(high), 1e-300):
-        low, high, bins = float(found.min()), float(found.max()), 1
-    counts, edges = np.histogram(found, bins, (low, high))
+        low, high, bins = float(known.min()), float(known.max()), 1
+    counts, edges = np.histogram(known, bins, (low, high))
     return Summary(
-        found.size, float(found.mean()), float(found.std(ddof=1)) if found.size > 1 else 0.0, float(found.min()),
-        float(found.max()), dict(zip(_QUANTILES, np.quantile(found, _QUANTILES).tolist(), strict=True)),
+        known.size, float(known.mean()), float(known.std(ddof=1)) if known.size > 1 else 0.0, float(known.min()),
+        float(known.max()), dict(zip(_QUANTILES, np.quantile(known, _QUANTILES).tolist(), strict=True)),
         tuple(edges.tolist()),
-        tuple(counts.tolist()), int((found < edges[0]).sum()), int((found > edges[-1]).sum()),
+        tuple(counts.tolist()), int((known < edges[0]).sum()), int((known > edges[-1]).sum()),
     )  # fmt: skip
 
 
@@ -183,8 +183,8 @@ def unwrapped(path: str, values: Floats) -> Floats:
         return values
     turned = np.radians(values)
     middle = math.degrees(math.atan2(float(np.sin(turned).mean()), float(np.cos(turned).mean()))) % 360.0
-    found: Floats = middle + (values - middle + 180.0) % 360.0 - 180.0
-    return found
+    directions_deg: Floats = middle + (values - middle + 180.0) % 360.0 - 180.0
+    return directions_deg
 
 
 def _is_direction(path: str) -> bool:

@@ -62,7 +62,7 @@ class FromSurvey:
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class SurveySource:
     """A survey that joints are drawn from.
 
     Attributes
@@ -135,16 +135,16 @@ class Source:
     ) -> tuple[Resampled, Resampled, Resampled] | None:
         first, second, rng = self.pairs(len(possible), seed)
         times = rng.multinomial(len(self.listed), np.full(len(self.listed), 1.0 / len(self.listed)), _RESAMPLED)
-        found = []
+        probabilities = []
         for one in times:
             weights = (one[first] * one[second]).astype(float)
             whole, formed, failed = (float(weights[some].sum()) for some in (possible, forms, fails))
             if whole > 0.0:
-                found.append((formed / whole, failed / formed if formed else math.nan, failed / whole))
-        if not found:
+                probabilities.append((formed / whole, failed / formed if formed else math.nan, failed / whole))
+        if not probabilities:
             return None
         tail = (1.0 - confidence) / 2.0
-        columns = np.array(found).T
+        columns = np.array(probabilities).T
         limits = [
             np.quantile(known, [tail, 1.0 - tail]) if (known := column[~np.isnan(column)]).size else (0.0, 1.0)
             for column in columns
@@ -153,7 +153,9 @@ class Source:
         return one, two, three
 
 
-def surveyed(design: Design, survey: Any, draw: str, method: str, seed: int, option: str) -> tuple[Design, Source]:
+def surveyed(
+    design: Design, survey: Any, draw: str, method: str, seed: int, option: str
+) -> tuple[Design, SurveySource]:
     """A wedge whose joints come from a survey, and the source of their planes.
 
     Raises
@@ -184,10 +186,10 @@ def surveyed(design: Design, survey: Any, draw: str, method: str, seed: int, opt
     if faults:
         raise DesignError(faults)
     listed = joint_list(survey, None, False, 2)
-    found: tuple[FoundSet, ...] = ()
+    joint_sets: tuple[FoundSet, ...] = ()
     if draw == "sets":
-        found = sets(survey, seed=seed).sets
-        if not found or sum(len(one.members) for one in found) < 2:
+        joint_sets = sets(survey, seed=seed).sets
+        if not joint_sets or sum(len(one.members) for one in joint_sets) < 2:
             message = f"{listed.name} has no sets to draw from"
             raise DesignError([Fault("E433", message, option, "Draw its joints: --draw joints.")])
     centre = Fisher(Plane(45.0, 180.0), _PLACEHOLDER_K)
@@ -195,7 +197,7 @@ def surveyed(design: Design, survey: Any, draw: str, method: str, seed: int, opt
     own = tuple(Variable(path, centre, where) for path in paths)
     kept = tuple(one for one in design.variables if not _is_of(one.path, paths))
     way: Draw = "sets" if draw == "sets" else "joints"
-    source = Source(listed, way, (paths[0], paths[1]), found, tuple(left_out(listed)))
+    source = SurveySource(listed, way, (paths[0], paths[1]), joint_sets, tuple(left_out(listed)))
     return replace(design, variables=(*own, *kept)), source
 
 

@@ -37,8 +37,8 @@ class Judged:
 
     def among(self, *beginnings: str) -> Bools:
         """Samples whose outcome begins with one of these."""
-        found: Bools = np.array([name.startswith(beginnings) for name in self.names])[self.outcome]
-        return found
+        matches: Bools = np.array([name.startswith(beginnings) for name in self.names])[self.outcome]
+        return matches
 
     @property
     def forms(self) -> Bools:
@@ -89,11 +89,11 @@ def sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], 
     if len(has_one) < 3:
         return ()
     has_one = has_one[:: -(-len(has_one) // _RANKED)]
-    found = [
+    coefficients = [
         (path, rank_correlation(unwrapped(path, samples.values[has_one, column]), factor[has_one]))
         for column, path in enumerate(samples.names)
     ]
-    known = [(path, value) for path, value in found if value is not None]
+    known = [(path, value) for path, value in coefficients if value is not None]
     return tuple(sorted(known, key=lambda entry: -abs(entry[1])))
 
 
@@ -200,14 +200,14 @@ def confirmation_of(
     asked_at_random = int((asked.at_random & judged).sum())
     other_at_random = int((other & asked.at_random).sum())
     factors = [point.factors for point in points if point.factors is not None]
-    differences = [found.difference for found in factors if found.difference is not None]
+    differences = [both.difference for both in factors if both.difference is not None]
     governed = np.array([point.factors is not None and point.factors.moments_govern for point in points])
     # one-sided: only the upper limit is of interest
     at_most = clopper_pearson(other_at_random, asked_at_random, 2.0 * confidence - 1.0)[1] if asked_at_random else 1.0
     return Confirmation(
         asked.all, asked.at_random, points, int(asked.near.sum()), within,
-        sum(found.agree is True for found in factors), sum(found.agree is False for found in factors),
-        len(points) - sum(found.agree is not None for found in factors), max(differences, default=None),
+        sum(both.agree is True for both in factors), sum(both.agree is False for both in factors),
+        len(points) - sum(both.agree is not None for both in factors), max(differences, default=None),
         int((governed & asked.at_random).sum()), int((other & fails_too).sum()), int((other & before).sum()),
         int(judged.sum()), other_at_random, at_most,
         *_probability(asked, forms, fails, judged, fails_too, int(possible.sum()), confidence),
@@ -219,8 +219,8 @@ def _settled(point: Point) -> bool:
 
 
 def _fails(point: Point, target: float) -> bool:
-    found = point.factors
-    return found is not None and _settled(point) and falls_short(found.status, found.limit, target)
+    factors = point.factors
+    return factors is not None and _settled(point) and falls_short(factors.status, factors.limit, target)
 
 
 def _probability(

@@ -55,12 +55,12 @@ from slopekit.studies.prob.vectorised import Vectorised, vectorised
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
-    Desk,
     Jobs,
     Option,
-    Outcome,
     Scheduler,
     Seed,
+    StudyOutcome,
+    Workplace,
     number_of,
     study,
     whole_number,
@@ -75,7 +75,7 @@ _MOST_AT_RANDOM = 500  # factors of PRE-IE that a histogram marks
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ProbabilityOptions:
     """What a study of probability was asked for.
 
     Attributes
@@ -110,7 +110,7 @@ class Leading:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Probability(Outcome):
+class Probability(StudyOutcome):
     """What came of it.
 
     Attributes
@@ -135,7 +135,7 @@ class Probability(Outcome):
 
     name: ClassVar[str] = "prob"
     design: Design
-    asked: Asked
+    asked: ProbabilityOptions
     samples: Samples
     variables: tuple[Drawn, ...]
     names: tuple[str, ...]
@@ -173,8 +173,8 @@ class Probability(Outcome):
     @property
     def counts(self) -> dict[str, int]:
         """How many samples there are of each outcome, the most frequent first."""
-        found = np.bincount(self.outcome, minlength=len(self.names))
-        return dict(Counter({name: int(count) for name, count in zip(self.names, found, strict=True) if count})
+        frequencies = np.bincount(self.outcome, minlength=len(self.names))
+        return dict(Counter({name: int(count) for name, count in zip(self.names, frequencies, strict=True) if count})
                     .most_common())  # fmt: skip
 
     @property
@@ -262,17 +262,17 @@ class Probability(Outcome):
             point for point, random in zip(checked.points, checked.random.tolist(), strict=True) if random
         ][:_MOST_AT_RANDOM]  # fmt: skip
         judged = [point.factors for point in points if point.factors and point.factors.status != "not_converged"]
-        fails = [found for found in judged if found.limit is None and found.status != "no_driving_force"]
+        fails = [factors for factors in judged if factors.limit is None and factors.status != "no_driving_force"]
         return {
-            "pre_ie_at_random": sorted(found.limit for found in judged if found.limit is not None),
+            "pre_ie_at_random": sorted(factors.limit for factors in judged if factors.limit is not None),
             "pre_ie_without_factor": len(fails), "pre_ie_samples": len(judged),
         }  # fmt: skip
 
     def _at_means(self) -> dict[str, Any] | None:
-        found = self.means.factors
-        if found is None:
+        factors = self.means.factors
+        if factors is None:
             return {"code": self.means.code, "message": self.means.message} if self.means.code else None
-        return {name: getattr(found, name) for name in ("status", "limit", "closed_form", "agree", "moments_govern")}
+        return {name: getattr(factors, name) for name in ("status", "limit", "closed_form", "agree", "moments_govern")}
 
     def _lowest(self) -> dict[str, Any] | None:
         """The sample with the lowest factor, as values to put into the design."""
@@ -311,7 +311,7 @@ def prob(
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
     executor: Executor | None = None,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Probability:
     """Probability of failure: Monte Carlo, Latin hypercube or Sobol on the distributions of a design.
 
@@ -382,7 +382,7 @@ def prob(
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     means = point_of(given, {}) if given.source is not None else Point(None)
     variables = tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
-    found = Probability(
+    probability = Probability(
         design, asked, samples, variables, judged.names, judged.outcome, judged.factor, judged.fails, all_samples,
         forming, summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation,
         judged.evaluator, crew_in_words(crew),
@@ -393,8 +393,8 @@ def prob(
         None if cracks is None else cracks.found,
     )  # fmt: skip
     if desk.folder is None:
-        found.done()
-    return found
+        probability.done()
+    return probability
 
 
 def _not_used(design: Design) -> tuple[Notice, ...]:
@@ -420,9 +420,9 @@ class _AtWork:
     """What is asked of which design, who does it, and the journals of those parts that take long."""
 
     design: Design
-    asked: Asked
+    asked: ProbabilityOptions
     crew: Crew
-    desk: Desk
+    desk: Workplace
     journals: list[Journal] = field(default_factory=list)
 
     def points(
@@ -445,7 +445,7 @@ class _AtWork:
 def _asked(
     design: Design, n: int | None, seed: int, method: Method, by: By | None, target: float, confirm_count: int,
     near: float | None, confidence: float, accept: float | None,
-) -> Asked:  # fmt: skip
+) -> ProbabilityOptions:  # fmt: skip
     """What was asked for, checked."""
     faults = []
     if not design.variables:
@@ -476,7 +476,7 @@ def _asked(
     if faults:
         raise DesignError(faults)
     checked_limits(design)
-    return Asked(n, seed, method, chosen, target, confirm_count, near, confidence, accept)
+    return ProbabilityOptions(n, seed, method, chosen, target, confirm_count, near, confidence, accept)
 
 
 def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judged:
@@ -485,8 +485,12 @@ def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judge
     # passive bolts are searched for wedge by wedge: that is for the crew
     alone = asked.by == "pre-ie" or any(bolt.acts == "passive" for bolt in design.bolts)
     if fast is not None and not alone:
-        found = fast(samples.values)
-        names, outcome, factor = (*found.names, IMPOSSIBLE), found.outcome.astype(np.int16), found.factor
+        closed_forms = fast(samples.values)
+        names, outcome, factor = (
+            (*closed_forms.names, IMPOSSIBLE),
+            closed_forms.outcome.astype(np.int16),
+            closed_forms.factor,
+        )
         impossible = _impossible(design, samples)
         outcome[impossible], factor[impossible] = len(names) - 1, np.nan
         factor[factor == 0.0] = np.nan  # no strength at all: a status, no number (UX.md rule 2)
@@ -513,12 +517,12 @@ def _holding(samples: Samples, design: Design, fast: Vectorised | None) -> Bools
 
 def _impossible(design: Design, samples: Samples) -> Bools:
     """Samples with a value that no design can have."""
-    found = np.zeros(len(samples.values), dtype=bool)
+    impossible = np.zeros(len(samples.values), dtype=bool)
     for column, path in enumerate(samples.names):
         limits = field_at(type(design), path)
         if limits is not None and not limits.turns:
-            found |= (samples.values[:, column] < limits.least) | (samples.values[:, column] > limits.most)
-    return found
+            impossible |= (samples.values[:, column] < limits.least) | (samples.values[:, column] > limits.most)
+    return impossible
 
 
 def _confirmed(samples: Samples, judged: Judged, at_work: _AtWork) -> Confirmation | None:

@@ -53,17 +53,17 @@ class Samples:
 
     def settings(self, row: int) -> dict[str, float | str]:
         """A sample as values by dotted path, as `slopekit.design.files.with_values` takes them."""
-        found: dict[str, float | str] = {}
+        by_path: dict[str, float | str] = {}
         column = 0
         for variable in self.variables:
             of, first = variable.of, float(self.values[row, column])
             if of is None:
-                found[variable.path] = first
+                by_path[variable.path] = first
             else:
                 second = float(self.values[row, column + 1])
-                found[variable.path] = as_text(Plane(first, second) if of == "plane" else Line(first, second))
+                by_path[variable.path] = as_text(Plane(first, second) if of == "plane" else Line(first, second))
             column += len(variable.columns)
-        return found
+        return by_path
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
 from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.prob.run import Probability
-from slopekit.studies.prob.sizes import SHARES, LimitedSamples, Spread
+from slopekit.studies.prob.sizes import SHARES, LimitedSamples, SizeStatistics
 from slopekit.studies.words import head, status_words
 
 _ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
@@ -129,10 +129,10 @@ def _inputs(study: Probability) -> list[Entry]:
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
     ranks = [f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation]
-    found = study.cracks
-    placed = [] if found is None or found.mean_m is None else [
-        f"crack at the worst place of each sample by the closed form: {found.mean_m:.4g} m from the crest on "
-        f"average, {found.least_m:.4g} to {found.most_m:.4g} m"
+    cracks = study.cracks
+    placed = [] if cracks is None or cracks.mean_m is None else [
+        f"crack at the worst place of each sample by the closed form: {cracks.mean_m:.4g} m from the crest on "
+        f"average, {cracks.least_m:.4g} to {cracks.most_m:.4g} m"
     ]  # fmt: skip
     return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest), *ranks, *placed]
 
@@ -163,26 +163,26 @@ def _leading(study: Probability) -> list[str]:
 
 def _sizes(study: Probability) -> list[Entry]:
     """How large it is what the samples form and what fails, and what limits made of it."""
-    found = study.sizes
-    if found is None or not found.forming:
-        return [] if found is None else [*_limited(found.limits)]
-    rows = [(key, of, among[key]) for key in found.forming
-            for of, among in (("that form", found.forming), ("that fail", found.failing)) if key in among]  # fmt: skip
-    per = " per m" if "face_width_m" not in found.forming else ""
+    sizes = study.sizes
+    if sizes is None or not sizes.forming:
+        return [] if sizes is None else [*_limited(sizes.limits)]
+    rows = [(key, of, among[key]) for key in sizes.forming
+            for of, among in (("that form", sizes.forming), ("that fail", sizes.failing)) if key in among]  # fmt: skip
+    per = " per m" if "face_width_m" not in sizes.forming else ""
 
-    def words(row: tuple[str, str, Spread]) -> str:
+    def words(row: tuple[str, str, SizeStatistics]) -> str:
         return _SIZES[row[0]] + (per if row[0] == "volume_m3" else "")
 
-    def quantile(share: float) -> Callable[[tuple[str, str, Spread]], float]:
+    def quantile(share: float) -> Callable[[tuple[str, str, SizeStatistics]], float]:
         return lambda row: row[2].quantiles[share]
 
-    columns: list[Column[tuple[str, str, Spread]]] = [
+    columns: list[Column[tuple[str, str, SizeStatistics]]] = [
         Column("of samples", itemgetter(1), "of", width=-12),
         Column("size", itemgetter(0), "size", text=words, width=-19),
         *(Column(f"{share * 100:g} %", quantile(share), f"q{share:g}", show=_four, width=11) for share in SHARES),
         Column("largest", lambda row: row[2].most, "max", show=_four, width=11),
     ]
-    return [Table(columns, rows), *_limited(found.limits)]
+    return [Table(columns, rows), *_limited(sizes.limits)]
 
 
 def _four(value: float) -> str:
@@ -246,39 +246,39 @@ def _limits(share: Share) -> str:
 
 def _survey(study: Probability) -> list[Entry]:
     """P(forms) × P(fails | forms), where the joints come from a survey."""
-    found = study.survey
-    if found is None:
+    surveyed = study.survey
+    if surveyed is None:
         return []
-    what = "its joints, pair by pair" if found.draw == "joints" else "its sets by Fisher's K"
+    what = "its joints, pair by pair" if surveyed.draw == "joints" else "its sets by Fisher's K"
     names = ("forms a wedge", "fails if it forms", "both")
-    shares = (found.occurrence, found.failure, found.both)
-    rows = list(zip(names, shares, found.resampled or (None,) * 3, strict=True))
+    shares = (surveyed.occurrence, surveyed.failure, surveyed.both)
+    rows = list(zip(names, shares, surveyed.resampled or (None,) * 3, strict=True))
     columns: list[Column[Any]] = [
         Column("", itemgetter(0), "what", width=-18),
         Column("P", lambda row: row[1].share, "probability", show=_percent, width=11),
         Column("from", lambda row: row[1].low, "low", show=_percent, width=11),
         Column("to", lambda row: row[1].high, "high", show=_percent, width=11),
     ]
-    if found.resampled is not None:
+    if surveyed.resampled is not None:
         columns += [
             Column("surveys from", lambda row: row[2].low, "resampled_low", show=_percent, width=16),
             Column("to", lambda row: row[2].high, "resampled_high", show=_percent, width=11),
         ]
-    said = f"; from {found.times} resampled surveys as well" if found.resampled is not None else ""
-    limits = f"limits to {number(100.0 * found.both.confidence)} % from the samples{said}"
+    said = f"; from {surveyed.times} resampled surveys as well" if surveyed.resampled is not None else ""
+    limits = f"limits to {number(100.0 * surveyed.both.confidence)} % from the samples{said}"
     return [
-        f"{found.survey}: {counted(found.joints, 'joint')}, {what}; no plane of the design; {limits}",
+        f"{surveyed.survey}: {counted(surveyed.joints, 'joint')}, {what}; no plane of the design; {limits}",
         Table(columns, rows),
     ]
 
 
 def _at_means(study: Probability) -> str:
-    found = study.means.factors
-    if found is None:
+    at_means = study.means.factors
+    if at_means is None:
         return f"{study.means.code} {study.means.message}".strip() or "not asked"
-    named = ((found.limit, "PRE-IE"), (found.closed_form, "closed form"))
+    named = ((at_means.limit, "PRE-IE"), (at_means.closed_form, "closed form"))
     factors = [f"{value:.4f} {name}" for value, name in named if value is not None]
-    words = status_words(study.design, found.status)
+    words = status_words(study.design, at_means.status)
     return f"{words}: F {', '.join(factors)}" if factors else words
 
 
@@ -323,8 +323,12 @@ def _histogram(summary: Summary, target: float) -> Table[_Bin]:
 
 
 def _matters(study: Probability) -> str:
-    found = [f"{name} {value:+.2f}" for name, value in study.sensitivities[:8]]
-    return " | ".join(found) + " (rank correlation with F)" if found else "fewer than three samples have a factor"
+    coefficients = [f"{name} {value:+.2f}" for name, value in study.sensitivities[:8]]
+    return (
+        " | ".join(coefficients) + " (rank correlation with F)"
+        if coefficients
+        else "fewer than three samples have a factor"
+    )
 
 
 def _pre_ie(study: Probability) -> list[str]:

@@ -19,7 +19,7 @@ SHARES = (0.05, 0.5, 0.95)
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class SizeStatistics:
     """One size of some samples: its mean, percentiles by share, and the largest."""
 
     mean: float
@@ -60,8 +60,8 @@ class SampleSizes:
     """
 
     columns: Mapping[str, Floats]
-    forming: Mapping[str, Spread]
-    failing: Mapping[str, Spread]
+    forming: Mapping[str, SizeStatistics]
+    failing: Mapping[str, SizeStatistics]
     limits: LimitedSamples | None
 
     def to_dict(self) -> dict[str, Any]:
@@ -90,54 +90,54 @@ def sizes_of_samples(
     on_arrays, limits = kind_of(design).on_arrays, getattr(design, "limits", None)
     if on_arrays is None or on_arrays.sizes is None or (fast is None and limits is None):
         return None
-    found = fast.sizes(values) if fast is not None else _one_by_one(design, settings)
-    if found is None:
+    sizes = fast.sizes(values) if fast is not None else _one_by_one(design, settings)
+    if sizes is None:
         return None
-    columns = {key: np.where(forms, column, np.nan) for key, column in found.columns.items()}
+    columns = {key: np.where(forms, column, np.nan) for key, column in sizes.columns.items()}
     made = None
     if limits is not None:
-        kept = forms & (found.why == 0)
-        by = found.by[kept]
-        names = {name: int((by == k).sum()) for k, name in enumerate(found.names) if name and (by == k).any()}
+        kept = forms & (sizes.why == 0)
+        by = sizes.by[kept]
+        names = {name: int((by == k).sum()) for k, name in enumerate(sizes.names) if name and (by == k).any()}
         is_scaled = limits.by == "scale"
         made = LimitedSamples(
             limits.by, int((by > 0).sum()) if is_scaled else 0, names if is_scaled else {},
-            int((found.why == 1).sum()), int((found.why == 2).sum()),
+            int((sizes.why == 1).sum()), int((sizes.why == 2).sum()),
         )  # fmt: skip
     return SampleSizes(columns, _spreads(columns, forms), _spreads(columns, forms & fails), made)
 
 
-def _spreads(columns: Mapping[str, Floats], own: Bools) -> dict[str, Spread]:
-    found = {}
+def _spreads(columns: Mapping[str, Floats], own: Bools) -> dict[str, SizeStatistics]:
+    spreads = {}
     for key, column in columns.items():
         known = column[own & np.isfinite(column)]
         if len(known) and key != "scale":
             cuts = np.quantile(known, SHARES).tolist()
-            found[key] = Spread(float(known.mean()), dict(zip(SHARES, cuts, strict=True)), float(known.max()))
-    return found
+            spreads[key] = SizeStatistics(float(known.mean()), dict(zip(SHARES, cuts, strict=True)), float(known.max()))
+    return spreads
 
 
 def _one_by_one(design: Design, settings: Sequence[Mapping[str, object]]) -> SizesOfMany | None:
     """The same of designs read one by one; not numbers of those that no design can have."""
     on_arrays = kind_of(design).on_arrays
-    found: list[SizesOfMany | None] = []
+    sizes: list[SizesOfMany | None] = []
     for values in settings:
         try:
             sample = with_values(design, values)
-            found.append(None if on_arrays is None or on_arrays.sizes is None else on_arrays.sizes(sample))
+            sizes.append(None if on_arrays is None or on_arrays.sizes is None else on_arrays.sizes(sample))
         except SlopekitError:
-            found.append(None)
-    known = next((one for one in found if one is not None), None)
+            sizes.append(None)
+    known = next((one for one in sizes if one is not None), None)
     if known is None:
         return None
     columns = {
-        key: np.array([np.nan if one is None else float(one.columns[key][0]) for one in found]) for key in known.columns
+        key: np.array([np.nan if one is None else float(one.columns[key][0]) for one in sizes]) for key in known.columns
     }
 
     def whole(values: list[int]) -> NDArray[np.int8]:
         return np.array(values, dtype=np.int8)
 
     return SizesOfMany(
-        columns, known.names, whole([0 if one is None else int(one.by[0]) for one in found]),
-        whole([0 if one is None else int(one.why[0]) for one in found]),
+        columns, known.names, whole([0 if one is None else int(one.by[0]) for one in sizes]),
+        whole([0 if one is None else int(one.why[0]) for one in sizes]),
     )  # fmt: skip

@@ -60,13 +60,13 @@ class Copula:
 
     def joined(self, normals: Floats) -> dict[int, Floats]:
         """The normals of the members, each (n,), from (rank, n) independent ones."""
-        found = np.empty((len(self.members), normals.shape[1]))
+        correlated = np.empty((len(self.members), normals.shape[1]))
         for first in range(0, normals.shape[1], _PIECE):
             piece = slice(first, first + _PIECE)
-            np.matmul(self.factor, normals[:, piece], out=found[:, piece])
+            np.matmul(self.factor, normals[:, piece], out=correlated[:, piece])
         for member, of, sign in self.copies:
-            found[member] = sign * found[of]  # not by a product: ranks shall be the same to the last digit
-        return dict(zip(self.members, found, strict=True))
+            correlated[member] = sign * correlated[of]  # not by a product: ranks shall be the same to the last digit
+        return dict(zip(self.members, correlated, strict=True))
 
 
 def copula(coordinates: Sequence[str], pairs: Sequence[Pair]) -> Copula:
@@ -201,18 +201,18 @@ def _lower_normals(place: Floats, size: int) -> Floats:
     >>> bool(np.abs(_lower_normals(place, 8192) - exact).max() < 2e-15)
     True
     """
-    found = np.empty(len(place))
+    normals = np.empty(len(place))
     edge = min(_OUTERMOST, len(place))
-    found[:edge] = ndtri((place[:edge] + (np.arange(edge) + _NOT_ZERO)) / size)
+    normals[:edge] = ndtri((place[:edge] + (np.arange(edge) + _NOT_ZERO)) / size)
     if len(place) > edge:
         series, off = _series(size), place[edge:] - 0.5
-        rest = found[edge:]
+        rest = normals[edge:]
         np.multiply(series[-1], off, out=rest)
         for term in series[-2:0:-1]:
             rest += term
             rest *= off
         rest += series[0]
-    return found
+    return normals
 
 
 @lru_cache(maxsize=8)

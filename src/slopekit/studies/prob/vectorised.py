@@ -48,28 +48,32 @@ class Vectorised:
         """Outcome and factor of every sample; of a design without passive bolts."""
         return self._each(self.on_arrays.closed_forms(self.arguments(values), ()), len(values))
 
-    def _each(self, found: ClosedForms, count: int) -> ClosedForms:
+    def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
         """The closed form of each sample where nothing that scatters is an argument: all are alike."""
-        if len(found.factor) == count:
-            return found
-        return ClosedForms(found.names, np.repeat(found.outcome, count), np.repeat(found.factor, count))
+        if len(closed_forms.factor) == count:
+            return closed_forms
+        return ClosedForms(
+            closed_forms.names, np.repeat(closed_forms.outcome, count), np.repeat(closed_forms.factor, count)
+        )
 
     def sizes(self, values: Floats) -> SizesOfMany | None:
         """The sizes of the blocks of every sample."""
-        found = None if self.on_arrays.sizes is None else self.on_arrays.sizes(self._scattered(values))
-        if found is None:
+        block_sizes = None if self.on_arrays.sizes is None else self.on_arrays.sizes(self._scattered(values))
+        if block_sizes is None:
             return None
         count = len(values)
-        columns = {key: np.broadcast_to(column, count) for key, column in found.columns.items()}
-        return SizesOfMany(columns, found.names, np.broadcast_to(found.by, count), np.broadcast_to(found.why, count))
+        columns = {key: np.broadcast_to(column, count) for key, column in block_sizes.columns.items()}
+        return SizesOfMany(
+            columns, block_sizes.names, np.broadcast_to(block_sizes.by, count), np.broadcast_to(block_sizes.why, count)
+        )
 
     def holds(self, values: Floats) -> Bools:
         """Which bolts (b, n) hold the block of each sample."""
         return self._holds(self._scattered(values), len(values))
 
     def _holds(self, design: Design, count: int) -> Bools:
-        found = held(self.on_arrays.bounds(design), design.bolts, self.before).holds
-        return np.broadcast_to(found, (len(design.bolts), count))
+        holds = held(self.on_arrays.bounds(design), design.bolts, self.before).holds
+        return np.broadcast_to(holds, (len(design.bolts), count))
 
     def worst_cracks(self, values: Floats) -> tuple[ClosedForms, Lowest] | None:
         """Of each sample what it is without its crack, and where a crack is worst; None where they are asked alone.
@@ -81,9 +85,9 @@ class Vectorised:
         if reach is None or on_arrays.bolts(self.design):
             return None
         arguments = on_arrays.arguments(design) | on_arrays.of_strengths(self._strengths(values))
-        found = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
+        lowest = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
         whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in arguments.items()}, ())
-        return self._each(whole, len(values)), found
+        return self._each(whole, len(values)), lowest
 
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""
@@ -150,10 +154,10 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
         read.append(_pulled(on_arrays.arguments(standing(sample, before)), design))
         rows.append(row)
     try:
-        found = made.arguments(values[rows]) if rows else {}
+        computed = made.arguments(values[rows]) if rows else {}
     except ValueError:
         return None
-    same = (_same(found[name], [arguments[name] for arguments in read]) for name in found)
+    same = (_same(computed[name], [arguments[name] for arguments in read]) for name in computed)
     return made if rows and all(same) else None
 
 
@@ -164,9 +168,9 @@ def _pulled(arguments: Arguments, design: Design) -> Arguments:
             for name, value in arguments.items()}  # fmt: skip
 
 
-def _same(found: Any, read: Sequence[float | None]) -> bool:
+def _same(computed: Any, read: Sequence[float | None]) -> bool:
     """Whether an argument, one for all or one for each, is what was read."""
-    each, of_all = np.array(read, dtype=np.float64), np.array(found, dtype=np.float64)  # None is nan
+    each, of_all = np.array(read, dtype=np.float64), np.array(computed, dtype=np.float64)  # None is nan
     return np.allclose(of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(), equal_nan=True)
 
 

@@ -179,7 +179,7 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     """
     if unit is not None:
         _factor_of(unit, "unit")
-    found: list[Record] = []
+    records: list[Record] = []
     faults = Faults()
     paths: list[Any] = []
     for one in given:
@@ -200,16 +200,16 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
         paths = []
     for one in paths:
         with faults.kept():
-            found.append(one if isinstance(one, Record) else read_record(one, unit))
+            records.append(one if isinstance(one, Record) else read_record(one, unit))
     if len(faults) > _MOST_FAULTS:
         faults[_MOST_FAULTS:] = [Fault("E510", f"... and {len(faults) - _MOST_FAULTS} more faults in the records")]
     faults.refuse()
-    names = [record.name for record in found]
+    names = [record.name for record in records]
     called = [
         record
         if names.count(record.name) == 1
         else _called(record, f"{record.name} ({names[: k + 1].count(record.name)})")
-        for k, record in enumerate(found)
+        for k, record in enumerate(records)
     ]
     first: dict[bytes, str] = {}
     for k, record in enumerate(called):
@@ -305,8 +305,8 @@ def _words_of(line: str) -> list[str]:
 
 
 def _run_together(part: str) -> bool:
-    found = _NUMBER.findall(part)
-    return len(found) > 1 and "".join(found) == part
+    numbers = _NUMBER.findall(part)
+    return len(numbers) > 1 and "".join(numbers) == part
 
 
 def _value(word: str, name: str, line: int) -> float:
@@ -382,9 +382,9 @@ def _is_number(text: str) -> bool:
 
 def _heads(line: str, mark: str | None, width: int) -> list[str]:
     """Heads of as many columns as there are; none where the line above the numbers is no header."""
-    found = [part.strip().strip('"').lower() for part in (line.split(mark) if mark else re.split(r"\s{2,}|\t", line))]
-    found = found if len(found) == width else line.lower().split()
-    return found if len(found) == width else []
+    heads = [part.strip().strip('"').lower() for part in (line.split(mark) if mark else re.split(r"\s{2,}|\t", line))]
+    heads = heads if len(heads) == width else line.lower().split()
+    return heads if len(heads) == width else []
 
 
 def _plain(head: str) -> str:

@@ -26,11 +26,11 @@ from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.kinds import analyse
 from slopekit.notices import means_taken
-from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, number_of, study
+from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
 from slopekit.studies.quake.six import InSix, Shaking, SixMotion, shaken_in_six, six_block
-from slopekit.studies.quake.sliding import Slide, slide
+from slopekit.studies.quake.sliding import RecordSlide, slide
 from slopekit.studies.quake.yielding import (
     KEY,
     NO_FORM,
@@ -111,7 +111,7 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Quake(Outcome):
+class Quake(StudyOutcome):
     """What earthquakes do to a design.
 
     Attributes
@@ -196,12 +196,12 @@ class Quake(Outcome):
             "mean": [one.mean_m for one in self.shaken], "larger": [one.larger_m for one in self.shaken],
             "newmark": [0.5 * (one.newmark_m + one.newmark_reversed_m) for one in self.shaken],
         }  # fmt: skip
-        found: dict[str, dict[str, float | None]] = {}
+        quantiles: dict[str, dict[str, float | None]] = {}
         for name, values in columns.items():
             low, median, high = np.percentile(values, (16.0, 50.0, 84.0)).tolist()
             spread = self.has_spread
-            found[name] = {"p16": low if spread else None, "median": median, "p84": high if spread else None}
-        return found
+            quantiles[name] = {"p16": low if spread else None, "median": median, "p84": high if spread else None}
+        return quantiles
 
     @property
     def median_m(self) -> float:
@@ -311,7 +311,7 @@ def quake(
     ] = None,
     vertical: Annotated[Any, Option("With --six: vertical record, up where positive.", metavar="RECORD")] = None,
     jobs: Jobs = 1,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Quake:
     """How far a slope slides in earthquakes: yield coefficient by both methods, Newmark displacement, exactly.
 
@@ -387,22 +387,22 @@ def _shaken(
     if ours.coefficient is None:
         return tuple(Shaken(record, 0.0, 0.0, 0.0, 0.0, 0.0) for record in records), None
     limit, factor = ours.coefficient * static.gravity_m_s2, ours.factor or 1.0
-    found: list[Shaken] = []
-    most: tuple[float, Record, Way, Slide] | None = None
+    shaken: list[Shaken] = []
+    most: tuple[float, Record, Way, RecordSlide] | None = None
     for record in records:
         slides = {way: slide(record.times_s, sign * record.accelerations, limit) for way, sign in _WAYS.items()}
         plain = [one.displacement_m for one in slides.values()]
         way = max(slides, key=lambda one: slides[one].displacement_m)
-        found.append(
+        shaken.append(
             Shaken(record, factor * plain[0], factor * plain[1], plain[0], plain[1], factor * slides[way].after_m)
         )
         if slides[way].displacement_m > (0.0 if most is None else most[0]):
             most = slides[way].displacement_m, record, way, slides[way]
         advance(1)
     if most is None:
-        return tuple(found), None
+        return tuple(shaken), None
     _, record, way, of = most
-    return tuple(found), _motion(record, way, of, limit, factor, static.gravity_m_s2)
+    return tuple(shaken), _motion(record, way, of, limit, factor, static.gravity_m_s2)
 
 
 def _beside(moves: SixMotion, static: Design, ours: Yield, records: Sequence[Record]) -> Motion | None:
@@ -416,7 +416,7 @@ def _beside(moves: SixMotion, static: Design, ours: Yield, records: Sequence[Rec
     return _motion(record, way, of, limit, ours.factor or 1.0, static.gravity_m_s2)
 
 
-def _motion(record: Record, way: Way, of: Slide, limit: float, factor: float, gravity: float) -> Motion:
+def _motion(record: Record, way: Way, of: RecordSlide, limit: float, factor: float, gravity: float) -> Motion:
     """The motion in a record, until the block is at rest."""
     t, a, v, d = record.times_s, _WAYS[way] * record.accelerations, of.velocity, of.displacement
     if v[-1] > 0.0:
@@ -452,12 +452,12 @@ def _off_section(static: Design) -> list[Notice]:
     return [Notice("W487", f"{where}: {why}")]
 
 
-def _of_six(found: InSix | None) -> list[Notice]:
+def _of_six(six: InSix | None) -> list[Notice]:
     """What did not come to rest, and what hangs on the node pairs."""
-    in_six = () if found is None else found.shaken
-    hangs = [] if found is None or (found.change or 0.0) < _HANGS else [
-        Notice("W471", f"the last refinement of the node pairs, to {found.pairs}, still moved what slides by "
-               f"{found.change:.2g} of it: where joints open it hangs on them")
+    in_six = () if six is None else six.shaken
+    hangs = [] if six is None or (six.change or 0.0) < _HANGS else [
+        Notice("W471", f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by "
+               f"{six.change:.2g} of it: where joints open it hangs on them")
     ]  # fmt: skip
     said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
     return hangs + [
@@ -468,34 +468,34 @@ def _of_six(found: InSix | None) -> list[Notice]:
 
 def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], outwards: bool) -> list[Notice]:
     """What is to be known: of the records, of κ, of the methods; W467 says what is of shaking into the slope."""
-    found = [notice for one in shaken for notice in one.record.notices]
+    notes = [notice for one in shaken for notice in one.record.notices]
     ours = yields[0]
     if ours.coefficient is not None and ours.factor is None:
-        found.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
+        notes.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
                             "too small"))  # fmt: skip
     if ours.alone_at is not None:
-        found.append(Notice("W468", f"the factor is that of {ours.factor_of} with all other blocks held, which moves "
+        notes.append(Notice("W468", f"the factor is that of {ours.factor_of} with all other blocks held, which moves "
                             f"at {shown_k(ours.alone_at)}: the motion of all of them did not settle"))  # fmt: skip
     if ours.first_factor is not None:
-        found.append(Notice("W470", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
+        notes.append(Notice("W470", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
                             f"it and {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may "
                             "join in"))  # fmt: skip
     if ours.runs is not None:
-        found.append(Notice("W469", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
+        notes.append(Notice("W469", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
                             f"state at rest, at {shown_k(ours.runs)} the blocks run"))  # fmt: skip
-    found += one_history(ours.not_compared, f"k_y {shown_k(ours.coefficient)}")
+    notes += one_history(ours.not_compared, f"k_y {shown_k(ours.coefficient)}")
     if ours.coefficient is None:
-        found.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
+        notes.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]
     if on:
         listed = ", ".join(on[:6]) + (", ..." if len(on) > 6 else "")
-        found.append(Notice("W464", f"the block still slides when the record ends ({listed}): what it slides on "
+        notes.append(Notice("W464", f"the block still slides when the record ends ({listed}): what it slides on "
                             "without shaking is counted; a record cut off lacks what came after"))  # fmt: skip
     if len(yields) > 1 and ours.why_not.startswith("moments"):
-        found.append(Notice("W465", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
+        notes.append(Notice("W465", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
                             f"which knows no moments, {shown_k(yields[1].coefficient)}"))  # fmt: skip
     elif ours.jumps:
-        found.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
+        notes.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
                             "gone"))  # fmt: skip
-    found += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
-    return [*found, *means_taken(static, [KEY])]
+    notes += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
+    return [*notes, *means_taken(static, [KEY])]

@@ -19,41 +19,41 @@ _NAME = 26
 _EXACT = 1e-9  # of the work put in: what is below is rounding
 
 
-def sheet_of(found: Quake) -> Sheet:
+def sheet_of(quake: Quake) -> Sheet:
     """The sheet of earthquakes."""
-    records = _records(found.shaken)
-    toward = "the way of the slope" if found.toward_deg is None else f"{number(found.toward_deg):0>3}"
-    scaled = "" if found.scale_pga is None else f", each scaled to {number(found.scale_pga)} g"
-    return Sheet(head(found.design, "quake"), (
-        Section("RECORDS", [f"{counted(len(found.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
-        Section("NOW", [_now(found)]),
-        Section("YIELD", [*(_yield(found, one) for one in found.yields), *_agree(found)], hang=14),
-        Section("SLIDES", [records, *_stands_for_none(found)]),
-        Section("OVERALL", [_percentiles(found)] if len(found.shaken) > 1 else []),
-        Section("SIX", [_six(found), *_six_notes(found)] if found.six else []),
-        Section("COMPARE", _compared(found) if found.compared() else []),
-        Section("MODEL", [_model(found)]),
-        Section("TIME", [f"{found.seconds:.2f} s"]),
-        Section("NOTE", [str(notice) for notice in found.warnings]),
-    ), _files(found, records))  # fmt: skip
+    records = _records(quake.shaken)
+    toward = "the way of the slope" if quake.toward_deg is None else f"{number(quake.toward_deg):0>3}"
+    scaled = "" if quake.scale_pga is None else f", each scaled to {number(quake.scale_pga)} g"
+    return Sheet(head(quake.design, "quake"), (
+        Section("RECORDS", [f"{counted(len(quake.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
+        Section("NOW", [_now(quake)]),
+        Section("YIELD", [*(_yield(quake, one) for one in quake.yields), *_agree(quake)], hang=14),
+        Section("SLIDES", [records, *_stands_for_none(quake)]),
+        Section("OVERALL", [_percentiles(quake)] if len(quake.shaken) > 1 else []),
+        Section("SIX", [_six(quake), *_six_notes(quake)] if quake.six else []),
+        Section("COMPARE", _compared(quake) if quake.compared() else []),
+        Section("MODEL", [_model(quake)]),
+        Section("TIME", [f"{quake.seconds:.2f} s"]),
+        Section("NOTE", [str(notice) for notice in quake.warnings]),
+    ), _files(quake, records))  # fmt: skip
 
 
-def _files(found: Quake, records: Table[Any]) -> dict[str, Table[Any]]:
+def _files(quake: Quake, records: Table[Any]) -> dict[str, Table[Any]]:
     """Whole tables by the names of their files."""
-    six = {"six.csv": _six(found)} if found.six else {}
-    motion = {} if found.motion is None else {"motion.csv": _motion(found.motion)}
+    six = {"six.csv": _six(quake)} if quake.six else {}
+    motion = {} if quake.motion is None else {"motion.csv": _motion(quake.motion)}
     return {"quake.csv": records, **six, **motion}
 
 
-def line_of(found: Quake) -> str:
+def line_of(quake: Quake) -> str:
     """The yield coefficient, the displacements, the check on one line."""
-    k, factor = found.coefficient, found.factor
+    k, factor = quake.coefficient, quake.factor
     parts = [f"k_y {shown_k(k)}", f"factor {factor:.4f}" if factor is not None else "no factor"]
-    larger = max(one.larger_m for one in found.shaken)
-    mark = " (W465)" if found.yields[0].jumps else ""
-    parts.append(f"median {_length(found.median_m)}, most {_length(larger)}{mark}")
-    parts.append({True: "agree", False: "disagree", None: "not compared"}[found.agree])
-    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in found.warnings)])
+    larger = max(one.larger_m for one in quake.shaken)
+    mark = " (W465)" if quake.yields[0].jumps else ""
+    parts.append(f"median {_length(quake.median_m)}, most {_length(larger)}{mark}")
+    parts.append({True: "agree", False: "disagree", None: "not compared"}[quake.agree])
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in quake.warnings)])
 
 
 def _length(metres: float) -> str:
@@ -69,34 +69,34 @@ def _centimetres(metres: float) -> str:
     return "< 0.01" if 0.0 < metres < 1e-4 else f"{metres * 100.0:.4g}"
 
 
-def _now(found: Quake) -> str:
-    said = [f"{factor_text(one.before).strip()} {METHODS[one.method]}" for one in found.yields]
+def _now(quake: Quake) -> str:
+    said = [f"{factor_text(one.before).strip()} {METHODS[one.method]}" for one in quake.yields]
     return f"without an earthquake FoS {'   '.join(said)}"
 
 
-def _yield(found: Quake, one: Yield) -> str:
+def _yield(quake: Quake, one: Yield) -> str:
     name = f"{METHODS[one.method]:<13} "
     if one.coefficient is None:
         return f"{name}none: {one.why_not}"
-    status = status_words(found.design, one.status)
+    status = status_words(quake.design, one.status)
     factor = f"factor {one.factor:.6f}" if one.factor is not None else f"no factor: {one.why_not}"
     of = f" of {one.factor_of}" if one.factor_of else ""
     runs = "" if one.runs is None else f", runs at {one.runs:.6f}"
     return f"{name}k_y {one.coefficient:.6f} g{runs}   {factor}{of}   {status}"
 
 
-def _stands_for_none(found: Quake) -> list[str]:
+def _stands_for_none(quake: Quake) -> list[str]:
     """Where a joint opens at k_y."""
-    return ["W465: a joint opens at k_y, no displacement stands for what follows"] if found.yields[0].jumps else []
+    return ["W465: a joint opens at k_y, no displacement stands for what follows"] if quake.yields[0].jumps else []
 
 
-def _agree(found: Quake) -> list[str]:
-    if found.agree is None:
+def _agree(quake: Quake) -> list[str]:
+    if quake.agree is None:
         return []
-    ours, other = (one.coefficient or 0.0 for one in found.yields)
-    apart = found.agree and abs(ours - other) > found.design.agree_within * max(ours, other)
+    ours, other = (one.coefficient or 0.0 for one in quake.yields)
+    apart = quake.agree and abs(ours - other) > quake.design.agree_within * max(ours, other)
     more = ": on the same assumptions (one traction a joint, forces alone); PRE-IE's is used" if apart else ""
-    return [f"the methods {'AGREE' if found.agree else 'DISAGREE'} on k_y{more}"]
+    return [f"the methods {'AGREE' if quake.agree else 'DISAGREE'} on k_y{more}"]
 
 
 def _records(shaken: Sequence[Shaken]) -> Table[Shaken]:
@@ -129,25 +129,25 @@ def _cut(name: str, width: int = _NAME) -> str:
     return name if len(name) < width else f"…{name[-(width - 2) :]}"
 
 
-def _percentiles(found: Quake) -> Table[Any]:
+def _percentiles(quake: Quake) -> Table[Any]:
     called = {
         "as_recorded": "as recorded", "reversed": "reversed", "mean": "mean of both", "larger": "larger of both",
         "newmark": "mean of both, factor 1",
     }  # fmt: skip
-    rows = [(called[name], values) for name, values in found.percentiles().items()]
+    rows = [(called[name], values) for name, values in quake.percentiles().items()]
 
     def column(title: str, key: str) -> Column[Any]:
         return Column(title, lambda row: row[1][key], key + "_m", "m", lambda m: f"{m * 100.0:.4g}", 13)
 
     low, median, high = column("16 % cm", "p16"), column("median cm", "median"), column("84 % cm", "p84")
-    over = Column[Any](f"over {counted(len(found.shaken), 'record')}", itemgetter(0), "over", width=-_NAME)
-    return Table([over, *([low, median, high] if found.has_spread else [median])], rows)
+    over = Column[Any](f"over {counted(len(quake.shaken), 'record')}", itemgetter(0), "over", width=-_NAME)
+    return Table([over, *([low, median, high] if quake.has_spread else [median])], rows)
 
 
-def _six(found: Quake) -> Table[Any]:
+def _six(quake: Quake) -> Table[Any]:
     """In six degrees of freedom, beside what sliding one way has."""
-    newmark = {one.record.name: (one.as_recorded_m, one.reversed_m) for one in found.shaken}
-    rows = [(one, newmark[one.record][one.way == "reversed"]) for one in found.six]
+    newmark = {one.record.name: (one.as_recorded_m, one.reversed_m) for one in quake.shaken}
+    rows = [(one, newmark[one.record][one.way == "reversed"]) for one in quake.six]
 
     def of(name: str) -> Any:
         return lambda row: getattr(row[0], name)
@@ -177,14 +177,14 @@ def _moved(k: int) -> Any:
     return lambda row: float(row[0].displacement_m[k])
 
 
-def _six_notes(found: Quake) -> list[str]:
+def _six_notes(quake: Quake) -> list[str]:
     """The work of the one that slid most, and how it was found."""
-    most: Shaking = max(found.six, key=attrgetter("slid_m"))
+    most: Shaking = max(quake.six, key=attrgetter("slid_m"))
     work = most.work_kj
     off = abs(work.unbalanced) / max(abs(work.put_in), 1e-300)
-    steps, halved = sum(one.steps for one in found.six), sum(one.halved for one in found.six)
-    assert found.in_six is not None
-    pairs, change = found.in_six.pairs, found.in_six.change
+    steps, halved = sum(one.steps for one in quake.six), sum(one.halved for one in quake.six)
+    assert quake.in_six is not None
+    pairs, change = quake.in_six.pairs, quake.in_six.change
     settled = "finer ones gave no answer"
     if change is not None:
         settled = f"the last refinement moved what slides by {change * 100.0:.2g} % at most"
@@ -192,22 +192,22 @@ def _six_notes(found: Quake) -> list[str]:
         f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
         f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"
         f" to {max(off, _EXACT):.0e}",
-        f"{springs_in_words(found.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
+        f"{springs_in_words(quake.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
         f"{pairs} node pairs; {settled}",
     ]
 
 
-def _compared(found: Quake) -> list[str | Table[Any]]:
+def _compared(quake: Quake) -> list[str | Table[Any]]:
     """Regressions where they hold, else why not; k_y / PGA either way."""
-    k = found.coefficient or 0.0
-    taken = found.comparable
-    ratios = [k / one.record.pga_g for one in taken or found.natural]
+    k = quake.coefficient or 0.0
+    taken = quake.comparable
+    ratios = [k / one.record.pga_g for one in taken or quake.natural]
     span = " to ".join(dict.fromkeys(f"{ratio:.3g}" for ratio in (min(ratios), max(ratios))))
     if k < LEAST_K:
         return [f"none: k_y {shown_k(k)} lies below {LEAST_K:g}, where regressions run away (k_y / PGA {span})"]
     if not taken:
         return [f"none: k_y {shown_k(k)} lies above the peak of every record (k_y / PGA {span})"]
-    left = len(found.natural) - len(taken)
+    left = len(quake.natural) - len(taken)
     less = f"; left out: {counted(left, 'record')} with a peak below k_y" if left else ""
     own = float(np.median([0.5 * (one.newmark_m + one.newmark_reversed_m) for one in taken]))
     ours = {"name": "these records, factor 1", "asks": "", "median_m": own}
@@ -216,12 +216,12 @@ def _compared(found: Quake) -> list[str | Table[Any]]:
         Column("cm", itemgetter("median_m"), "median_m", "m", lambda m: f"{m * 100.0:.4g}", 10),
         Column("  from", itemgetter("asks"), "asks", width=-1, about="  {}"),
     )
-    return [Table(columns, [ours, *found.compared()]), f"k_y / PGA {span}{less}"]
+    return [Table(columns, [ours, *quake.compared()]), f"k_y / PGA {span}{less}"]
 
 
-def _model(found: Quake) -> str:
-    factor = "1" if found.factor is None else f"{found.factor:.6f}"
-    ours = found.yields[0]
+def _model(quake: Quake) -> str:
+    factor = "1" if quake.factor is None else f"{quake.factor:.6f}"
+    ours = quake.yields[0]
     which = "with all others held" if ours.alone_at is not None else "which of all goes farthest"
     block = f"{ours.factor_of}, {which}," if ours.factor_of else "the block"
     return (

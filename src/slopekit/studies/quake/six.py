@@ -128,10 +128,10 @@ def six_block(static: Design, records: int, across: Record | None, vertical: Rec
     if (across is not None or vertical is not None) and records != 1:
         message = f"--across and --vertical belong to one record, {records} are given"
         raise DesignError([Fault("E521", message, "", "Run each earthquake by itself.")])
-    found = _block_of(static)
-    if across is not None and found.block.translations == 2:
+    at_rest = _block_of(static)
+    if across is not None and at_rest.block.translations == 2:
         raise DesignError([Fault("E521", "a section does not move across itself: --across says nothing of it")])
-    return found
+    return at_rest
 
 
 def shaken_in_six(
@@ -141,19 +141,19 @@ def shaken_in_six(
     """Every record in both polarities, on node pairs that are fine enough for the strongest of them."""
     strongest = max(records, key=lambda one: one.pga_g)
     block, known, change = _settled(of, _components(strongest, across, vertical, of.ways))
-    found: list[Shaking] = []
+    shaken: list[Shaking] = []
     most: tuple[float, SixMotion] | None = None
     for record in records:
         pushes = _components(record, across, vertical, of.ways)
         for way, sign in WAYS.items():
             out = known[way] if record is strongest else shake(block, _STEP, sign * pushes)
             motion = _in_space(record, way, out, block, of.made)
-            found.append(_said(motion, out))
-            if most is None or found[-1].slid_m > most[0]:
-                most = found[-1].slid_m, motion
+            shaken.append(_said(motion, out))
+            if most is None or shaken[-1].slid_m > most[0]:
+                most = shaken[-1].slid_m, motion
             advance(1)
     assert most is not None  # there is a record
-    return InSix(tuple(found), most[1], len(block.area), change)
+    return InSix(tuple(shaken), most[1], len(block.area), change)
 
 
 def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake], float | None]:
@@ -209,8 +209,8 @@ def _velocity_at(record: Record, times: Floats) -> Floats:
     length = t[k + 1] - t[k]
     x = np.minimum(times - t[k], length)
     bend = np.divide(a[k + 1] - a[k], length, out=np.zeros_like(length), where=length > 0.0)
-    found: Floats = record.ground_velocity[k] + x * (a[k] + 0.5 * x * bend)
-    return np.where(times >= t[-1], record.ground_velocity[-1], found)
+    velocity: Floats = record.ground_velocity[k] + x * (a[k] + 0.5 * x * bend)
+    return np.where(times >= t[-1], record.ground_velocity[-1], velocity)
 
 
 def _block_of(static: Design) -> SixBlock:

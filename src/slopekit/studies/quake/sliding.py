@@ -17,7 +17,7 @@ from slopekit.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Slide:
+class RecordSlide:
     """What comes of one record.
 
     Attributes
@@ -33,7 +33,7 @@ class Slide:
     displacement: Floats
 
 
-def slide(times: Floats, accelerations: Floats, yield_acceleration: float) -> Slide:
+def slide(times: Floats, accelerations: Floats, yield_acceleration: float) -> RecordSlide:
     """Sliding of a block with κ = 1; with another κ velocity and displacement are κ times as large.
 
     Parameters
@@ -62,7 +62,7 @@ def slide(times: Floats, accelerations: Floats, yield_acceleration: float) -> Sl
     moved = np.where(slows & (v0 <= 0.0), 0.0, x * (v0 + x * (0.5 * r0 + x * bend / 6.0)))
     d = np.concatenate([[0.0], np.cumsum(moved)])
     after = float(v[-1]) ** 2 / (2.0 * yield_acceleration)
-    return Slide(float(d[-1]) + after, after, v[sample], d[sample])
+    return RecordSlide(float(d[-1]) + after, after, v[sample], d[sample])
 
 
 def _until_rest(v0: Floats, r0: Floats, r1: Floats, h: Floats) -> Floats:

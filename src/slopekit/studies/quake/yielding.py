@@ -137,17 +137,17 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     if reason is not None and (solution.spent or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
         raise DesignError([reason])
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
-    found = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
-    if found and found[0].method == "pre_ie":
+    yields = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
+    if yields and yields[0].method == "pre_ie":
         why = "" if solution.answer is None else solution.answer.not_compared
-        beyond = solution.load_last_beyond if found[0].coefficient is None else None
-        found[0] = replace(found[0], not_compared=why, beyond=beyond)
-    if len(found) > 1 and found[1].coefficient is None and found[0].coefficient is not None:
-        at = point_of(static, {KEY: found[0].coefficient})
+        beyond = solution.load_last_beyond if yields[0].coefficient is None else None
+        yields[0] = replace(yields[0], not_compared=why, beyond=beyond)
+    if len(yields) > 1 and yields[1].coefficient is None and yields[0].coefficient is not None:
+        at = point_of(static, {KEY: yields[0].coefficient})
         advance(1)
-        if at.factors is not None and not at.has_closed_form and found[1].before > 1.0:
-            found[1] = replace(found[1], why_not=NO_FORM)
-    return tuple(found)
+        if at.factors is not None and not at.has_closed_form and yields[1].before > 1.0:
+            yields[1] = replace(yields[1], why_not=NO_FORM)
+    return tuple(yields)
 
 
 def _yield_by(static: Design, solution: Solution, method: Method, advance: Advance) -> Yield | None:

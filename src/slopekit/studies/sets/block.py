@@ -12,10 +12,10 @@ _MOST_SCATTER_DEG = 45.0  # that a bench takes
 _MOST_K = 1e6
 
 
-def bench_block(found: JointSets) -> str:
+def bench_block(joint_sets: JointSets) -> str:
     """`sets:` of a design of kind bench; what the survey does not have is left out, and said."""
     lines = []
-    for one in found.sets:
+    for one in joint_sets.sets:
         parts, lacks = [f"plane: {_plane(one)}"], []
         if one.spacing is None:
             lacks.append("add a spacing: the survey has none")
@@ -33,10 +33,10 @@ def bench_block(found: JointSets) -> str:
     return "\n".join(["sets:", *lines, ""]) if lines else ""
 
 
-def scatter_block(found: JointSets) -> str:
+def scatter_block(joint_sets: JointSets) -> str:
     """`joints:` whose planes scatter as the sets do, of which a wedge takes two and a plane one."""
     lines = []
-    for one in found.sets:
+    for one in joint_sets.sets:
         if not 0.0 < one.axes.k <= _MOST_K:
             lines.append(f"  {_key(one.name)}: {{plane: {_plane(one)}}}")
             continue

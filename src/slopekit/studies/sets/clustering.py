@@ -84,9 +84,9 @@ def clusters_of(poles: Floats, weights: Floats, sets: int | None, rng: np.random
     return [_divided(poles, weights, count, rng) for count in range(most + 1)]
 
 
-def best(found: list[Clusters]) -> int:
+def best(clusterings: list[Clusters]) -> int:
     """Which of several has the least BIC."""
-    return int(np.argmin([one.bic for one in found]))
+    return int(np.argmin([one.bic for one in clusterings]))
 
 
 def girdle_of(poles: Floats, weights: Floats) -> tuple[Floats, float]:
@@ -142,8 +142,8 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
 
 def _squares(poles: Floats, means: Floats) -> Floats:
     """Squared sines (n, m) between poles and means."""
-    found: Floats = np.maximum(1.0 - (poles @ means.T) ** 2, _SMALLEST)
-    return found
+    squares: Floats = np.maximum(1.0 - (poles @ means.T) ** 2, _SMALLEST)
+    return squares
 
 
 def _shares(poles: Floats, means: Floats) -> Floats:

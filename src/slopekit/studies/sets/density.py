@@ -35,19 +35,19 @@ def density(at: Floats, poles: Floats, weights: Floats, joints: float, contours:
     >>> density(up, np.repeat(up, 10, axis=0), np.ones(10), 10.0, "schmidt").round(9).tolist()
     [100.0]
     """
-    found = np.zeros(len(at))
+    densities = np.zeros(len(at))
     each = weights / weights.sum()
     step = max(1, _AT_ONCE // max(1, len(poles)))
     for begin in range(0, len(at), step):
         piece = slice(begin, begin + step)
         cosine = np.abs(at[piece] @ poles.T)
         if contours == "schmidt":
-            found[piece] = (1.0 - cosine <= _CIRCLE) @ each * 100.0
+            densities[piece] = (1.0 - cosine <= _CIRCLE) @ each * 100.0
             continue
         f = 2.0 * (1.0 + joints / _SIGMA**2)
         unit = math.sqrt(joints * (f / 2.0 - 1.0) / f**2)
-        found[piece] = (np.exp(f * (cosine - 1.0)) @ each * joints - 0.5) / unit
-    return np.maximum(found, 0.0)
+        densities[piece] = (np.exp(f * (cosine - 1.0)) @ each * joints - 0.5) / unit
+    return np.maximum(densities, 0.0)
 
 
 def densest(poles: Floats, weights: Floats, joints: float, contours: Contours = "kamb") -> tuple[Floats, float]:

@@ -28,7 +28,7 @@ from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.words import line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
-from slopekit.studies.protocol import DESK, Desk, Option, Outcome, Seed, documented, number_of, whole_number
+from slopekit.studies.protocol import DESK, Option, Seed, StudyOutcome, Workplace, documented, number_of, whole_number
 from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of, girdle_of
 from slopekit.studies.sets.density import CONTOURS, Contours, densest
 from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
@@ -42,7 +42,7 @@ SHARES = (0.68, 0.95)  # of joints within the cones of variability
 
 
 @dataclass(frozen=True, slots=True)
-class Angles:
+class SetAngles:
     """Dip and dip direction of the joints of a set, each by itself; turned over at the vertical, not folded back.
 
     Attributes
@@ -73,7 +73,7 @@ class FoundSet:
     members: Ints
     axes: Axes
     plane: Plane
-    angles: Angles
+    angles: SetAngles
     spacing: Lengths | None
     trace: Traces | None
 
@@ -85,7 +85,7 @@ class FoundSet:
     def to_dict(self) -> dict[str, Any]:
         """The set as JSON values."""
         axes, (shape, strength) = self.axes, self.axes.woodcock
-        found: dict[str, Any] = json_of({
+        record: dict[str, Any] = json_of({
             "set": self.name, "joints": len(self.members), "counts_as": axes.joints, "plane": str(tenths(self.plane)),
             "dip_deg": self.plane.dip_deg, "dip_direction_deg": self.plane.dip_direction_deg,
             "eigenvalues": axes.eigenvalues, "resultant": axes.resultant,
@@ -95,11 +95,11 @@ class FoundSet:
             "scatter_deg": axes.scatter_deg, "woodcock": {"shape": shape, "strength": strength},
             "elongated": axes.is_elongated, "angles": self.angles, "spacing": self.spacing, "trace": self.trace,
         })  # fmt: skip
-        return found
+        return record
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class JointSets(Outcome):
+class JointSets(StudyOutcome):
     """A survey divided into sets.
 
     Attributes
@@ -226,7 +226,7 @@ def sets(
     convention: Convention = None,
     skip_bad: SkipBad = False,
     seed: Seed = 1,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> JointSets:  # fmt: skip
     """Joint sets of a survey: found, or those of its column set; mean, Fisher K, cones, spacing, a block to paste.
 
@@ -289,39 +289,39 @@ def sets(
         chosen = tried[best(list(tried))]
         names, of = _named(chosen)
         share[of >= 0] = chosen.share[np.flatnonzero(of >= 0), of[of >= 0]]
-    found = tuple(
+    joint_sets = tuple(
         _found(name, np.flatnonzero(of == k), listed, poles, weights, line, confidence) for k, name in enumerate(names)
     )
     angles = np.full(len(listed), math.nan)
-    for k, one in enumerate(found):
+    for k, one in enumerate(joint_sets):
         angles[of == k] = np.degrees(np.arccos(np.clip(np.abs(poles[of == k] @ one.axes.mean), 0.0, 1.0)))
     at, dense = densest(poles, each, float(each.sum()), contours)
     outcome = JointSets(
-        listed, found, of, tried, n, line, angle, weights, capped, share, angles, contours, _plane(at), dense,
+        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, contours, _plane(at), dense,
         _girdle(poles, each, tried), confidence, seed, tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
     return _with_notices(outcome, ignore_sets)
 
 
-def _with_notices(found: JointSets, ignored: bool) -> JointSets:
+def _with_notices(joint_sets: JointSets, ignored: bool) -> JointSets:
     from slopekit.studies.sets.said import notices_of
 
-    return replace(found, warnings=(*left_out(found.joints), *notices_of(found, ignored)))
+    return replace(joint_sets, warnings=(*left_out(joint_sets.joints), *notices_of(joint_sets, ignored)))
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
 
 
 def _angle(value: object, option: str) -> float:
-    found = quantity(value, "angle", "bias angle", f"{option} {value}")
-    if not 1.0 <= found <= 90.0:
-        message = f"the bias angle is {number(found)}°, it lies between 1 and 90"
+    angle_deg = quantity(value, "angle", "bias angle", f"{option} {value}")
+    if not 1.0 <= angle_deg <= 90.0:
+        message = f"the bias angle is {number(angle_deg)}°, it lies between 1 and 90"
         advice = "15 is usual: no joint weighs more than 1 / sin 15° = 3.9. 90 leaves the weights out."
         raise DesignError([Fault("E427", message, f"{option} {value}", advice)])
-    return found
+    return angle_deg
 
 
-def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Desk) -> None:
+def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Workplace) -> None:
     if not 0.5 <= confidence < 1.0:
         option = desk.named("confidence")
         message = f"the confidence is {number(confidence)}, it lies from 0.5 to below 1"
@@ -333,7 +333,7 @@ def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: De
         faults.append(Fault("E307", f"the seed is {seed}, it is a whole number from 0 to {2**63 - 1}"))
 
 
-def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Desk) -> None:
+def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Workplace) -> None:
     if n is None:
         return
     option, most = desk.named("n"), min(MOST_SETS, len(joints))
@@ -345,12 +345,12 @@ def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Desk) 
 # -- sets -------------------------------------------------------------------------------------------------------------
 
 
-def _named(found: Clusters) -> tuple[tuple[str, ...], Ints]:
+def _named(clusters: Clusters) -> tuple[tuple[str, ...], Ints]:
     """S1, S2, ... of the sets that have joints left, and the sets of the joints by these."""
-    there = [k for k in range(len(found)) if (found.of == k).any()]
-    new = np.full(len(found) + 1, -1)
+    there = [k for k in range(len(clusters)) if (clusters.of == k).any()]
+    new = np.full(len(clusters) + 1, -1)
     new[there] = np.arange(len(there))
-    return tuple(f"S{k}" for k in range(1, len(there) + 1)), new[found.of]
+    return tuple(f"S{k}" for k in range(1, len(there) + 1)), new[clusters.of]
 
 
 def _found(
@@ -369,15 +369,15 @@ def _girdle(poles: Floats, weights: Floats, tried: tuple[Clusters, ...]) -> tupl
     if len(tried) < 2:
         return None
     axis, bic = girdle_of(poles, weights)
-    found = line_of(axis)
+    line = line_of(axis)
     return (
-        (Line(round(found.trend_deg, 1) % 360.0, round(found.plunge_deg, 1) + 0.0), bic)
+        (Line(round(line.trend_deg, 1) % 360.0, round(line.plunge_deg, 1) + 0.0), bic)
         if bic < min(one.bic for one in tried)
         else None
     )
 
 
-def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> Angles:
+def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> SetAngles:
     """Dips and dip directions about the mean, each pole on the side of the mean."""
     up = np.where((poles @ axes.mean)[:, None] < 0.0, poles, -poles)
     dips = np.degrees(np.arctan2(np.hypot(up[:, 0], up[:, 1]), up[:, 2]))
@@ -386,17 +386,17 @@ def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> Angles:
     part = weights / weights.sum()
     dip, way = float(part @ dips), float(part @ off)
     if axes.joints <= 1.0:
-        return Angles(dip, math.nan, plane.dip_direction_deg, math.nan)
+        return SetAngles(dip, math.nan, plane.dip_direction_deg, math.nan)
     bessel = axes.joints / (axes.joints - 1.0)
     dip_sd = math.sqrt(bessel * float(part @ (dips - dip) ** 2))
     flat = not plane.dip_deg > 2.0 * axes.scatter_deg
     way_sd = math.nan if flat else math.sqrt(bessel * float(part @ (off - way) ** 2))
-    return Angles(dip, dip_sd, (plane.dip_direction_deg + (0.0 if flat else way)) % 360.0, way_sd)
+    return SetAngles(dip, dip_sd, (plane.dip_direction_deg + (0.0 if flat else way)) % 360.0, way_sd)
 
 
 def _plane(pole: Floats) -> Plane:
-    found = planes_of_poles(pole[None])
-    return Plane(float(found.dips_deg[0]), float(found.dip_directions_deg[0]))
+    planes = planes_of_poles(pole[None])
+    return Plane(float(planes.dips_deg[0]), float(planes.dip_directions_deg[0]))
 
 
 def tenths(plane: Plane) -> Plane:
@@ -413,6 +413,6 @@ def is_close(tried: Mapping[int, float], chosen: int) -> list[int]:
     return [count for count, bic in tried.items() if count != chosen and bic - tried[chosen] < _CLOSE]
 
 
-def too_few(found: FoundSet) -> bool:
+def too_few(joint_set: FoundSet) -> bool:
     """Whether a set has so few joints that its K says little."""
-    return len(found.members) < _FEW
+    return len(joint_set.members) < _FEW

@@ -18,54 +18,56 @@ _UNITS = {
 }
 
 
-def sheet_of(found: JointSets) -> Sheet:
+def sheet_of(joint_sets: JointSets) -> Sheet:
     """The sheet of joint sets."""
-    return Sheet(head("sets", found.joints, found.input_hash()), (
-        Section("SURVEY", _survey(found)),
-        Section("NUMBER", _number(found)),
-        Section("SETS", [_table(found), _WORDS.format(share=100.0 * found.confidence)] if found.sets else []),
-        Section("ANGLES", [_angles(found)] if found.sets else []),
-        Section("SPACING", _spacing(found)),
-        Section("TRACE", _trace(found)),
-        Section("DENSEST", [f"pole of {tenths(found.peak)}: {found.peak_density:.1f} {_UNITS[found.contours]}"]),
-        Section("GIRDLE", _girdle(found)),
-        Section("NO SET", _alone(found)),
-        Section("BENCH", ["for a design of kind bench:", Verbatim(found.block)] if found.sets else []),
-        Section("PROB", ["for slopekit prob, a wedge takes two of them:", Verbatim(found.scatter_block)]
-                if found.sets else []),
+    words = _WORDS.format(share=100.0 * joint_sets.confidence)
+    densest = f"pole of {tenths(joint_sets.peak)}: {joint_sets.peak_density:.1f} {_UNITS[joint_sets.contours]}"
+    return Sheet(head("sets", joint_sets.joints, joint_sets.input_hash()), (
+        Section("SURVEY", _survey(joint_sets)),
+        Section("NUMBER", _number(joint_sets)),
+        Section("SETS", [_table(joint_sets), words] if joint_sets.sets else []),
+        Section("ANGLES", [_angles(joint_sets)] if joint_sets.sets else []),
+        Section("SPACING", _spacing(joint_sets)),
+        Section("TRACE", _trace(joint_sets)),
+        Section("DENSEST", [densest]),
+        Section("GIRDLE", _girdle(joint_sets)),
+        Section("NO SET", _alone(joint_sets)),
+        Section("BENCH", ["for a design of kind bench:", Verbatim(joint_sets.block)] if joint_sets.sets else []),
+        Section("PROB", ["for slopekit prob, a wedge takes two of them:", Verbatim(joint_sets.scatter_block)]
+                if joint_sets.sets else []),
         Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", ["bias angle 15°"] if "bias_angle" in found.defaults else []),
-        Section("TIME", [f"{found.seconds * 1e3:.0f} ms"]),
-        Section("NOTE", [str(notice) for notice in found.warnings]),
-    ), {"joints.csv": _joints(found), "sets.csv": _sets(found)})  # fmt: skip
+        Section("DEFAULTS", ["bias angle 15°"] if "bias_angle" in joint_sets.defaults else []),
+        Section("TIME", [f"{joint_sets.seconds * 1e3:.0f} ms"]),
+        Section("NOTE", [str(notice) for notice in joint_sets.warnings]),
+    ), {"joints.csv": _joints(joint_sets), "sets.csv": _sets(joint_sets)})  # fmt: skip
 
 
-def line_of(found: JointSets) -> str:
+def line_of(joint_sets: JointSets) -> str:
     """The sets on one line."""
-    each = [f"{one.name} {one.rounded} ({len(one.members)}, K {_k(one.axes.k)})" for one in found.sets]
-    alone = [f"{len(found.without_set)} of no set"] if found.without_set else []
+    each = [f"{one.name} {one.rounded} ({len(one.members)}, K {_k(one.axes.k)})" for one in joint_sets.sets]
+    alone = [f"{len(joint_sets.without_set)} of no set"] if joint_sets.without_set else []
     return "  ".join([*(each or ["no sets"]), *alone])
 
 
-def _survey(found: JointSets) -> list[Entry]:
-    joints = found.joints
+def _survey(joint_sets: JointSets) -> list[Entry]:
+    joints = joint_sets.joints
     entries: list[Entry] = [counted(len(joints), "joint")]
     if joints.has_quantities:
         entries[0] = f"{counted(len(joints), 'joint')}, {joints.quantities.sum():.6g} by quantity"
-    if found.scanline is not None:
+    if joint_sets.scanline is not None:
         entries.append(
-            f"scanline {found.scanline}: Terzaghi weights 1 / sin of the angle between joint and line, from "
-            f"{found.weights.min():.2f} to {found.weights.max():.2f}, {found.capped} cut off at "
-            f"{number(found.bias_angle_deg)}°"
+            f"scanline {joint_sets.scanline}: Terzaghi weights 1 / sin of the angle between joint and line, from "
+            f"{joint_sets.weights.min():.2f} to {joint_sets.weights.max():.2f}, {joint_sets.capped} cut off at "
+            f"{number(joint_sets.bias_angle_deg)}°"
         )
     return entries
 
 
-def _number(found: JointSets) -> list[Entry]:
-    if found.are_given:
-        return [f"{counted(len(found.sets), 'set')}, those of the column set"]
-    if found.asked is not None:
-        return [f"{counted(found.asked, 'set')}, as asked; fuzzy K-means (Hammah & Curran 1998)"]
+def _number(joint_sets: JointSets) -> list[Entry]:
+    if joint_sets.are_given:
+        return [f"{counted(len(joint_sets.sets), 'set')}, those of the column set"]
+    if joint_sets.asked is not None:
+        return [f"{counted(joint_sets.asked, 'set')}, as asked; fuzzy K-means (Hammah & Curran 1998)"]
     columns: list[Column[Clusters]] = [
         Column("sets", len, "sets", width=5),
         Column("BIC", attrgetter("bic"), "bic", show=".1f", width=11),
@@ -73,14 +75,14 @@ def _number(found: JointSets) -> list[Entry]:
         Column("of no set", lambda one: int((one.of < 0).sum()), "without_set", width=11),
     ]
     return [
-        f"{counted(len(found.sets), 'set')} by the least BIC; fuzzy K-means (Hammah & Curran 1998)",
-        Table(columns, list(found.tried)),
+        f"{counted(len(joint_sets.sets), 'set')} by the least BIC; fuzzy K-means (Hammah & Curran 1998)",
+        Table(columns, list(joint_sets.tried)),
     ]
 
 
-def _table(found: JointSets) -> Table[FoundSet]:
+def _table(joint_sets: JointSets) -> Table[FoundSet]:
     return Table([
-        _name(found),
+        _name(joint_sets),
         Column("joints", lambda one: len(one.members), "joints", width=7),
         Column("mean", lambda one: str(tenths(one.plane)), "plane", width=12),
         Column("K", lambda one: one.axes.k, "k", show=_k, width=10),
@@ -89,35 +91,35 @@ def _table(found: JointSets) -> Table[FoundSet]:
         Column("68 % in", lambda one: one.axes.cone_of(0.68), "variability_68", "°", _degrees, 9),
         Column("95 % in", lambda one: one.axes.cone_of(0.95), "variability_95", "°", _degrees, 9),
         Column("shape", lambda one: one.axes.woodcock[0], "woodcock_shape", show=_index, width=8),
-    ], list(found.sets))  # fmt: skip
+    ], list(joint_sets.sets))  # fmt: skip
 
 
-def _angles(found: JointSets) -> Table[FoundSet]:
+def _angles(joint_sets: JointSets) -> Table[FoundSet]:
     return Table([
-        _name(found),
+        _name(joint_sets),
         Column("dip", lambda one: one.angles.dip_mean_deg, "dip_mean", "°", _degrees, 9),
         Column("sd", lambda one: one.angles.dip_sd_deg, "dip_sd", "°", _degrees, 8),
         Column("dip direction", lambda one: one.angles.dip_direction_mean_deg, "dip_direction_mean", "°", _degrees, 16),
         Column("sd", lambda one: one.angles.dip_direction_sd_deg, "dip_direction_sd", "°", _degrees, 8),
         Column("scatter", lambda one: one.axes.scatter_deg, "scatter", "°", _degrees, 10),
         Column("strength", lambda one: one.axes.woodcock[1], "woodcock_strength", show=".2f", width=11),
-    ], list(found.sets))  # fmt: skip
+    ], list(joint_sets.sets))  # fmt: skip
 
 
-def _spacing(found: JointSets) -> list[Entry]:
-    rows = [one for one in found.sets if one.spacing is not None]
+def _spacing(joint_sets: JointSets) -> list[Entry]:
+    rows = [one for one in joint_sets.sets if one.spacing is not None]
     if not rows:
         return []
-    columns = [_name(found), *_lengths("spacing"), Column("", attrgetter("spacing.how"), "how", width=1,
-                                                          text=lambda one: "  " + one.spacing.how)]  # fmt: skip
+    columns = [_name(joint_sets), *_lengths("spacing"), Column("", attrgetter("spacing.how"), "how", width=1,
+                                                               text=lambda one: "  " + one.spacing.how)]  # fmt: skip
     return [Table(columns, rows)]
 
 
-def _trace(found: JointSets) -> list[Entry]:
-    rows = [one for one in found.sets if one.trace is not None]
+def _trace(joint_sets: JointSets) -> list[Entry]:
+    rows = [one for one in joint_sets.sets if one.trace is not None]
     if not rows:
         return []
-    columns = [_name(found), *_lengths("trace.lengths")]
+    columns = [_name(joint_sets), *_lengths("trace.lengths")]
     if any(one.trace is not None and one.trace.ended is not None for one in rows):
         columns += [
             Column("both ends", attrgetter("trace.ended"), "both_ends_seen", width=11),
@@ -136,37 +138,37 @@ def _lengths(of: str) -> list[Column[FoundSet]]:
     ]  # fmt: skip
 
 
-def _alone(found: JointSets) -> list[Entry]:
-    names = found.without_set
-    if not names or not found.sets:
+def _alone(joint_sets: JointSets) -> list[Entry]:
+    names = joint_sets.without_set
+    if not names or not joint_sets.sets:
         return []
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    why = "the list gives them none" if found.are_given else "likelier joints that lie anywhere than of a set"
+    why = "the list gives them none" if joint_sets.are_given else "likelier joints that lie anywhere than of a set"
     return [f"{counted(len(names), 'joint')}, {why}: " + ", ".join(names[:_MOST_NAMES]) + more]
 
 
-def _girdle(found: JointSets) -> list[Entry]:
-    if found.girdle is None:
+def _girdle(joint_sets: JointSets) -> list[Entry]:
+    if joint_sets.girdle is None:
         return []
-    axis, bic = found.girdle
+    axis, bic = joint_sets.girdle
     return [f"all poles lie along one great circle, about the axis {axis} (BIC {bic:.1f}): see W409"]
 
 
-def _joints(found: JointSets) -> Table[int]:
+def _joints(joint_sets: JointSets) -> Table[int]:
     """Every joint with its set: a list that other studies read."""
-    joints = found.joints.joints
+    joints = joint_sets.joints.joints
     return Table([
         Column("joint", lambda k: joints[k].name, "name"),
-        Column("set", lambda k: found.sets[found.of[k]].name if found.of[k] >= 0 else "", "set"),
+        Column("set", lambda k: joint_sets.sets[joint_sets.of[k]].name if joint_sets.of[k] >= 0 else "", "set"),
         Column("dip", lambda k: joints[k].plane.dip_deg, "dip", "°", exact=".10g"),
         Column("dip direction", lambda k: joints[k].plane.dip_direction_deg, "dip_direction", "°", exact=".10g"),
-        Column("weight", lambda k: float(found.weights[k] * joints[k].quantity), "weight", exact=".6g"),
-        Column("angle to the mean", lambda k: float(found.angle_deg[k]), "angle_to_mean", "°", exact=".4f"),
-        Column("membership", lambda k: float(found.share[k]), "membership", exact=".4f"),
+        Column("weight", lambda k: float(joint_sets.weights[k] * joints[k].quantity), "weight", exact=".6g"),
+        Column("angle to the mean", lambda k: float(joint_sets.angle_deg[k]), "angle_to_mean", "°", exact=".4f"),
+        Column("membership", lambda k: float(joint_sets.share[k]), "membership", exact=".4f"),
     ], range(len(joints)))  # fmt: skip
 
 
-def _sets(found: JointSets) -> Table[FoundSet]:
+def _sets(joint_sets: JointSets) -> Table[FoundSet]:
     """Every set with every digit."""
     return Table([
         Column("set", attrgetter("name"), "set"),
@@ -183,14 +185,14 @@ def _sets(found: JointSets) -> Table[FoundSet]:
         Column("spacing sd", lambda one: one.spacing and one.spacing.sd_m, "spacing_sd", "m"),
         Column("trace", lambda one: one.trace and one.trace.lengths.mean_m, "trace", "m"),
         Column("trace if whole", lambda one: one.trace and one.trace.whole_mean_m, "trace_if_whole", "m"),
-    ], list(found.sets))  # fmt: skip
+    ], list(joint_sets.sets))  # fmt: skip
 
 
 # -- small things -----------------------------------------------------------------------------------------------------
 
 
-def _name(found: JointSets) -> Column[FoundSet]:
-    width = min(max([len(one.name) for one in found.sets] + [3]), 12)
+def _name(joint_sets: JointSets) -> Column[FoundSet]:
+    width = min(max([len(one.name) for one in joint_sets.sets] + [3]), 12)
     return Column("set", attrgetter("name"), "set", width=-width - 1, text=lambda one: one.name[:width])
 
 

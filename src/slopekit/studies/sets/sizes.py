@@ -9,7 +9,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
-from slopekit.design.survey import Joint
+from slopekit.design.survey import MeasuredJoint
 
 _FEW = 2
 _ALONG = 0.26  # cosine between line and normal below which a line meets a set hardly: 15° and less from the set
@@ -69,7 +69,9 @@ def lengths_of(values: Floats, how: str, confidence: float) -> Lengths:
     return Lengths(count, mean, sd, float(values.min()), float(values.max()), low, mean + reach, confidence, how)
 
 
-def spacings_of(joints: Sequence[Joint], mean: Floats, line: Floats | None, confidence: float) -> Lengths | None:
+def spacings_of(
+    joints: Sequence[MeasuredJoint], mean: Floats, line: Floats | None, confidence: float
+) -> Lengths | None:
     """The spacings of a set, square to its mean plane; None where the list has none.
 
     A column `spacing` is taken as it is: square to the joints. Else the distances between the positions along a
@@ -85,11 +87,11 @@ def spacings_of(joints: Sequence[Joint], mean: Floats, line: Floats | None, conf
     how = f"along the scanline, times {cosine:.3f}" + (
         "; the line runs nearly along the set" if cosine < _ALONG else ""
     )
-    found: Lengths = lengths_of(np.diff(at) * cosine, how, confidence)
-    return found if found.mean_m > 0.0 else None
+    spacings: Lengths = lengths_of(np.diff(at) * cosine, how, confidence)
+    return spacings if spacings.mean_m > 0.0 else None
 
 
-def traces_of(joints: Sequence[Joint], confidence: float) -> Traces | None:
+def traces_of(joints: Sequence[MeasuredJoint], confidence: float) -> Traces | None:
     """The traces of a set; None where the list has none.
 
     Lengths whose ends are hidden are at least so long. With exponential lengths, n of them whole, the likeliest mean

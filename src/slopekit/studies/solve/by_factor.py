@@ -21,8 +21,17 @@ from slopekit.studies.points import Evaluation, Method, Point, checked_target, f
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew, run_all
-from slopekit.studies.solve.roots import Crossing, Sample, Search, near_by, places
-from slopekit.studies.solve.solutions import ALIKE, TOLERANCE, Answers, Found, Solution, cut_short, notices, reason_of
+from slopekit.studies.solve.roots import Crossing, RootSearch, Sample, near_by, places
+from slopekit.studies.solve.solutions import (
+    ALIKE,
+    TOLERANCE,
+    Answers,
+    Solution,
+    SolvedValue,
+    cut_short,
+    notices,
+    reason_of,
+)
 
 _EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
 _SECTIONS = 24
@@ -86,7 +95,7 @@ def for_factor(
     target, own = _target(design, fos)
     closed: Answers | None = None
     spent, beyond = False, None
-    asked = _Asked(design, one, low, high, target, crew, advance)
+    asked = _FactorRequest(design, one, low, high, target, crew, advance)
     if kind_of(design).closed_form is not None:
         quick = asked.search("closed_form")
         _look_closely(quick, asked)
@@ -122,7 +131,7 @@ def level_of(factor: float, target: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _FactorRequest:
     design: Design
     key: Key
     low: float
@@ -132,27 +141,27 @@ class _Asked:
     advance: Advance
     points: dict[float, Point] = field(default_factory=dict)
 
-    def search(self, method: Method, slow: bool = False) -> Search[Point]:
+    def search(self, method: Method, slow: bool = False) -> RootSearch[Point]:
         resolution = _SLOW_RESOLUTION if slow else 4e-16 if method == "closed_form" else _PRE_IE_RESOLUTION
         near = 0.0 if method == "closed_form" else _SLOW_NEAR if slow else _PRE_IE_NEAR
         same, jump = (1e-7, (0.0, math.inf)) if method == "closed_form" else (_SAME, _JUMP)
-        return Search(partial(self.samples, method), self.high - self.low, resolution=resolution, near=near, same=same,
-                      jump=jump)  # fmt: skip
+        return RootSearch(partial(self.samples, method), self.high - self.low, resolution=resolution, near=near,
+                          same=same, jump=jump)  # fmt: skip
 
     def samples(self, method: Method, values: Sequence[float]) -> _Samples:
         work = Evaluation(self.design, method == "pre_ie")
         tasks = [values_of(self.design, [self.key], [value]) for value in values]
         crew = self.crew if len(tasks) > 1 and method == "pre_ie" else ALONE
         records = run_all(work, tasks, crew, advance=self.advance, at_once=1)
-        found = []
+        sampled = []
         for value, record in zip(values, records, strict=True):
             point = Point.from_record(record)
             if method == "pre_ie":
                 self.points[value] = point
             factor = factor_at(point, method)
             level = None if factor is None else level_of(factor, self.target)
-            found.append(Sample(value, level, status_of(point, method), point))
-        return found
+            sampled.append(Sample(value, level, status_of(point, method), point))
+        return sampled
 
     def both(self, value: float) -> Point:
         """What both methods say at a value."""
@@ -173,7 +182,7 @@ class _Asked:
                       around_zero=far)  # fmt: skip
 
 
-def _look_closely(search: Search[Point], asked: _Asked) -> None:
+def _look_closely(search: RootSearch[Point], asked: _FactorRequest) -> None:
     """A closed form takes a millisecond: edges, changes of status and turning points are all found."""
     search.add(asked.grid(*_FINE))
     search.find_edges(_EDGE)
@@ -187,12 +196,14 @@ def _look_closely(search: Search[Point], asked: _Asked) -> None:
 
 def _runs(samples: _Samples, kind: Callable[[Sample[Point]], object]) -> Iterator[_Samples]:
     """Neighbouring samples of one kind together; not those of which nothing is said."""
-    for found, run in groupby(samples, key=kind):
-        if found:
+    for key, run in groupby(samples, key=kind):
+        if key:
             yield list(run)
 
 
-def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Crossing[Point]], asked: _Asked) -> None:
+def _look_again(
+    search: RootSearch[Point], quick: RootSearch[Point], crossings: list[Crossing[Point]], asked: _FactorRequest
+) -> None:
     """PRE-IE where the closed form passes the target, and here and there where it lies above.
 
     Moments only take from the factor, so where the forces alone are below the target nothing crosses it; joints that
@@ -226,7 +237,7 @@ def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Cro
         search.find_extremes(_SECTIONS // 3, within=_TURNS_WITHIN, ends=False)
 
 
-def _towards_ends(search: Search[Point], quick: Search[Point], a: float, b: float) -> None:
+def _towards_ends(search: RootSearch[Point], quick: RootSearch[Point], a: float, b: float) -> None:
     """Where the factor has not got above the target inside a stretch it may do so near an end that is high."""
     if any(_level(sample) > 0.0 for sample in search.defined if a <= sample.at <= b):
         return
@@ -243,7 +254,7 @@ def _moments(sample: Sample[Point]) -> bool:
     return sample.found.factors is not None and sample.found.factors.moments_govern
 
 
-def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Crossing[Point]]:
+def _look_roughly(search: RootSearch[Point], asked: _FactorRequest, whole: bool) -> list[Crossing[Point]]:
     """Where PRE-IE alone answers, and takes its time: first about the present value, then further off.
 
     Parameters
@@ -267,12 +278,12 @@ def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Cro
 # -- a load on many blocks: the path in it says where to look, and is the other end of what histories give -------------
 
 
-def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool, float | None]:
+def _of_load(asked: _FactorRequest, whole: bool, lower: bool) -> tuple[Answers, bool, float | None]:
     """What there is of a load on many blocks within the work of one answer.
 
     With it whether that work was all done, and where the blocks fail as the load comes on last, beyond the range.
     """
-    search = Search(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
+    search = RootSearch(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
                     near=_LOAD_NEAR, same=_SAME, jump=_LOAD_JUMP)  # fmt: skip
     with effort.allowed(effort.MOST):
         with effort.part(_OF_PATH):
@@ -281,9 +292,9 @@ def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool, fl
         beyond = None
         if last is not None and not asked.low <= last.multiplier <= asked.high:
             beyond, last = last.multiplier, None
-        direct, jumps, found = _driven(search, asked, whole, lower, last)
+        direct, jumps, crossings = _driven(search, asked, whole, lower, last)
         spent = effort.is_spent()
-    answers = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct, jumps)
+    answers = _answers("pre_ie", asked, search, crossings) if direct is None else _in_load(asked, direct, jumps)
     if spent and not answers.roots:
         return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True, beyond
     if answers.roots:
@@ -295,22 +306,22 @@ def _of_load(asked: _Asked, whole: bool, lower: bool) -> tuple[Answers, bool, fl
     return answers, spent, beyond
 
 
-def _not_compared(asked: _Asked, found: Found, cut: bool, beyond: float | None) -> str:
+def _not_compared(asked: _FactorRequest, solved: SolvedValue, cut: bool, beyond: float | None) -> str:
     """Why the other of the two histories of a load says nothing of a value; empty where it does."""
     if cut:
         return "the work for the load coming on last was done before the blocks were at their limit"
     if beyond is not None:
         return f"as the load comes on last the blocks fail at {asked.key.shown(beyond)} only, beyond what was looked at"
-    if found.put_back or found.strength_last is not None:
+    if solved.put_back or solved.strength_last is not None:
         return ""
-    there = asked.points.get(found.value)
+    there = asked.points.get(solved.value)
     status = "" if there is None else status_of(there, "pre_ie")
     if status in ("", "not_converged"):
         return "the work for their factor with the strength divided last was done, or it was not found"
     return f"with the strength divided last they have no factor there ({status})"
 
 
-def _path_in_load(asked: _Asked) -> AtLoad | None:
+def _path_in_load(asked: _FactorRequest) -> AtLoad | None:
     """Where the blocks fail as the load comes on last, at the strength divided by the target; None: nowhere."""
     at_load = kind_of(asked.design).at_load
     assert at_load is not None
@@ -321,7 +332,7 @@ def _path_in_load(asked: _Asked) -> AtLoad | None:
 
 
 def _driven(
-    search: Search[Point], asked: _Asked, whole: bool, lower: bool, last: AtLoad | None
+    search: RootSearch[Point], asked: _FactorRequest, whole: bool, lower: bool, last: AtLoad | None
 ) -> tuple[AtLoad | None, bool, list[Crossing[Point]]]:
     """The value of the path in the load, or of a jump, where that is the answer; else where the target is passed.
 
@@ -350,14 +361,14 @@ def _driven(
             return None, False, _look_roughly(search, asked, whole)
     if _level(other) * here.level < 0.0:
         _close_in(search, other, here)
-    found = _crossings(search)
-    if found and found[0].how == "jump" and not found[0].rises:
-        before = found[0].before
-        return AtLoad(before.at, found[0].after.label, None), True, []
-    return None, False, found
+    crossings = _crossings(search)
+    if crossings and crossings[0].how == "jump" and not crossings[0].rises:
+        before = crossings[0].before
+        return AtLoad(before.at, crossings[0].after.label, None), True, []
+    return None, False, crossings
 
 
-def _falls_from_below(search: Search[Point], asked: _Asked) -> bool:
+def _falls_from_below(search: RootSearch[Point], asked: _FactorRequest) -> bool:
     """Whether the factor is below the target without the load, and falls as it comes on."""
     levels = [search.at(asked.low).level]
     if levels[0] is None or levels[0] >= 0.0:
@@ -370,7 +381,7 @@ def _jumps_down(here: Sample[Point], above: Sample[Point]) -> bool:
     return above.level is not None and above.level < 0.0 and _level(here) - above.level > _LOAD_JUMP[1]
 
 
-def _further(search: Search[Point], asked: _Asked, value: float) -> Iterator[Sample[Point]]:
+def _further(search: RootSearch[Point], asked: _FactorRequest, value: float) -> Iterator[Sample[Point]]:
     """Places beyond a value, ever further; at the end that of the range."""
     for place in (times * value for times in _FURTHER):
         if value < place < asked.high:
@@ -378,7 +389,7 @@ def _further(search: Search[Point], asked: _Asked, value: float) -> Iterator[Sam
     yield search.at(asked.high)
 
 
-def _close_in(search: Search[Point], one: Sample[Point], other: Sample[Point]) -> None:
+def _close_in(search: RootSearch[Point], one: Sample[Point], other: Sample[Point]) -> None:
     """False positions between two places of either sign until a level is near zero (Illinois rule)."""
     at_one, at_other = _level(one), _level(other)
     for _ in range(_SECANTS):
@@ -393,7 +404,7 @@ def _close_in(search: Search[Point], one: Sample[Point], other: Sample[Point]) -
         other, at_other = new, new.level
 
 
-def _in_load(asked: _Asked, at: AtLoad, jumps: bool) -> Answers:
+def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
     """The answer of the path in the load: at this value its limit state has the target for its factor, exactly.
 
     Where the motion did not settle the value is that of the last state at rest; the bracket ends where they run.
@@ -404,20 +415,20 @@ def _in_load(asked: _Asked, at: AtLoad, jumps: bool) -> Answers:
     if last is not None and at.runs is None and abs(last - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
         assert known is not None
         here = at.multiplier, last
-        found = Found(
+        root = SolvedValue(
             "root", at.multiplier, last, at.status, (here, here), False, known, load_last=(at.multiplier, None)
         )
     else:
         point = Point(Factors(at.status, asked.target, None, None, None, None, False, True))
         here = (at.multiplier, asked.target)
         beyond = here if at.runs is None else (at.runs, math.nan)
-        found = Found(
+        root = SolvedValue(
             "root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last, jumps=jumps
         )
-    return Answers("pre_ie", (found,), (), None, None, (), (0.0, found.runs or at.multiplier), evaluations, None)
+    return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
 
 
-def _crossings(search: Search[Point]) -> list[Crossing[Point]]:
+def _crossings(search: RootSearch[Point]) -> list[Crossing[Point]]:
     levels = [sample.level for sample in search.samples if sample.level is not None]
     if len(levels) > 1 and max(levels) - min(levels) <= ALIKE:
         return []  # it does not depend on the value: nothing is passed
@@ -428,13 +439,13 @@ def _crossings(search: Search[Point]) -> list[Crossing[Point]]:
 
 
 def _answers(
-    method: Method, asked: _Asked, search: Search[Point], crossings: list[Crossing[Point]]
+    method: Method, asked: _FactorRequest, search: RootSearch[Point], crossings: list[Crossing[Point]]
 ) -> Answers:  # fmt: skip
-    found = [_found(method, asked, crossing) for crossing in crossings]
+    candidates = [_found(method, asked, crossing) for crossing in crossings]
     own = asked.key.value
-    found.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
-    roots = tuple(one for one in found if one.how == "root")
-    others = tuple(_together([one for one in found if one.how != "root"], search.span))
+    candidates.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
+    roots = tuple(one for one in candidates if one.how == "root")
+    others = tuple(_together([one for one in candidates if one.how != "root"], search.span))
     reached = [(sample.at, factor_at(sample.found, method) or 0.0) for sample in search.defined]
     least = min(reached, key=lambda end: end[1], default=None)
     most = max(reached, key=lambda end: end[1], default=None)
@@ -446,10 +457,10 @@ def _answers(
     return Answers(method, roots, others, least, most, refused, looked, len(search.samples), reason)
 
 
-def _together(found: list[Found], span: float) -> list[Found]:
+def _together(jumps: list[SolvedValue], span: float) -> list[SolvedValue]:
     """Jumps so near to each other that they are one: beside an edge rounding makes many."""
-    kept: list[Found] = []
-    for one in sorted(found, key=lambda one: one.value):
+    kept: list[SolvedValue] = []
+    for one in sorted(jumps, key=lambda one: one.value):
         if kept and one.value - kept[-1].value <= _ONE_JUMP * max(abs(one.value), 1e-6 * span):
             kept[-1] = replace(kept[-1], value=one.value, bracket=(kept[-1].bracket[0], one.bracket[1]))
         else:
@@ -457,11 +468,11 @@ def _together(found: list[Found], span: float) -> list[Found]:
     return kept
 
 
-def _found(method: Method, asked: _Asked, crossing: Crossing[Point]) -> Found:
+def _found(method: Method, asked: _FactorRequest, crossing: Crossing[Point]) -> SolvedValue:
     best = crossing.best
     ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
     factor = factor_at(best.found, method) or 0.0
-    return Found(crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found)
+    return SolvedValue(crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found)
 
 
 def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:
@@ -472,14 +483,14 @@ def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:
         yield low, high, middle.label, middle.found.message
 
 
-def _rounded(solution: Solution, asked: _Asked) -> tuple[float, float] | None:
+def _rounded(solution: Solution, asked: _FactorRequest) -> tuple[float, float] | None:
     """The first root in four digits, rounded to where the factor is the greater."""
-    found = solution.answer
-    if found is None or not found.value or found.from_path:
+    answer = solution.answer
+    if answer is None or not answer.value or answer.from_path:
         return None
-    step = 10.0 ** (math.floor(math.log10(abs(found.value))) - 3)
-    up: Callable[[float], int] = math.ceil if found.rises else math.floor
-    value = float(f"{up(found.value / step) * step:.12g}")
+    step = 10.0 ** (math.floor(math.log10(abs(answer.value))) - 3)
+    up: Callable[[float], int] = math.ceil if answer.rises else math.floor
+    value = float(f"{up(answer.value / step) * step:.12g}")
     if not asked.low <= value <= asked.high:
         return None
     factor = factor_at(asked.both(value), "pre_ie")

@@ -21,9 +21,9 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.protocol import Advance, Outcome
+from slopekit.studies.protocol import Advance, StudyOutcome
 from slopekit.studies.ranges import Within, parse_within
-from slopekit.studies.solve.roots import Crossing, Sample, Search, near_by, places
+from slopekit.studies.solve.roots import Crossing, RootSearch, Sample, near_by, places
 from slopekit.studies.solve.solutions import end_advice
 
 _EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
@@ -73,7 +73,7 @@ class ProbableValue:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class ProbabilitySolution(Outcome):
+class ProbabilitySolution(StudyOutcome):
     """The value that was asked for.
 
     Attributes
@@ -112,7 +112,7 @@ class ProbabilitySolution(Outcome):
 
     def to_dict(self) -> dict[str, Any]:
         """The solution as JSON values."""
-        found = self.answer
+        answer = self.answer
         return {
             **self.head(self.design),
             "key": self.key.path,
@@ -120,7 +120,7 @@ class ProbabilitySolution(Outcome):
             "target": {"probability_of_failure": self.target},
             "within": list(self.within),
             "before": {"value": self.key.value, "probability": json_of(self.before)},
-            "value": None if found is None else self.key.reduced(found.value),
+            "value": None if answer is None else self.key.reduced(answer.value),
             "roots": [
                 {
                     "value": self.key.reduced(root.value), "probability": json_of(root.estimate),
@@ -178,7 +178,7 @@ def for_probability(
         advice = f"Name {' or '.join(parts)}." if parts else ""
         raise DesignError([Fault("E311", f"{one.path} {what}", one.path, advice)])
     low, high = parse_within(one, text if equals else within)
-    asked = _Asked(design, one, failure_probability, judged, advance)
+    asked = _ProbabilityRequest(design, one, failure_probability, judged, advance)
     before = asked.lead(None)
     if isinstance(before, Fault) and before.code.startswith("E30"):
         raise DesignError([before])
@@ -187,11 +187,11 @@ def for_probability(
                   around_zero=one.role == "coordinate")  # fmt: skip
     if not equals and within is None:
         search.add(near_by(grid, low, high, one.value))
-    found = search.crossings()
-    if not found:
+    crossings = search.crossings()
+    if not crossings:
         search.add(grid)
-        found = search.crossings()
-    counted = [_value(crossing, asked.limits(search, pf, pf)) for crossing in found]
+        crossings = search.crossings()
+    counted = [_value(crossing, asked.limits(search, pf, pf)) for crossing in crossings]
     held = [asked.held(search, pf, root) for root in counted]
     roots = [one for one in held if isinstance(one, ProbableValue)]
     roots.sort(key=lambda root: root.value if one.value is None else one.apart(root.value, one.value))
@@ -211,7 +211,7 @@ def for_probability(
 
 
 @dataclass(slots=True)
-class _Asked:
+class _ProbabilityRequest:
     design: Design
     key: Key
     failure_probability: FailureProbability
@@ -239,40 +239,40 @@ class _Asked:
     def _asked_of(self, function: FailureProbability, value: float | None) -> _Tried:
         try:
             values = {} if value is None else values_of(self.design, [self.key], [value])
-            found = function(with_values(self.design, values))
-            return found if isinstance(found, Estimate) else Estimate(float(found))
+            probability = function(with_values(self.design, values))
+            return probability if isinstance(probability, Estimate) else Estimate(float(probability))
         except SlopekitError as error:
             return error.faults[0]
         finally:
             self.advance(1)
 
-    def search(self, target: float, of: str, span: float, resolution: float) -> Search[_Tried]:
+    def search(self, target: float, of: str, span: float, resolution: float) -> RootSearch[_Tried]:
         sample = partial(self.samples, target, of)
-        return Search(sample, span, resolution=resolution, same=math.inf)
+        return RootSearch(sample, span, resolution=resolution, same=math.inf)
 
     def samples(self, target: float, of: str, values: Sequence[float]) -> list[Sample[_Tried]]:
-        found = []
+        sampled = []
         for value in values:
             tried = self.ask(value)
             share = None if isinstance(tried, Fault) else getattr(tried, of)
             label = tried.code if isinstance(tried, Fault) else ""
-            found.append(Sample(value, None if share is None else share - target, label, tried))
-        return found
+            sampled.append(Sample(value, None if share is None else share - target, label, tried))
+        return sampled
 
     def crossings(
-        self, search: Search[_Tried], target: float, of: str, resolution: float = _RESOLUTION_OF_LIMITS
+        self, search: RootSearch[_Tried], target: float, of: str, resolution: float = _RESOLUTION_OF_LIMITS
     ) -> list[Crossing[_Tried]]:
         """Where the probability, or one of its confidence limits, passes another target."""
         other = self.search(target, of, search.span, resolution)
         other.add([sample.at for sample in search.samples])
         return other.crossings()
 
-    def limits(self, search: Search[_Tried], low: float, high: float) -> list[float]:
+    def limits(self, search: RootSearch[_Tried], low: float, high: float) -> list[float]:
         """Where the lower confidence limit passes one target, and the upper one the other."""
         key = low, high
         if key not in self.limited:
-            found = [*self.crossings(search, low, "low"), *self.crossings(search, high, "high")]
-            self.limited[key] = [crossing.best.at for crossing in found]
+            crossings = [*self.crossings(search, low, "low"), *self.crossings(search, high, "high")]
+            self.limited[key] = [crossing.best.at for crossing in crossings]
         return self.limited[key]
 
     def doubted(self, reason: Fault, before: _Tried) -> Fault:
@@ -283,7 +283,7 @@ class _Asked:
         message = f"by the closed form {reason.message}; as it is PRE-IE judges {before.value:.4g}"
         return Fault("E463", message, reason.where, _BY_PRE_IE)
 
-    def held(self, search: Search[_Tried], target: float, root: ProbableValue) -> "ProbableValue | Fault":
+    def held(self, search: RootSearch[_Tried], target: float, root: ProbableValue) -> "ProbableValue | Fault":
         """The value by the probability that `prob` leads with: where PRE-IE's judgement is higher, further off.
 
         The closed form may count only so much as PRE-IE adds to it; how much that is changes little with the value.
@@ -312,21 +312,21 @@ class _Asked:
             if at in self.led:
                 break
         if best:
-            found = max(best, key=lambda one: one.estimate.value)
-            sides = [(one, self.led[one]) for one in sorted({unsafe, found.value})]
+            highest = max(best, key=lambda one: one.estimate.value)
+            sides = [(one, self.led[one]) for one in sorted({unsafe, highest.value})]
             bracket = [(one, of) for one, of in sides if isinstance(of, Estimate)]
-            return replace(found, bracket=(bracket[0], bracket[-1]))
+            return replace(highest, bracket=(bracket[0], bracket[-1]))
         if isinstance(first, Fault):
             return first
         message = f"the closed form counts a probability of failure of {number(target)} at {began}, PRE-IE judges it "
         message += f"{first.value:.4g}, and at no value tried is that below the target"
         return Fault("E463", message, "", _BY_PRE_IE)
 
-    def _between(self, search: Search[_Tried], aim: float, unsafe: float, safe: float) -> float:
+    def _between(self, search: RootSearch[_Tried], aim: float, unsafe: float, safe: float) -> float:
         """Where the closed form counts so much, or else half way from a value that will not do to one that may."""
         low, high = min(unsafe, safe), max(unsafe, safe)
-        found = self.crossings(search, aim, "value", _RESOLUTION) if aim > 0.0 else []
-        inside = [one.best.at for one in found if low < one.best.at < high]
+        crossings = self.crossings(search, aim, "value", _RESOLUTION) if aim > 0.0 else []
+        inside = [one.best.at for one in crossings if low < one.best.at < high]
         return min(inside, key=lambda one: abs(one - unsafe), default=0.5 * (low + high))
 
 
@@ -345,8 +345,8 @@ def _around(limits: Sequence[float], value: float) -> tuple[float | None, float 
     return (_nearest([at for at in limits if at <= value], value), _nearest([at for at in limits if at > value], value))
 
 
-def _nearest(found: list[float], at: float) -> float | None:
-    return min(found, key=lambda one: abs(one - at), default=None)
+def _nearest(limits: list[float], at: float) -> float | None:
+    return min(limits, key=lambda one: abs(one - at), default=None)
 
 
 def _reason(
@@ -387,12 +387,12 @@ def _notices(
     if len(solution.roots) > 1:
         others = ", ".join(key.shown(root.value, 7) for root in solution.roots[1:])
         yield Notice("W356", f"{len(solution.roots)} values give {target}; further: {others}")
-    found = solution.answer
+    answer = solution.answer
     if (
-        found is not None
-        and found.counted is None
-        and abs(found.estimate.value - solution.target) > 0.1 * solution.target
+        answer is not None
+        and answer.counted is None
+        and abs(answer.estimate.value - solution.target) > 0.1 * solution.target
     ):
-        (a, at_a), (b, at_b) = found.bracket
+        (a, at_a), (b, at_b) = answer.bracket
         yield Notice("W357", f"the probability steps from {at_a.value:.4g} to {at_b.value:.4g} between "
                              f"{key.shown(a)} and {key.shown(b)}: more samples make smaller steps")  # fmt: skip

@@ -90,36 +90,36 @@ class SolutionForAll:
         }  # fmt: skip
 
 
-def for_all(found: Mapping[str, Any], given: Mapping[str, Any]) -> SolutionForAll | None:
+def for_all(solutions: Mapping[str, Any], given: Mapping[str, Any]) -> SolutionForAll | None:
     """The value for all cases; None of probabilities, which stand case by case.
 
     Where the factor rises with the value the largest of the cases' own values governs, where it falls the smallest. A
     case that has its target at every value asks for nothing.
     """
-    if not all(isinstance(one, Solution) for one in found.values()):
+    if not all(isinstance(one, Solution) for one in solutions.values()):
         return None
     lows, highs = dict[str, float](), dict[str, float]()
-    for name, one in found.items():
+    for name, one in solutions.items():
         if one.answer is not None:
             (lows if one.answer.rises else highs)[name] = one.answer.value
         elif one.pre_ie.least is None or one.pre_ie.least[1] < one.target:
             reason = f"{name} has none: {one.reason.message if one.reason else 'none was found'}"
-            return SolutionForAll(found, None, name, True, (), reason)
+            return SolutionForAll(solutions, None, name, True, (), reason)
     if not lows and not highs:
-        name = next(iter(found))
-        return SolutionForAll(found, None, name, True, (), "every case has its factor at every value")
+        name = next(iter(solutions))
+        return SolutionForAll(solutions, None, name, True, (), "every case has its factor at every value")
     low = max(lows, key=lambda name: lows[name], default="")
     high = min(highs, key=lambda name: highs[name], default="")
-    now = next(iter(found.values())).key.value
+    now = next(iter(solutions.values())).key.value
     if low and high and lows[low] > highs[high]:
-        shown = found[low].key.shown
+        shown = solutions[low].key.shown
         reason = f"{low} needs at least {shown(lows[low])}, {high} at most {shown(highs[high])}"
-        return SolutionForAll(found, None, low, True, (), reason)
+        return SolutionForAll(solutions, None, low, True, (), reason)
     rises = bool(low) and (not high or now is None or abs(now - lows[low]) <= abs(now - highs[high]))
     governing = low if rises else high
     value = (lows if rises else highs)[governing]
-    inside = tuple(_in_case(name, one, value) for name, one in found.items())
-    return SolutionForAll(found, value, governing, rises, inside, "")
+    inside = tuple(_in_case(name, one, value) for name, one in solutions.items())
+    return SolutionForAll(solutions, value, governing, rises, inside, "")
 
 
 def _in_case(name: str, one: Solution, value: float) -> InCase:

@@ -58,7 +58,7 @@ class Crossing(Generic[T]):
         return (self.after.level or 0.0) > (self.before.level or 0.0)
 
 
-class Search(Generic[T]):
+class RootSearch(Generic[T]):
     """Samples of one function, and the crossings between them.
 
     Parameters
@@ -87,9 +87,9 @@ class Search(Generic[T]):
         """Sample these places, each once."""
         wanted = list(dict.fromkeys(places))
         new = [place for place in wanted if place not in self._known]
-        for found in self._sample(new) if new else []:
-            self._known[found.at] = found
-            self.samples.insert(bisect_left(self.samples, found.at, key=lambda sample: sample.at), found)
+        for new_sample in self._sample(new) if new else []:
+            self._known[new_sample.at] = new_sample
+            self.samples.insert(bisect_left(self.samples, new_sample.at, key=lambda sample: sample.at), new_sample)
         return [self._known[place] for place in wanted]
 
     def at(self, place: float) -> Sample[T]:
@@ -177,21 +177,21 @@ class Search(Generic[T]):
 
     def crossings(self) -> list[Crossing[T]]:
         """Every change of sign between neighbouring samples, narrowed down; a level of exactly zero counts as one."""
-        found: list[Crossing[T]] = []
+        sign_changes: list[Crossing[T]] = []
         pairs = [(a, b) for a, b in pairwise(self.defined) if _level(a) * _level(b) < 0.0]
         for a, b in pairs:
             noise = len(pairs) > _CROWD and b.at - a.at <= _NOISE * self._size(a.at, b.at)
             if noise and min(abs(_level(a)), abs(_level(b))) > _NOT_NEAR:
-                found.append(self._crossing(a, b))
+                sign_changes.append(self._crossing(a, b))
             else:
-                found += self._narrowed(a, b, _MOST_SPLITS)
-        known = {crossing.best.at for crossing in found}
+                sign_changes += self._narrowed(a, b, _MOST_SPLITS)
+        known = {crossing.best.at for crossing in sign_changes}
         defined = self.defined
         for k, zero in enumerate(defined):
             if zero.level == 0.0 and zero.at not in known:
                 before, after = defined[max(k - 1, 0)], defined[min(k + 1, len(defined) - 1)]
-                found.append(Crossing("root", before, after, zero))
-        return sorted(found, key=lambda crossing: crossing.best.at)
+                sign_changes.append(Crossing("root", before, after, zero))
+        return sorted(sign_changes, key=lambda crossing: crossing.best.at)
 
     def _narrowed(self, a: Sample[T], b: Sample[T], splits: int) -> Iterator[Crossing[T]]:
         """One change of sign, narrowed down to a root, a jump or a gap."""
@@ -286,29 +286,29 @@ def places(
     >>> places(0.0, 90.0, 20.0, even=4, close=1, each_decade=2)
     [0.0, 5.0, 20.0, 30.0, 35.0, 60.0, 90.0]
     """
-    found = {low, high}
+    grid = {low, high}
     inside = own is not None and low <= own <= high
     if around_zero and own is not None and high - low > 100.0 * max(abs(own), 1.0):
         size = max(abs(own), 1.0) * 1e-2
         for k in range(1 + int(each_decade * math.log10((high - low) / size))):
             step = size * 10.0 ** (k / each_decade)
-            found |= {own - step, own + step}
+            grid |= {own - step, own + step}
     elif _spans_decades(low, high, own):
         least = low if low > 0.0 else (own or high * 1e-8) * (1e-6 if own else 1.0)
         middle = own if own and inside else least
         count = math.ceil(each_decade * math.log10(high / least)) + 1
-        found |= {middle * 10.0 ** (k / each_decade) for k in range(-count, count + 1)}
+        grid |= {middle * 10.0 ** (k / each_decade) for k in range(-count, count + 1)}
         if own and inside:
-            found |= {own * 10.0 ** (side * k / (each_decade * (close + 1))) for k in range(1, 2 * close + 2)
-                      for side in (-1, 1)}  # fmt: skip
+            grid |= {own * 10.0 ** (side * k / (each_decade * (close + 1))) for k in range(1, 2 * close + 2)
+                     for side in (-1, 1)}  # fmt: skip
     else:
-        found |= {low + (high - low) * k / (even - 1) for k in range(even)}
+        grid |= {low + (high - low) * k / (even - 1) for k in range(even)}
         if own is not None and inside:
             step = (high - low) / (even - 1)
-            found |= {own + side * step * 0.5**k for k in range(1, close + 1) for side in (-1, 1)}
+            grid |= {own + side * step * 0.5**k for k in range(1, close + 1) for side in (-1, 1)}
     if own is not None:
-        found.add(own)
-    return sorted(place for place in found if low <= place <= high)
+        grid.add(own)
+    return sorted(place for place in grid if low <= place <= high)
 
 
 def _spans_decades(low: float, high: float, own: float | None) -> bool:

@@ -19,10 +19,10 @@ from slopekit.studies.protocol import (
     DESK,
     ADesign,
     Argument,
-    Desk,
     Jobs,
     Option,
     Scheduler,
+    Workplace,
     number_of,
     study,
     whole_number,
@@ -39,14 +39,14 @@ _ABOUT = 60  # evaluations: for the bar
 @overload
 def solve(
     design: Design, key: str, *, fos: float | None = None, pf: None = None, within: Within | None = None,
-    n: None = None, seed: None = None, jobs: Any = 1, scheduler: str | None = None, desk: Desk = DESK,
+    n: None = None, seed: None = None, jobs: Any = 1, scheduler: str | None = None, desk: Workplace = DESK,
 ) -> Solution | Cases[Solution]: ...  # fmt: skip
 
 
 @overload
 def solve(
     design: Design, key: str, *, pf: float, fos: float | None = None, within: Within | None = None,
-    n: int | None = None, seed: int | None = None, jobs: Any = 1, scheduler: str | None = None, desk: Desk = DESK,
+    n: int | None = None, seed: int | None = None, jobs: Any = 1, scheduler: str | None = None, desk: Workplace = DESK,
 ) -> ProbabilitySolution | Cases[ProbabilitySolution]: ...  # fmt: skip
 
 
@@ -62,7 +62,7 @@ def solve(
     seed: Annotated[int | None, Option("With --pf: seed of the random numbers [1].", whole_number)] = None,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Solution | ProbabilitySolution:
     """The value of any one number of a design that gives a target, by both methods.
 
@@ -99,13 +99,15 @@ def solve(
 
     def failure_probability(changed: Design, **looks: Any) -> Estimate:
         """What `prob` leads with, of the same samples."""
-        found = prob(changed, n, seed=1 if seed is None else seed, fos=1.0 if fos is None else fos, jobs=jobs,
-                     scheduler=scheduler, **looks)  # fmt: skip
-        assert isinstance(found, Probability)  # a case of a design has none itself
-        lead = found.leading
-        if lead.probability is None or found.forming.share is None:  # no block is no safety
+        probability = prob(changed, n, seed=1 if seed is None else seed, fos=1.0 if fos is None else fos, jobs=jobs,
+                           scheduler=scheduler, **looks)  # fmt: skip
+        assert isinstance(probability, Probability)  # a case of a design has none itself
+        lead = probability.leading
+        if lead.probability is None or probability.forming.share is None:  # no block is no safety
             raise DesignError([Fault("E318", "no sample forms a block that could be judged")])
-        disagree = found.disagree or (0 if found.confirmation is None else found.confirmation.disagree)
+        disagree = probability.disagree or (
+            0 if probability.confirmation is None else probability.confirmation.disagree
+        )
         return Estimate(lead.probability, lead.low, lead.high, lead.by, disagree)
 
     counted = partial(failure_probability, confirm=0, near=0.0)  # without a look by PRE-IE: hundred times as quick

@@ -12,7 +12,7 @@ from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Point
 from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution, ProbableValue
-from slopekit.studies.solve.solutions import Answers, Found, Solution
+from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
 from slopekit.studies.words import BRIEF, head, status_words
 
 _MOST_REFUSED, _MOST_OTHERS = 6, 12
@@ -40,20 +40,20 @@ def line_of(solution: Solution | ProbabilitySolution) -> str:
     elif isinstance(solution, ProbabilitySolution):
         parts = [solution.key.shown(solution.answer.value), _estimate(solution.answer.estimate)]
     else:
-        found, agree = solution.answer, {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
-        parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
+        answer, agree = solution.answer, {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
+        parts = [solution.key.shown(answer.value), answer.status, factor_text(answer.factor).strip(), agree]
         parts += ["moments_govern"] if solution.moments_govern else []
     return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
 
 
 def _of_factor(solution: Solution) -> tuple[Section, ...]:
     """Of a value at which the factor of safety is a target."""
-    key, found = solution.key, solution.answer
+    key, answer = solution.key, solution.answer
     from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
     searched = [
         one for one in _all(solution) if not any(root.from_path for root in one.roots)
     ]  # else there is no reach
-    put_back = [one for one in searched if one.roots and found is not None]
+    put_back = [one for one in searched if one.roots and answer is not None]
     reached = [one for one in searched if one.reason or one.method == "closed_form" or not solution.closed_form]
     return (
         Section("TARGET", [f"FoS {number(solution.target)}{from_rule}"]),
@@ -75,15 +75,15 @@ def _often(one: Answers) -> str:
 
 def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
     """Of a value at which the probability of failure is a target."""
-    key, found = solution.key, solution.answer
+    key, answer = solution.key, solution.answer
     now = "not known" if solution.before is None else _estimate(solution.before)
-    bracket = [] if found is None else [f"{key.shown(at)}: {_estimate(of)}" for at, of in found.bracket]
-    by = " by the closed form" if found is not None and found.counted is not None else ""
+    bracket = [] if answer is None else [f"{key.shown(at)}: {_estimate(of)}" for at, of in answer.bracket]
+    by = " by the closed form" if answer is not None and answer.counted is not None else ""
     reach = [f"{end[1]:.6g} at {key.shown(end[0], 7)}" for end in (solution.least, solution.most) if end is not None]
     return (
         Section("TARGET", [f"probability of failure {number(solution.target)}"]),
         Section("NOW", [f"probability of failure {now}"]),
-        Section("VALUE", _no_value(solution.reason) if found is None else _probable(key, found)),
+        Section("VALUE", _no_value(solution.reason) if answer is None else _probable(key, answer)),
         Section("BRACKET", bracket),
         Section("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]]),
         Section("REACH", [f"from {' to '.join(reach)}{by}"] if reach else []),
@@ -96,8 +96,8 @@ def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
 
 def _values(solution: Solution) -> Table[Any]:
     """Every value by each method: roots, then jumps and gaps; the one nearest to the present value first."""
-    rows = [(answers.method, found) for answers in _all(solution) for found in (*answers.roots, *answers.others)]
-    columns: list[Column[tuple[str, Found]]] = [
+    rows = [(answers.method, crossing) for answers in _all(solution) for crossing in (*answers.roots, *answers.others)]
+    columns: list[Column[tuple[str, SolvedValue]]] = [
         Column("method", itemgetter(0), "method"),
         _value_column(solution.key, lambda row: row[1].value),
         Column("FoS", lambda row: row[1].factor, "fos", show=_factor),
@@ -109,9 +109,9 @@ def _values(solution: Solution) -> Table[Any]:
     return Table(columns, rows, said="")
 
 
-def _other(method: str, found: Found) -> float | None:
+def _other(method: str, crossing: SolvedValue) -> float | None:
     """What the other method says at a value."""
-    factors = found.both.factors
+    factors = crossing.both.factors
     return None if factors is None else factors.limit if method == "closed_form" else factors.closed_form
 
 
@@ -150,12 +150,12 @@ def _now(design: Design, point: Point) -> str:
 
 
 def _value(solution: Solution) -> list[str]:
-    key, found = solution.key, solution.answer
-    if found is None:
+    key, answer = solution.key, solution.answer
+    if answer is None:
         return _no_value(solution.pre_ie.reason)
-    way = "rises" if found.rises else "falls"
-    was = "" if key.value is None else f", {_change(key, found.value)}"
-    entries = [f"{key.shown(found.value)}{was}; {status_words(solution.design, found.status)}; FoS {way} with it"]
+    way = "rises" if answer.rises else "falls"
+    was = "" if key.value is None else f", {_change(key, answer.value)}"
+    entries = [f"{key.shown(answer.value)}{was}; {status_words(solution.design, answer.status)}; FoS {way} with it"]
     if solution.rounded is not None:
         value, factor = solution.rounded
         entries.append(f"in four digits on the safe side {key.shown(value)}: FoS {factor_text(factor)}")
@@ -216,7 +216,7 @@ def _put_back(solution: Solution) -> list[str]:
     return entries
 
 
-def _bracket(key: Key, root: Found) -> str:
+def _bracket(key: Key, root: SolvedValue) -> str:
     (a, at_a), (b, at_b) = root.bracket
     return f"FoS {_factor(at_a, 12)} at {key.shown(a, 14)} to {_factor(at_b, 12)} at {key.shown(b, 14)}"
 
@@ -256,11 +256,11 @@ def _refused(solution: Solution) -> list[str]:
     return entries
 
 
-def _probable(key: Key, found: ProbableValue) -> list[str]:
-    way = "rises" if found.rises else "falls"
-    entries = [f"{key.shown(found.value)}: probability of failure {_estimate(found.estimate)}; it {way} with the value"]
-    if found.limits != (None, None):
-        low, high = ("beyond the range" if at is None else key.shown(at, 5) for at in found.limits)
+def _probable(key: Key, root: ProbableValue) -> list[str]:
+    way = "rises" if root.rises else "falls"
+    entries = [f"{key.shown(root.value)}: probability of failure {_estimate(root.estimate)}; it {way} with the value"]
+    if root.limits != (None, None):
+        low, high = ("beyond the range" if at is None else key.shown(at, 5) for at in root.limits)
         entries.append(f"by the confidence limits of the estimate between {low} and {high}")
     return entries
 

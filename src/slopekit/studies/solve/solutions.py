@@ -15,7 +15,7 @@ from slopekit.design.common import Design
 from slopekit.notices import means_taken
 from slopekit.studies.keys import Key
 from slopekit.studies.points import Method, Point
-from slopekit.studies.protocol import Outcome
+from slopekit.studies.protocol import StudyOutcome
 
 #: What putting a value back may miss the target by.
 TOLERANCE: dict[Method, float] = {"closed_form": 1e-9, "pre_ie": 1e-6}
@@ -28,7 +28,7 @@ End = tuple[float, float] | None
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class SolvedValue:
     """A value at which the factor passes the target.
 
     Attributes
@@ -90,8 +90,8 @@ class Answers:
     """
 
     method: Method
-    roots: tuple[Found, ...]
-    others: tuple[Found, ...]
+    roots: tuple[SolvedValue, ...]
+    others: tuple[SolvedValue, ...]
     least: tuple[float, float] | None
     most: tuple[float, float] | None
     refused: tuple[tuple[float, float, str, str], ...]
@@ -101,7 +101,7 @@ class Answers:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Solution(Outcome):
+class Solution(StudyOutcome):
     """The value that was asked for.
 
     Attributes
@@ -131,7 +131,7 @@ class Solution(Outcome):
     load_last_beyond: float | None = None
 
     @property
-    def answer(self) -> Found | None:
+    def answer(self) -> SolvedValue | None:
         """The root of PRE-IE nearest to the present value, None where there is none."""
         return self.pre_ie.roots[0] if self.pre_ie.roots else None
 
@@ -143,32 +143,32 @@ class Solution(Outcome):
     @property
     def by_other_history(self) -> bool:
         """Whether the answer is not where many blocks fail as the load comes on last."""
-        found = self.answer
-        return found is not None and found.load_last is not None and found.load_last[0] != found.value
+        answer = self.answer
+        return answer is not None and answer.load_last is not None and answer.load_last[0] != answer.value
 
     @property
     def agree(self) -> bool | None:
         """Whether the methods agree at the answer; None where they are not compared."""
-        found = self.answer
-        return None if found is None or found.both.factors is None else found.both.factors.agree
+        answer = self.answer
+        return None if answer is None or answer.both.factors is None else answer.both.factors.agree
 
     @property
     def moments_govern(self) -> bool:
         """Whether moments govern at the answer."""
-        found = self.answer
-        return found is not None and found.both.factors is not None and found.both.factors.moments_govern
+        answer = self.answer
+        return answer is not None and answer.both.factors is not None and answer.both.factors.moments_govern
 
     @property
     def exit_code(self) -> int:
         """0 found, 1 there is no such value, 4 the methods disagree there, or no convergence."""
-        found = self.answer
-        if found is None:
+        answer = self.answer
+        if answer is None:
             return 4 if self.spent else 1
-        return 4 if self.agree is False or found.status == "not_converged" else 0
+        return 4 if self.agree is False or answer.status == "not_converged" else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
-        found = self.answer
+        answer = self.answer
         return {
             **self.head(self.design),
             "key": self.key.path,
@@ -176,7 +176,7 @@ class Solution(Outcome):
             "target": {"fos": self.target, "from_acceptance": self.from_acceptance},
             "within": list(self.within),
             "before": {"value": self.key.value} | self.before.to_dict(),
-            "value": None if found is None else self.key.reduced(found.value),
+            "value": None if answer is None else self.key.reduced(answer.value),
             "rounded": None
             if self.rounded is None
             else dict(zip(("value", "fos"), json_of(self.rounded), strict=True)),
@@ -193,8 +193,8 @@ class Solution(Outcome):
     def _answers(self, answers: Answers) -> dict[str, Any]:
         ends = {"least": answers.least, "most": answers.most}
         return {
-            "roots": [self._found(found) for found in answers.roots],
-            "jumps_and_gaps": [self._found(found) for found in answers.others],
+            "roots": [self._found(crossing) for crossing in answers.roots],
+            "jumps_and_gaps": [self._found(crossing) for crossing in answers.others],
             "reach": {
                 name: None if end is None else {"value": self.key.reduced(end[0]), "fos": json_of(end[1])}
                 for name, end in ends.items()
@@ -205,22 +205,22 @@ class Solution(Outcome):
             "reason": json_of(answers.reason),
         }
 
-    def _found(self, found: Found) -> dict[str, Any]:
-        of_it = found.put_back  # else the path in a load has the factor for its own strength
+    def _found(self, crossing: SolvedValue) -> dict[str, Any]:
+        of_it = crossing.put_back  # else the path in a load has the factor for its own strength
         return {
-            "how": found.how, "value": self.key.reduced(found.value), "fos": json_of(found.factor) if of_it else None,
-            "status": found.status, "misses_by": json_of(abs(found.factor - self.target)) if of_it else None,
-            "rises": found.rises,
-            "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in found.bracket],
-            "put_back": found.both.to_dict() if of_it else None, "strength_last": json_of(found.strength_last),
-            "load_last": None if found.load_last is None
-            else dict(zip(("value", "runs"), found.load_last, strict=True)),
-            "not_compared": found.not_compared,
+            "how": crossing.how, "value": self.key.reduced(crossing.value),
+            "fos": json_of(crossing.factor) if of_it else None, "status": crossing.status,
+            "misses_by": json_of(abs(crossing.factor - self.target)) if of_it else None, "rises": crossing.rises,
+            "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in crossing.bracket],
+            "put_back": crossing.both.to_dict() if of_it else None, "strength_last": json_of(crossing.strength_last),
+            "load_last": None if crossing.load_last is None
+            else dict(zip(("value", "runs"), crossing.load_last, strict=True)),
+            "not_compared": crossing.not_compared,
         }  # fmt: skip
 
 
 def reason_of(
-    key: Key, target: float, within: tuple[float, float], others: Sequence[Found], least: End, most: End,
+    key: Key, target: float, within: tuple[float, float], others: Sequence[SolvedValue], least: End, most: End,
     refused: Sequence[tuple[float, float, str, str]],
 ) -> Fault:  # fmt: skip
     """Why no value of a key gives the target: E315 to E319."""
@@ -295,15 +295,15 @@ def shown(factor: float) -> str:
 
 def notices(solution: Solution) -> Iterator[Notice]:
     """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, and means taken (W320)."""
-    key, target, found = solution.key, solution.target, solution.answer
+    key, target, answer = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
-    if found is not None and solution.moments_govern:
+    if answer is not None and solution.moments_govern:
         than = f"the closed form, which knows no moments, has {key.shown(other.value)}" if other else "it has none"
-        yield Notice("W355", f"moments govern: use {key.shown(found.value)}, PRE-IE's; {than}")
-    elif found is not None and closed is not None and other is None:
+        yield Notice("W355", f"moments govern: use {key.shown(answer.value)}, PRE-IE's; {than}")
+    elif answer is not None and closed is not None and other is None:
         yield Notice("W355", f"the closed form has no such value: {closed.reason.message if closed.reason else ''}")
-    elif found is None and other is not None:
+    elif answer is None and other is not None:
         point = other.both
         why = "with moments there is no such value" if point.factors else f"there {point.code} {point.message}"
         yield Notice("W355", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
@@ -315,7 +315,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
     for answers in (closed, solution.pre_ie):
         if answers is not None:
             yield from _missed(answers, key, target)
-    if found is not None:
+    if answer is not None:
         for one in solution.pre_ie.others:
             what = "jumps across" if one.how == "jump" else "passes (where the input is refused)"
             yield Notice("W358", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
@@ -326,33 +326,33 @@ def notices(solution: Solution) -> Iterator[Notice]:
 
 def _of_paths(solution: Solution) -> Iterator[Notice]:
     """Of a load on many blocks: what it gives as it comes on last, and what as the strength is divided last."""
-    key, target, found = solution.key, solution.target, solution.answer
+    key, target, answer = solution.key, solution.target, solution.answer
     if solution.spent:
         yield Notice("W478", "the work that one answer may take was done before all was looked at")
-    yield from beyond_sense(key.path, None if found is None else found.value, solution.load_last_beyond)
-    if found is None:
+    yield from beyond_sense(key.path, None if answer is None else answer.value, solution.load_last_beyond)
+    if answer is None:
         return
-    yield from one_history(found.not_compared, key.shown(found.value))
-    last = "none" if found.strength_last is None else shown(found.strength_last)
-    if found.runs is not None:
-        yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(found.value)} and "
-                             f"run at {key.shown(found.runs)} as this load comes on last; with the strength divided "
+    yield from one_history(answer.not_compared, key.shown(answer.value))
+    last = "none" if answer.strength_last is None else shown(answer.strength_last)
+    if answer.runs is not None:
+        yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(answer.value)} and "
+                             f"run at {key.shown(answer.runs)} as this load comes on last; with the strength divided "
                              f"last their factor there is {last}")  # fmt: skip
-    elif found.jumps:
-        yield Notice("W476", f"the factor jumps at {key.shown(found.value)}: put back it is {last}, and just above it "
+    elif answer.jumps:
+        yield Notice("W476", f"the factor jumps at {key.shown(answer.value)}: put back it is {last}, and just above it "
                              f"is below {number(target)}, or there is none")  # fmt: skip
-    if found.load_last is not None and found.load_last[0] != found.value:
-        value, runs = found.load_last
+    if answer.load_last is not None and answer.load_last[0] != answer.value:
+        value, runs = answer.load_last
         fail = f"are at their limit at {key.shown(value)}"
         if runs is not None:
             fail = f"were last at rest at {key.shown(value)} and run at {key.shown(runs)}"
-        comes = "falls past" if found.jumps else "comes to"
+        comes = "falls past" if answer.jumps else "comes to"
         yield Notice("W477", f"the order of loads counts: as this load comes on last the blocks {fail}; with the "
                              f"strength divided last their factor {comes} {number(target)} at "
-                             f"{key.shown(found.value)}, which is given")  # fmt: skip
-    elif found.strength_last is not None and found.runs is None and not found.jumps:
+                             f"{key.shown(answer.value)}, which is given")  # fmt: skip
+    elif answer.strength_last is not None and answer.runs is None and not answer.jumps:
         yield Notice("W477", "the order of loads counts: as this load comes on last the blocks are at their limit at "
-                             f"{key.shown(found.value)}, which is given; with the strength divided last their factor "
+                             f"{key.shown(answer.value)}, which is given; with the strength divided last their factor "
                              f"there is {last}, and none below {number(target)} was seen")  # fmt: skip
 
 

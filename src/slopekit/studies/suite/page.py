@@ -51,7 +51,7 @@ def page_of(verification: Verification) -> str:
         "## Sources",
         "\n".join(f"- `{key}`: {text}" for key, text in verification.sources.items()),
         "## Versions",
-        "Versions: " + ", ".join(f"{name} {found}" for name, found in verification.versions.items()),
+        "Versions: " + ", ".join(f"{name} {version}" for name, version in verification.versions.items()),
     ]
     return "\n\n".join(part.rstrip() for part in parts) + "\n"
 

@@ -86,7 +86,7 @@ class Reference:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class ReferenceCase:
     """A design and what its sources say of it; `status` is that of the result where a source gives one."""
 
     id: str
@@ -113,21 +113,21 @@ def half_unit(text: str) -> float:
 
 
 @cache
-def document() -> tuple[Mapping[str, str], tuple[Case, ...]]:
+def document() -> tuple[Mapping[str, str], tuple[ReferenceCase, ...]]:
     """Sources and cases of the shipped file."""
     document = json.loads(files("slopekit.studies.suite").joinpath("verification.json").read_text(encoding="utf-8"))
     return document["sources"], tuple(_case(entry) for entry in document["cases"])
 
 
-def _case(entry: Mapping[str, Any]) -> Case:
+def _case(entry: Mapping[str, Any]) -> ReferenceCase:
     own = {"source": entry["source"], "confidence": entry["confidence"]}
-    return Case(
+    return ReferenceCase(
         id=entry["id"], title=entry["title"], design=entry["design"], status=entry.get("status"),
         references=tuple(Reference(**(own | row)) for row in entry["rows"]), **own,
     )  # fmt: skip
 
 
-def chosen(only: str | Iterable[str] | None) -> tuple[Case, ...]:
+def chosen(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
     """The cases that a choice names (ids, sources, kinds), in the order of the suite; all of them for None.
 
     Raises

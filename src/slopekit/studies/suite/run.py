@@ -20,8 +20,8 @@ from slopekit.core.records import dataclass
 from slopekit.design.files import load
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
-from slopekit.studies.protocol import DESK, Desk, Outcome, documented
-from slopekit.studies.suite.references import Case, Reference, chosen, document, half_unit
+from slopekit.studies.protocol import DESK, StudyOutcome, Workplace, documented
+from slopekit.studies.suite.references import Reference, ReferenceCase, chosen, document, half_unit
 
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
 BOUND_SLACK = 1e-6
@@ -43,7 +43,7 @@ class Row:
     """
 
     JSON_ALSO: ClassVar = ("id",)
-    case: Case = field(metadata={"json": None})
+    case: ReferenceCase = field(metadata={"json": None})
     reference: Reference = field(metadata={"json": None})
     value: float | str | None
     status: str
@@ -65,15 +65,15 @@ class Row:
     def to_dict(self) -> dict[str, Any]:
         """The row as JSON values; what is measured in time stands in a block of its own."""
         case = self.case
-        found = {
+        record = {
             "case": case.id, "kind": case.kind, "title": case.title, **record_of(self.reference), **record_of(self),
             "timing_s": {"total": self.seconds, "closed_form": self.closed_form_seconds},
         }  # fmt: skip
-        return found | {name: found[name] or None for name in ("formula", "why", "reason")}
+        return record | {name: record[name] or None for name in ("formula", "why", "reason")}
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Verification(Outcome):
+class Verification(StudyOutcome):
     """The whole suite: rows in the order of their sources, the sources by key, the versions that made it."""
 
     name: ClassVar[str] = "verification"
@@ -163,7 +163,7 @@ class _Analysed:
 
 
 @documented
-def suite(only: str | Iterable[str] | None = None, *, desk: Desk = DESK) -> Verification:
+def suite(only: str | Iterable[str] | None = None, *, desk: Workplace = DESK) -> Verification:
     """The verification suite: published and exact cases.
 
     All of them; or those that `only` names: ids of cases, keys of sources, kinds of designs.
@@ -199,13 +199,13 @@ def suite(only: str | Iterable[str] | None = None, *, desk: Desk = DESK) -> Veri
 
 
 def _versions() -> dict[str, str]:
-    found = {"slopekit": __version__, "python": platform.python_version()}
+    versions = {"slopekit": __version__, "python": platform.python_version()}
     for name in _VERSIONS_OF:
         try:
-            found[name] = version(name)
+            versions[name] = version(name)
         except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+            versions[name] = "not installed"
+    return versions
 
 
 def _analysed(mapping: Mapping[str, Any]) -> _Analysed:
@@ -218,7 +218,7 @@ def _analysed(mapping: Mapping[str, Any]) -> _Analysed:
     return _Analysed(result, "", time.perf_counter() - started)
 
 
-def _row(case: Case, reference: Reference, outcome: _Analysed) -> Row:
+def _row(case: ReferenceCase, reference: Reference, outcome: _Analysed) -> Row:
     """A row, judged: the status and the bound hold for every row of a case, whatever its quantity."""
     result = outcome.result
     if result is None:
@@ -238,7 +238,7 @@ def _row(case: Case, reference: Reference, outcome: _Analysed) -> Row:
     )  # fmt: skip
 
 
-def _wrong(case: Case, result: Result) -> list[str]:
+def _wrong(case: ReferenceCase, result: Result) -> list[str]:
     """What is wrong with the result as a whole, apart from the number of the row."""
     wrong = []
     if result.status == "not_converged":
@@ -306,5 +306,5 @@ def _value(result: Result, reference: Reference) -> float | str | None:
             return float(step.failed_pairs)
         axis = 0 if quantity == "displacement_x_mm" else 2
         return None if step.movement is None else 1e3 * float(step.movement.displacement[axis])
-    found: float | None = getattr(result.fos, quantity, None)
-    return found
+    figure: float | None = getattr(result.fos, quantity, None)
+    return figure

@@ -22,7 +22,7 @@ _ON = 1e-9  # of the size of the block
 
 
 @dataclass(frozen=True, slots=True)
-class Crest:
+class PlaneCrest:
     """The crest of a plane failure in local axes.
 
     Attributes
@@ -47,7 +47,7 @@ class Crest:
         return (self.offset - float(self.normal @ self.head)) / float(self.normal @ flat)
 
 
-def crest_of(site: Site) -> Crest | None:
+def crest_of(site: Site) -> PlaneCrest | None:
     """The crest of a site; None of a wedge, and where it is no part of the block (a crack in the face)."""
     crest_point = kind_of(site.design).crest_point
     if crest_point is None:
@@ -61,4 +61,4 @@ def crest_of(site: Site) -> Crest | None:
     steepest = math.degrees(math.atan2(head[2] - end[2], head[0] - end[0]))
     low = math.ceil(steepest / _CLEAR_DEG + 1.0) * _CLEAR_DEG
     normal = site.outward[joint]
-    return Crest(head, round(low, 6), 90.0, normal, float(normal @ polygon[0]))
+    return PlaneCrest(head, round(low, 6), 90.0, normal, float(normal @ polygon[0]))

@@ -16,7 +16,7 @@ from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Bolt
 from slopekit.studies.support.forces import BoltedBlock, least_along, most_along, nearest
-from slopekit.studies.support.search import Answer, Found, Site, least_force
+from slopekit.studies.support.search import Answer, SearchResult, Site, least_force
 
 _CLOSER = 0.4  # what a grid of nine by nine closes in by
 _ALL_ROUNDS, _GO_ON = 6, 2
@@ -147,8 +147,8 @@ class BoltDirections:
     def forces(self, world: Floats) -> Floats:
         """Least capacities (m,) along unit directions (m, 3) in east, north, up."""
         least = least_along(self.held, self.site.local(world), self.passive)
-        found: Floats = least * self.times
-        return found
+        capacities: Floats = least * self.times
+        return capacities
 
     def ask(self, direction: Floats, force: float) -> Answer:
         """The closed form with that much more."""
@@ -166,29 +166,31 @@ class BoltDirections:
             return None, None
         sizes = [(way, math.sqrt(float(way @ way))) for way in nearest(self.held, self.passive)[:_CANDIDATES]]
         # where one is met by its own force the others are longer
-        found = self._first_met([(way / size, size * self.times) for way, size in sizes], None, target, at_zero)
+        best_way = self._first_met([(way / size, size * self.times) for way, size in sizes], None, target, at_zero)
         scan = self._scan()
         least = float(scan.min())
-        if math.isfinite(least) and (found is None or found.force is None or least < found.force * (1.0 - _SAME)):
+        if math.isfinite(least) and (
+            best_way is None or best_way.force is None or least < best_way.force * (1.0 - _SAME)
+        ):
             angles = _angles(self._sphere[np.argsort(scan)[:_STARTS]])
             polish = polished(lambda some: self.forces(_vectors(some)), angles, (-1e9, -90.0), (1e9, 90.0))
             ends = [] if polish is None else [(self._direction(polish[0]), polish[1])]
             ends += [(self.site.axes @ self._sphere[k], float(scan[k])) for k in np.argsort(scan)[:_STARTS]]
             # the second to the last only where the closed form refuses the first
-            found = self._first_met(ends, found, target, at_zero)
-        return found, None if found is None else self._evidence(found, np.ones(len(scan), dtype=bool))
+            best_way = self._first_met(ends, best_way, target, at_zero)
+        return best_way, None if best_way is None else self._evidence(best_way, np.ones(len(scan), dtype=bool))
 
     def _first_met(
-        self, ends: Sequence[tuple[Floats, float]], found: Way | None, target: float, at_zero: Answer
+        self, ends: Sequence[tuple[Floats, float]], best_way: Way | None, target: float, at_zero: Answer
     ) -> Way | None:
         """The way of the least force, put back, among directions with their forces, up to one that needs no more."""
         for direction, force in ends:
             tried = self._put_back(*self._rounded(direction, force), target, at_zero)
-            if tried.force is not None and (found is None or tried.force < (found.force or math.inf)):
-                found = tried
-            if found is not None and found.force is not None and found.force <= force * (1.0 + _SAME):
+            if tried.force is not None and (best_way is None or tried.force < (best_way.force or math.inf)):
+                best_way = tried
+            if best_way is not None and best_way.force is not None and best_way.force <= force * (1.0 + _SAME):
                 break
-        return found
+        return best_way
 
     def within(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
         """The same among the directions that plunge between limits (degrees) and point into the face."""
@@ -205,10 +207,10 @@ class BoltDirections:
         polish = polished(self._of_angles, starts, (-1e9, low), (1e9, high))
         if polish is None:
             return None, None
-        found = self._put_back(*self._rounded(self._direction(polish[0]), polish[1]), target, at_zero)
-        if found.force is None:
+        best_way = self._put_back(*self._rounded(self._direction(polish[0]), polish[1]), target, at_zero)
+        if best_way.force is None:
             return None, None
-        return found, self._evidence(found, self._allowed(self._sphere, plunges), plunges)
+        return best_way, self._evidence(best_way, self._allowed(self._sphere, plunges), plunges)
 
     def _of_angles(self, angles: Floats) -> Floats:
         world = _vectors(angles)
@@ -275,9 +277,9 @@ class BoltDirections:
             return Way(direction, None, math.inf, at_zero, None, NO_STRENGTH)
         force = float(self.forces(self.site.world(direction)[None, :])[0])
         if math.isfinite(force):
-            found = self._put_back(direction, force, target, at_zero)
-            if found.force is not None:
-                return found
+            way = self._put_back(direction, force, target, at_zero)
+            if way.force is not None:
+                return way
         return self._out_of_reach(direction, target, at_zero)
 
     def _put_back(self, direction: Floats, force: float, target: float, at_zero: Answer) -> Way:
@@ -288,22 +290,22 @@ class BoltDirections:
         answer = self.ask(direction, force)
         if abs(answer.level / self.factor - 1.0) <= _SAME:
             return Way(direction, force, most, answer, None, None)
-        found = least_force(
+        root = least_force(
             lambda tried: self.ask(direction, tried), target, self.factor / target - 1.0, force, at_zero.level, most
         )
-        if found.force is None:
-            return Way(direction, None, math.inf, found.answer, None, None)
-        return self._found(direction, found, most)
+        if root.force is None:
+            return Way(direction, None, math.inf, root.answer, None, None)
+        return self._found(direction, root, most)
 
-    def _found(self, direction: Floats, found: Found, most: float) -> Way:
-        assert found.force is not None
+    def _found(self, direction: Floats, root: SearchResult, most: float) -> Way:
+        assert root.force is not None
         notice = None
-        if found.below is not None:
-            from_ = f"{found.below:.4g}" if found.below > 0.0 else "none (the block has no hold)"
-            to = "no driving force" if math.isinf(found.answer.level) else f"{found.answer.level:.4g}"
-            notice = Notice("E325", f"FoS jumps over the target at {found.force:.6g} {self.site.unit}, from {from_} to "
+        if root.below is not None:
+            from_ = f"{root.below:.4g}" if root.below > 0.0 else "none (the block has no hold)"
+            to = "no driving force" if math.isinf(root.answer.level) else f"{root.answer.level:.4g}"
+            notice = Notice("E325", f"FoS jumps over the target at {root.force:.6g} {self.site.unit}, from {from_} to "
                             f"{to}: contact is won there. A little less force loses it: go above")  # fmt: skip
-        return Way(direction, found.force, most, found.answer, found.below, notice)
+        return Way(direction, root.force, most, root.answer, root.below, notice)
 
     def _out_of_reach(self, direction: Floats, target: float, at_zero: Answer) -> Way:
         """The best that a direction gives, and what stands against more."""
@@ -314,12 +316,12 @@ class BoltDirections:
                 best, best_force = answer, share * size
         enough = next((k for k, answer in enumerate(answers) if answer.level >= target), None)
         if enough is not None:  # where bolts pull in part, the sets do not have it
-            found = least_force(
+            root = least_force(
                 lambda tried: self.ask(direction, tried), target, self.factor / target - 1.0,
                 float(_SAMPLES[enough]) * size, at_zero.level, math.inf,
             )  # fmt: skip
-            if found.force is not None:
-                return self._found(direction, found, math.inf)
+            if root.force is not None:
+                return self._found(direction, root, math.inf)
         unit, shown = self.site.unit, f"{best.level:.4g}"
         level = [answer.level for answer in answers]
         gained = best.level > at_zero.level * (1.0 + _SAME)

@@ -13,7 +13,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.kinds import dilates, factors_of
 from slopekit.studies.cases import InCase, in_each_case
-from slopekit.studies.support.records import Acts, Case, Support, snippet, written
+from slopekit.studies.support.records import Acts, BoltCase, Support, snippet, written
 from slopekit.studies.support.search import Answer
 
 _RAISED, _LEAST, _MOST = 16, 1.001, 1.5  # rounds in which forces are raised; by so much at least, at most
@@ -110,13 +110,13 @@ class SupportForAll:
         return [Section("FOR ALL", [*self._entries(), *self.lacking])]
 
     def _entries(self) -> list[Any]:
-        found: list[Any] = []
+        entries: list[Any] = []
         for one in self.tried:
             said = f"{one.acts}: {_what(one, self.found)}; {one.governing} governs"
             if one.raised > 1.0:
                 said += f", its force raised by {(one.raised - 1.0) * 100:.2g} % for the other cases"
-            found += [said if one.met else f"{said}: NOT REACHED", _table(one.inside)]
-        return found
+            entries += [said if one.met else f"{said}: NOT REACHED", _table(one.inside)]
+        return entries
 
     def files(self) -> dict[str, str]:
         """`support:` of a design file for each way the bolts act."""
@@ -145,8 +145,8 @@ class SupportForAll:
         }  # fmt: skip
 
 
-def _what(one: Tried, found: Mapping[str, Support]) -> str:
-    unit = next(iter(found.values())).unit
+def _what(one: Tried, supports: Mapping[str, Support]) -> str:
+    unit = next(iter(supports.values())).unit
     return f"{counted(len(one.bolts), f'{one.acts} bolt')}, {one.force:.1f} {unit} in all"
 
 
@@ -154,48 +154,48 @@ def _table(inside: Sequence[InCase]) -> Table[InCase]:
     return in_each_case("with them", inside, Column("status", attrgetter("status"), "status"))
 
 
-def for_all(found: Mapping[str, Any], given: Mapping[str, Any]) -> SupportForAll | None:
+def for_all(supports: Mapping[str, Any], given: Mapping[str, Any]) -> SupportForAll | None:
     """Bolts for all cases, for each way they act; None of toppling columns, which stand case by case.
 
     The bolts of the case that needs most force come first: with them the others are asked. Where one of them is not
     satisfied, the bolts of every case are tried with more force, and those of least force are taken.
     """
-    if not all(isinstance(one, Support) for one in found.values()):
+    if not all(isinstance(one, Support) for one in supports.values()):
         return None
-    if all(one.stands for one in found.values()):
-        return SupportForAll(found, (), ())
+    if all(one.stands for one in supports.values()):
+        return SupportForAll(supports, (), ())
     tried, lacking = list[Tried](), list[str]()
-    for acts in next(iter(found.values())).options.acts:
+    for acts in next(iter(supports.values())).options.acts:
         built = {
-            name: case for name, one in found.items() for case in one.built if case.acts == acts and not one.stands
+            name: case for name, one in supports.items() for case in one.built if case.acts == acts and not one.stands
         }
         short = [name for name, case in built.items() if not case.reached or not case.bolts]
         if short:
             lacking.append(f"{acts} bolts alone do not satisfy {', '.join(short)}")
             continue
-        tried.append(_for_all(acts, built, found))
-    return SupportForAll(found, tuple(tried), tuple(lacking))
+        tried.append(_for_all(acts, built, supports))
+    return SupportForAll(supports, tuple(tried), tuple(lacking))
 
 
-def _for_all(acts: Acts, built: Mapping[str, Case], found: Mapping[str, Support]) -> Tried:
+def _for_all(acts: Acts, built: Mapping[str, BoltCase], supports: Mapping[str, Support]) -> Tried:
     def total(name: str) -> float:
         return sum(bolt.force_kn for bolt in built[name].bolts)
 
     names = sorted(built, key=total, reverse=True)
-    first = _tried(acts, names[0], built[names[0]].bolts, 1.0, found)
+    first = _tried(acts, names[0], built[names[0]].bolts, 1.0, supports)
     if first.met:
         return first
-    raised = [_raised(first if name == names[0] else _tried(acts, name, built[name].bolts, 1.0, found), found)
+    raised = [_raised(first if name == names[0] else _tried(acts, name, built[name].bolts, 1.0, supports), supports)
               for name in names]  # fmt: skip
     return min(raised, key=lambda one: (not one.met, one.force))
 
 
 def _tried(
-    acts: Acts, governing: str, bolts: tuple[Bolt, ...], raised: float, found: Mapping[str, Support]
+    acts: Acts, governing: str, bolts: tuple[Bolt, ...], raised: float, supports: Mapping[str, Support]
 ) -> Tried:  # fmt: skip
     """Every case with these bolts."""
-    inside = tuple(_in_case(name, one, bolts) for name, one in found.items())
-    capacity = max(found[governing].options.capacity, max((bolt.force_kn for bolt in bolts), default=0.0) / raised)
+    inside = tuple(_in_case(name, one, bolts) for name, one in supports.items())
+    capacity = max(supports[governing].options.capacity, max((bolt.force_kn for bolt in bolts), default=0.0) / raised)
     return Tried(acts, governing, bolts, raised, inside, capacity)
 
 
@@ -211,7 +211,7 @@ def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:
     return InCase(name, one.target, both.status, both.limit, both.closed_form, level >= one.target)
 
 
-def _raised(one: Tried, found: Mapping[str, Support]) -> Tried:
+def _raised(one: Tried, supports: Mapping[str, Support]) -> Tried:
     """Bolts with so much force that all cases are satisfied, within a part of it; the last where no force does it."""
     first, low, high = one.bolts, 1.0, math.inf
     best = one
@@ -223,10 +223,10 @@ def _raised(one: Tried, found: Mapping[str, Support]) -> Tried:
             best, low = (one, one.raised) if math.isinf(high) else (best, one.raised)
         if high <= low * _CLOSE:
             break
-        step = max(_more(row, found[row.case]) for row in lacking) if math.isinf(high) else math.sqrt(high / low)
+        step = max(_more(row, supports[row.case]) for row in lacking) if math.isinf(high) else math.sqrt(high / low)
         factor = low * step
         bolts = tuple(written(replace(bolt, force_kn=bolt.force_kn * factor)) for bolt in first)
-        one = _tried(one.acts, one.governing, bolts, factor, found)
+        one = _tried(one.acts, one.governing, bolts, factor, supports)
     return best
 
 

@@ -299,7 +299,7 @@ def nearest(held: BoltedBlock, passive: bool = False) -> list[Floats]:
     Each set of the module is convex: its nearest point is one of a few with closed forms. The first is the global
     minimum where no passive bolts are there, or where they are at most `_MOST_PULLS`.
     """
-    found: list[Floats] = []
+    forces: list[Floats] = []
     for load, pulling in _pulled(held):
         ways = [way for k in range(len(held.normals)) for way in _to_cone(held, load, k)]
         ways += _to_both(held, load) if len(held.normals) == 2 else []
@@ -310,8 +310,8 @@ def nearest(held: BoltedBlock, passive: bool = False) -> list[Floats]:
             moves = slides(held, (load + way)[None, :]).direction
             drawn = not passive or float(moves[0] @ way) < -_DRAWN * size
             if drawn and _pulls_as_taken(held, moves, pulling)[0]:
-                found.append(way)
-    return sorted(found, key=lambda way: float(way @ way))
+                forces.append(way)
+    return sorted(forces, key=lambda way: float(way @ way))
 
 
 def _to_both(held: BoltedBlock, load: Floats) -> list[Floats]:

@@ -102,7 +102,7 @@ def _face_layout(
         if float(np.ptp(grid.polygon, axis=0).max()) / spacing > MOST_BOLTS:
             message = f"a spacing of {spacing:.6g} m puts more than {MOST_BOLTS} bolts on a face of {site.area:.6g} m²"
             return Notice("E328", message)
-        best = max(grid.at(spacing), key=lambda found: found.rank(needed))
+        best = max(grid.at(spacing), key=lambda chosen: chosen.rank(needed))
         if len(best.points) < needed:
             holds = len(best.points) * capacity
             message = (
@@ -171,16 +171,16 @@ class _Grid:
         clear = _clear_of_edges(points, self.polygon, _MARGIN * spacing)
         points, start = points[clear], start[clear]
         _, anchored = depths(self.site, self.local(points), self.direction)
-        found = []
+        choices = []
         for k in range(len(_STARTS)):
             kept = points[anchored & (start == k)]
             off = float(np.hypot(*kept.mean(axis=0))) if len(kept) else math.inf
-            found.append(_Chosen(kept, spacing, int((~anchored & (start == k)).sum()), off))
-        return found
+            choices.append(_Chosen(kept, spacing, int((~anchored & (start == k)).sum()), off))
+        return choices
 
     def local(self, points: Floats) -> Floats:
-        found: Floats = self.middle + points @ self.axes
-        return found
+        positions: Floats = self.middle + points @ self.axes
+        return positions
 
     def layout(self, chosen: _Chosen, needed: int) -> Layout:
         columns, column = np.unique(chosen.points[:, 0].round(9), return_inverse=True)

@@ -18,7 +18,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.words import above_zero, line_of_words
 from slopekit.kinds import kind_of
-from slopekit.studies.protocol import Outcome
+from slopekit.studies.protocol import StudyOutcome
 from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.search import Answer
@@ -29,7 +29,7 @@ Acts = Literal["active", "passive"]
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class SupportOptions:
     """Options of a support study: kN, m, degrees.
 
     Attributes
@@ -54,7 +54,7 @@ class Options:
 def read_options(
     *, fos: object, acts: object, toward: object, plunge: object, bolt_capacity: object, spacing: object, bond: object,
     length: object, named: Callable[[str], str],
-) -> Options:  # fmt: skip
+) -> SupportOptions:  # fmt: skip
     """Read options as a user gives them; `named` says how a fault names them.
 
     Raises
@@ -83,7 +83,7 @@ def read_options(
     if faults or target is None or capacity is None or anchorage is None or both is None:
         where = f"{named('bolt_capacity')}, {named('bond')}"
         raise DesignError(faults or [Fault("E321", "capacity and bond are needed", where)])
-    return Options(target, both, line, limits, capacity, apart, anchorage, long)
+    return SupportOptions(target, both, line, limits, capacity, apart, anchorage, long)
 
 
 def _acts(value: object, where: str) -> tuple[Acts, ...]:
@@ -195,7 +195,7 @@ class Pattern:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class BoltCase:
     """Bolts that act one way, in one direction.
 
     Attributes
@@ -308,7 +308,7 @@ class CrestRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Pressure:
+class FacePressure:
     """An even pressure on the face, square to it: kPa by each method, the area and the point its force acts on."""
 
     JSON_ALSO: ClassVar = ("force",)
@@ -333,14 +333,14 @@ class Pressure:
 
     def to_dict(self) -> dict[str, Any]:
         """The pressure as JSON values: its needs are kPa."""
-        found = record_of(self) | {"use_kpa": self.use}
+        record = record_of(self) | {"use_kpa": self.use}
         for method in ("closed_form", "pre_ie"):
-            if found[method] is not None:
-                found[method] = {"pressure_kpa": found[method].pop("force_kn")} | found[method]
-        return found
+            if record[method] is not None:
+                record[method] = {"pressure_kpa": record[method].pop("force_kn")} | record[method]
+        return record
 
 
-def _larger(needs: "Case | CrestRow | Pressure") -> float | None:
+def _larger(needs: "BoltCase | CrestRow | FacePressure") -> float | None:
     """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""
     closed, limit = needs.closed_form.force, needs.pre_ie.force if needs.pre_ie is not None else None
     if closed is None or limit is None:
@@ -349,7 +349,7 @@ def _larger(needs: "Case | CrestRow | Pressure") -> float | None:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Support(Outcome):
+class Support(StudyOutcome):
     """What a design needs.
 
     Attributes
@@ -365,11 +365,11 @@ class Support(Outcome):
     name: ClassVar[str] = "support"
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})
-    options: Options
+    options: SupportOptions
     closed_form: Answer = field(metadata={"json": None})
     pre_ie: Answer = field(metadata={"json": None})
-    cases: tuple[Case, ...] = field(metadata={"json": "bolts"})
-    pressure: Pressure | None
+    cases: tuple[BoltCase, ...] = field(metadata={"json": "bolts"})
+    pressure: FacePressure | None
     weight: float = field(metadata={"json": "weight_kn"})
     face_area: float = field(metadata={"json": "face_area_m2"})
     unit: str
@@ -384,7 +384,7 @@ class Support(Outcome):
         return enough(self.target, self.closed_form, self.pre_ie, self.dilates)
 
     @property
-    def built(self) -> tuple[Case, ...]:
+    def built(self) -> tuple[BoltCase, ...]:
         """The cases of the direction that is built: given, else practical, else best."""
         return tuple(case for case in self.cases if case.pattern is not None or case.which == built_way(self.options))
 
@@ -426,13 +426,13 @@ class Support(Outcome):
 
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""
-        found = {
+        record = {
             **self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
         if kind_of(self.design).crest_point is None:
-            del found["crest"]
-        return found
+            del record["crest"]
+        return record
 
 
 def enough(target: float, closed_form: Answer, pre_ie: Answer, dilates: bool) -> bool:
@@ -440,7 +440,7 @@ def enough(target: float, closed_form: Answer, pre_ie: Answer, dilates: bool) ->
     return pre_ie.level >= target and (dilates or closed_form.level >= target)
 
 
-def built_way(options: Options) -> Which:
+def built_way(options: SupportOptions) -> Which:
     """Which direction is built: the one given, else the practical one, else the best."""
     return "given" if options.toward is not None else "practical" if options.plunge is not None else "best"
 

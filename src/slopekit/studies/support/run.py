@@ -24,18 +24,18 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
-from slopekit.studies.protocol import DESK, ADesign, Desk, Option, study
+from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
 from slopekit.studies.support.columns import ColumnSupport
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
-    Case,
+    BoltCase,
     CrestRow,
+    FacePressure,
     Need,
-    Options,
     Pattern,
-    Pressure,
     Support,
+    SupportOptions,
     Which,
     built_way,
     enough,
@@ -44,7 +44,7 @@ from slopekit.studies.support.records import (
 )
 from slopekit.studies.support.search import (
     Answer,
-    Found,
+    SearchResult,
     Site,
     least_force,
     pre_ie,
@@ -53,7 +53,7 @@ from slopekit.studies.support.search import (
 )
 
 if TYPE_CHECKING:
-    from slopekit.studies.support.crest import Crest
+    from slopekit.studies.support.crest import PlaneCrest
 
 _AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves none below it
 _WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
@@ -86,7 +86,7 @@ def support(
     spacing: Annotated[Any, Option("Of the heads on the face [what the force asks for].")] = None,
     bond: Annotated[Any, Option("Anchorage behind the deepest joint [3 m].")] = 3.0,
     length: Annotated[Any, Option("Of every bolt [each as long as it must be].")] = None,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Support | ColumnSupport:
     """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
 
@@ -132,7 +132,7 @@ def support(
         return support_of_columns(column_row(design), options, began)
     site = site_of(design)
     bare, bare_limit = site.closed_form(design), pre_ie(design)
-    search = _Search(site, options, bare, bare_limit)
+    search = _SupportSearch(site, options, bare, bare_limit)
     stands = enough(options.target, bare, bare_limit, search.dilates)
     cases = () if stands else tuple(search.cases())
     weight = design.unit_weight_kn_m3 * site.block.volume
@@ -149,7 +149,7 @@ def _need_of(way: Way, area: float = 1.0) -> Need:
     return Need(force, way.answer.factor, way.answer.status, way.below, notice=way.notice)
 
 
-class _Asked:
+class _Answers:
     """PRE-IE's answers to a design with more force, each asked once."""
 
     def __init__(self, changed: Callable[[float], Design]) -> None:
@@ -166,10 +166,10 @@ class _Asked:
         return pre_ie_coarse(self.changed(force))
 
 
-class _Search:
+class _SupportSearch:
     """One design at one target."""
 
-    def __init__(self, site: Site, options: Options, bare: Answer, bare_limit: Answer) -> None:
+    def __init__(self, site: Site, options: SupportOptions, bare: Answer, bare_limit: Answer) -> None:
         self.site, self.options, self.bare, self.bare_limit = site, options, bare, bare_limit
         self.target = options.target
         self.dilates = dilates(site.design)
@@ -182,37 +182,37 @@ class _Search:
             lacks = self.aim / bare_limit.level if bare_limit.level > 0.0 else 2.0
             self.factor = (bare.level if math.isfinite(bare.level) else self.aim) * max(lacks, 1.0 + _AIM)
 
-    def cases(self) -> list[Case]:
+    def cases(self) -> list[BoltCase]:
         """Every case that was asked for."""
-        found = []
+        every_case = []
         for acts in self.options.acts:
             ways = BoltDirections(self.site, self.factor, acts == "passive")
             goal = self.factor / (1.0 + _AIM)
             if self.options.toward is not None:
                 way = ways.along(self.site.axes @ self.options.toward.vector(), goal, self.bare)
-                found.append(self._case(ways, "given", way, None))
+                every_case.append(self._case(ways, "given", way, None))
             if self.options.plunge is not None:
-                found.append(self._case(ways, "practical", *ways.within(self.options.plunge, goal, self.bare)))
-            found.append(self._case(ways, "best", *ways.best(goal, self.bare)))
-        return found
+                every_case.append(self._case(ways, "practical", *ways.within(self.options.plunge, goal, self.bare)))
+            every_case.append(self._case(ways, "best", *ways.best(goal, self.bare)))
+        return every_case
 
-    def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> Case:
+    def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> BoltCase:
         if way is None:
             nowhere = Need(None, None, self.bare.status, notice=self._nowhere(ways, which))
-            return Case(ways.acts, which, None, nowhere, None)
+            return BoltCase(ways.acts, which, None, nowhere, None)
         line = self.options.toward if which == "given" and self.options.toward else self.site.line(way.direction)
         own, stands = _need_of(way), self.as_it_is is not None
         closed = self.as_it_is or own
         if way.force is None:
-            return Case(ways.acts, which, line, closed, own if stands else None)
-        found = self._least(_Asked(lambda force: self.site.with_bolts(ways.bolt(line, force))), way.force, way.most)
-        limit = self._need(found, "through the centroid")
+            return BoltCase(ways.acts, which, line, closed, own if stands else None)
+        root = self._least(_Answers(lambda force: self.site.with_bolts(ways.bolt(line, force))), way.force, way.most)
+        limit = self._need(root, "through the centroid")
         most = None if math.isinf(way.most) or stands else way.most
-        case = Case(ways.acts, which, line, closed, limit, most, None if stands else optimum, dilates=self.dilates)
+        case = BoltCase(ways.acts, which, line, closed, limit, most, None if stands else optimum, dilates=self.dilates)
         if which == built_way(self.options):
             force = case.force or max(closed.force or 0.0, way.force)
             least = 0.0 if self.dilates else closed.force or 0.0
-            case = replace(case, pattern=self._pattern(ways, line, force, least, found.slope))
+            case = replace(case, pattern=self._pattern(ways, line, force, least, root.slope))
         if case.pattern is not None and case.pattern.reached:
             bolts = self._bolts(ways, line, case.pattern)
         elif case.pattern is not None:  # one force through the centroid is none that can be built
@@ -248,7 +248,7 @@ class _Search:
             bolts = tuple(replace(bolt, force_kn=bolt.force_kn * more) for bolt in bolts)
         return bolts, level
 
-    def _short_of_it(self, case: Case) -> str:
+    def _short_of_it(self, case: BoltCase) -> str:
         """What is reached where bolts on the face do not give the target, and the codes that say why."""
         need = case.pattern.need if case.pattern is not None else None
         codes = ", ".join(dict.fromkeys(notice.code for notice in case.pattern.notices)) if case.pattern else ""
@@ -269,11 +269,11 @@ class _Search:
     # -- PRE-IE ---------------------------------------------------------------------------------------------
 
     def _least(
-        self, ask: "_Asked", guess: float, most: float, slope: float | None = None, within: float = _WITHIN
-    ) -> Found:
+        self, ask: "_Answers", guess: float, most: float, slope: float | None = None, within: float = _WITHIN
+    ) -> SearchResult:
         at_zero = self.bare_limit.level
         if at_zero >= self.target:
-            return Found(0.0, self.bare_limit, 0.0, None, None)
+            return SearchResult(0.0, self.bare_limit, 0.0, None, None)
         within = min(within, 4e-7 / self.target) if within == _WITHIN else within
         if slope is None:
             guess = min(guess * self._with_moments(), most)
@@ -297,18 +297,18 @@ class _Search:
             return 1.0
         return min(max(lacks / lacks_alone, 1.0), _MOST_WITH_MOMENTS)
 
-    def _need(self, found: Found, where: str) -> Need:
-        answer, notice = found.answer, None
-        if found.force is None:
-            at = f"at best FoS {answer.level:.4g} at {found.best_force:.4g} {self.site.unit}"
+    def _need(self, root: SearchResult, where: str) -> Need:
+        answer, notice = root.answer, None
+        if root.force is None:
+            at = f"at best FoS {answer.level:.4g} at {root.best_force:.4g} {self.site.unit}"
             turning = "moments turn the block" if answer.moments_govern else "its limit lies below the closed form's"
             notice = Notice("E329", f"PRE-IE does not reach the target {where}: {turning}, {at}")
-        elif found.below is not None:
+        elif root.below is not None:
             notice = Notice(
-                "E325", f"FoS jumps over the target at {found.force:.6g} {self.site.unit}, from {found.below:.4g} to "
+                "E325", f"FoS jumps over the target at {root.force:.6g} {self.site.unit}, from {root.below:.4g} to "
                 f"{answer.level:.4g}: contact, or how the block moves, changes there"
             )  # fmt: skip
-        return Need(found.force, answer.factor, answer.status, found.below, answer.moments_govern, answer.agree, notice)
+        return Need(root.force, answer.factor, answer.status, root.below, answer.moments_govern, answer.agree, notice)
 
     # -- heads on the face ------------------------------------------------------------------------------------
 
@@ -320,7 +320,7 @@ class _Search:
         options, site = self.options, self.site
         direction = site.local(line.vector())
         first: float | None = None
-        asked: tuple[Floats, Ints, _Asked] | None = None
+        asked: tuple[Floats, Ints, _Answers] | None = None
         wanted, guess, slope, rounds = force, force, rate, 0
         at_once = (1, _MOST_GROUPS) if ways.passive else (1,)
         while True:
@@ -330,31 +330,29 @@ class _Search:
             for most in at_once:
                 heads, counts = groups(site, laid, direction, most)
                 if asked is None or not (np.array_equal(heads, asked[0]) and np.array_equal(counts, asked[1])):
-                    asked = heads, counts, _Asked(self._with_heads(ways, line, direction, heads, counts))
+                    asked = heads, counts, _Answers(self._with_heads(ways, line, direction, heads, counts))
                 ask = asked[2]
                 first = ask(force).level if first is None else first
                 within = _ROUGH if most != at_once[-1] and ask(guess).moments_govern else _WITHIN
-                found = self._least(ask, guess, math.inf, slope, within)
-                if found.force is not None and within != _WITHIN and not found.answer.moments_govern:
-                    found = self._least(ask, found.force, math.inf, found.slope)
-                if found.force is None:
+                root = self._least(ask, guess, math.inf, slope, within)
+                if root.force is not None and within != _WITHIN and not root.answer.moments_govern:
+                    root = self._least(ask, root.force, math.inf, root.slope)
+                if root.force is None:
                     break
-                guess, slope = found.force, found.slope
-                if not found.answer.moments_govern:
+                guess, slope = root.force, root.slope
+                if not root.answer.moments_govern:
                     break  # it slides without turning: every bolt is drawn out alike, wherever its head is
                 at_once = at_once[-1:] if most == at_once[-1] else at_once  # the next layout begins there
             rounds += 1
-            fits = found.force is not None and 0.9 * wanted < found.force <= wanted * (1.0 + 1e-9)
-            if found.force is None or fits or rounds == _LAYOUTS:
-                return self._laid_out(
-                    Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, found, least
-                )
-            wanted = found.force
+            fits = root.force is not None and 0.9 * wanted < root.force <= wanted * (1.0 + 1e-9)
+            if root.force is None or fits or rounds == _LAYOUTS:
+                return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
+            wanted = root.force
 
-    def _laid_out(self, pattern: Pattern, laid: Layout, found: Found, least: float) -> Pattern:
+    def _laid_out(self, pattern: Pattern, laid: Layout, root: SearchResult, least: float) -> Pattern:
         """A pattern with its lengths, and whether those given are enough."""
         options, site = self.options, self.site
-        need = self._need(found, "with the heads on the face")
+        need = self._need(root, "with the heads on the face")
         lengths = laid.leaves_m + options.bond
         notices = [need.notice] if need.notice is not None else []
         apart = min([laid.across_m] + [laid.up_m] * (laid.rows > 1))
@@ -368,8 +366,8 @@ class _Search:
             message = f"{short} of {len(laid)} bolts are too short at {options.length:g} m"
             notices += [Notice("E327", f"{message}: the longest needs {lengths.max():.4g} m")] if short else []
         force = each = None
-        if found.force is not None:
-            force = max(found.force, least)  # with heads PRE-IE needs no less than the forces alone
+        if root.force is not None:
+            force = max(root.force, least)  # with heads PRE-IE needs no less than the forces alone
             each = force * (laid.across_m if site.in_section else 1.0) / len(laid)
             if each > options.capacity * (1.0 + 1e-6):
                 message = f"{each:.6g} kN come to each bolt: with more of them the moments ask for more force again"
@@ -432,7 +430,7 @@ class _Search:
             yield self._row(ways, "best", crest, ways.within(limits, goal, self.bare)[0])
 
     def _row(
-        self, ways: BoltDirections, which: Which, crest: "Crest", way: Way | None, line: Line | None = None
+        self, ways: BoltDirections, which: Which, crest: "PlaneCrest", way: Way | None, line: Line | None = None
     ) -> CrestRow:
         """One row of anchors with its heads at the crest."""
         site, options, head = self.site, self.options, self.site.place(crest.head)
@@ -451,12 +449,12 @@ class _Search:
         row = replace(row, toward=line, closed_form=self.as_it_is or own)
         if way.force is None:
             return replace(row, pre_ie=own if self.as_it_is else None)
-        asked = _Asked(lambda force: site.with_bolts(Bolt(force, line, ways.acts, head)))
-        found = self._least(asked, way.force, math.inf)
+        asked = _Answers(lambda force: site.with_bolts(Bolt(force, line, ways.acts, head)))
+        root = self._least(asked, way.force, math.inf)
         crosses = crest.reach(way.direction)
         least = crosses + options.bond
         length = math.ceil(least * 100.0 - 1e-9) / 100.0 if options.length is None else options.length
-        row = replace(row, pre_ie=self._need(found, "with the heads at the crest"), crosses=crosses, length=length)
+        row = replace(row, pre_ie=self._need(root, "with the heads at the crest"), crosses=crosses, length=length)
         if not row.use_kn:
             return row
         bolts, level = self._put_back((Bolt(row.use_kn, line, ways.acts, head, max(length, least)),))
@@ -479,7 +477,7 @@ class _Search:
 
     # -- pressure -----------------------------------------------------------------------------------------------
 
-    def pressure(self) -> Pressure:
+    def pressure(self) -> FacePressure:
         """An even pressure on the face."""
         site, area = self.site, self.site.area
         ways = BoltDirections(site, self.factor, passive=False)
@@ -490,9 +488,9 @@ class _Search:
         own = _need_of(way, area)
         closed = self.as_it_is or own
         if way.force is None:
-            return Pressure(closed, own if self.as_it_is else None, area, line, place)
-        found = self._least(_Asked(lambda force: site.with_force(force * site.inward, middle)), way.force, math.inf)
-        need = self._need(found, "with the pressure on the face")
+            return FacePressure(closed, own if self.as_it_is else None, area, line, place)
+        root = self._least(_Answers(lambda force: site.with_force(force * site.inward, middle)), way.force, math.inf)
+        need = self._need(root, "with the pressure on the face")
         if need.force is not None:
             need = replace(need, force=need.force / area)
-        return Pressure(closed, need, area, line, place, self.dilates)
+        return FacePressure(closed, need, area, line, place, self.dilates)

@@ -143,17 +143,17 @@ class Site:
 
 def pre_ie(design: Design) -> Answer:
     """PRE-IE's answer to a design."""
-    found = factors_of(design)
-    return Answer(found.limit, found.status, found.moments_govern, found.agree)
+    factors = factors_of(design)
+    return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
 
 
 def pre_ie_coarse(design: Design) -> Answer:
     """PRE-IE's answer on the coarsest node pairs, which take a tenth of the time: to look where the target lies."""
     made = cut(design)
-    found = find_limit(design, made.scene_at, made.refine, Clock(), most_refined=made.refine)
-    limit = found.analysis.governing
+    at_limit = find_limit(design, made.scene_at, made.refine, Clock(), most_refined=made.refine)
+    limit = at_limit.analysis.governing
     status = _OUTCOMES.get(limit.outcome, "slides")
-    return Answer(limit.factor or None, status, found.analysis.moments_govern)
+    return Answer(limit.factor or None, status, at_limit.analysis.moments_govern)
 
 
 def site_of(design: Design) -> Site:
@@ -181,8 +181,8 @@ def site_of(design: Design) -> Site:
     model, block = made.scene_at(0).model, made.block
 
     def closed_form(changed: Design) -> Answer:
-        found = asked(changed)
-        return Answer(found.factor or None, found.status)
+        answer = asked(changed)
+        return Answer(answer.factor or None, answer.status)
 
     return Site(
         design, block, block.faces[made.face], block.areas[made.face], made.joints, -_outward(block.faces[made.face]),
@@ -212,7 +212,7 @@ def _by_direction(pulls: Floats) -> Floats:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class SearchResult:
     """What a search found.
 
     Attributes
@@ -233,7 +233,7 @@ class Found:
 def least_force(
     ask: Callable[[float], Answer], target: float, within: float, guess: float, at_zero: float, most: float,
     slope: float | None = None, upward: Sequence[float] | None = None,
-) -> Found:  # fmt: skip
+) -> SearchResult:  # fmt: skip
     """The least force near a guess that gives a level of `target` to `target (1 + 2 within)`.
 
     Parameters
@@ -249,18 +249,18 @@ def least_force(
     def level(force: float) -> float:
         if force not in tried:
             tried[force] = ask(force)
-        found = tried[force].level
-        return 0.0 if math.isnan(found) else found
+        factor = tried[force].level
+        return 0.0 if math.isnan(factor) else factor
 
     def met(force: float) -> bool:
         return target <= level(force) <= target * (1.0 + 2.0 * within)
 
-    def found(force: float, below: float | None = None) -> Found:
+    def found(force: float, below: float | None = None) -> SearchResult:
         others = [other for other in tried if other != force and 0.0 < level(other) < math.inf]
         near = min(others, key=lambda other: abs(other - force), default=0.0)
         other = level(near) if near else at_zero
         rate = (level(force) - other) / (force - near) if force != near and math.isfinite(level(force)) else None
-        return Found(force, tried[force], force, below, rate if rate and rate > 0.0 else slope)
+        return SearchResult(force, tried[force], force, below, rate if rate and rate > 0.0 else slope)
 
     low, high = 0.0, math.inf
     if met(guess):
@@ -281,7 +281,7 @@ def least_force(
             low = force
     if not math.isfinite(high):
         best = max(tried, key=level)
-        return Found(None, tried[best], best, None, None)
+        return SearchResult(None, tried[best], best, None, None)
     aim = target * (1.0 + within)
     ends = [(low, _height(level(low) if low else at_zero, aim)), (high, _height(level(high), aim))]
     path = sorted(ends, key=lambda end: -abs(end[1]))  # what was tried, the latest last

@@ -8,7 +8,7 @@ from slopekit.design.common import Design
 from slopekit.kinds import kind_of
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
-from slopekit.studies.support.records import Case, CrestRow, Need, Pattern, Pressure, Support
+from slopekit.studies.support.records import BoltCase, CrestRow, FacePressure, Need, Pattern, Support
 from slopekit.studies.support.search import Answer
 from slopekit.studies.words import head, status_words
 
@@ -20,26 +20,26 @@ _WHICH = {"best": "best direction", "given": "the direction given", "practical":
 _FEW = 12  # bolts that are printed to be pasted
 
 
-def sheet_of(found: Support) -> Sheet:
+def sheet_of(support: Support) -> Sheet:
     """The sheet of a support study."""
     roles = [
-        Section(acts.upper(), [_ROLES[acts], *(entry for case in own for entry in _case(found, case))])
+        Section(acts.upper(), [_ROLES[acts], *(entry for case in own for entry in _case(support, case))])
         for acts in ("active", "passive")
-        if (own := [case for case in found.cases if case.acts == acts])
+        if (own := [case for case in support.cases if case.acts == acts])
     ]
-    cases = _cases(found)
-    return Sheet(head(found.design, "support"), (
-        Section("TARGET", _target(found)),
-        Section("BOLTS", _own_bolts(found.design)),
+    cases = _cases(support)
+    return Sheet(head(support.design, "support"), (
+        Section("TARGET", _target(support)),
+        Section("BOLTS", _own_bolts(support.design)),
         *roles,
-        Section("PRESSURE", _pressure(found.pressure, found.unit) if found.pressure is not None else ()),
-        Section("CREST", _crest(found)),
+        Section("PRESSURE", _pressure(support.pressure, support.unit) if support.pressure is not None else ()),
+        Section("CREST", _crest(support)),
         Section("CASES", [cases] if cases.rows else []),
-        Section("USE", _use(found)),
-        Section("NOTE", [str(notice) for notice in found.warnings]),
-        Section("PASTE", _paste(found)),
-        Section("TIME", [f"{found.seconds:.2f} s"]),
-    ), {"support.csv": cases} | ({"support-crest.csv": _crest_table(found)} if found.crest else {}))  # fmt: skip
+        Section("USE", _use(support)),
+        Section("NOTE", [str(notice) for notice in support.warnings]),
+        Section("PASTE", _paste(support)),
+        Section("TIME", [f"{support.seconds:.2f} s"]),
+    ), {"support.csv": cases} | ({"support-crest.csv": _crest_table(support)} if support.crest else {}))  # fmt: skip
 
 
 def _own_bolts(design: Design) -> list[Entry]:
@@ -48,37 +48,37 @@ def _own_bolts(design: Design) -> list[Entry]:
     return of_result or [bolt_text(bolt) for bolt in design.bolts]
 
 
-def line_of(found: Support) -> str:
+def line_of(support: Support) -> str:
     """A line for each way the bolts act: reached, force, direction, bolts."""
-    if found.stands:
-        return f"reached  nothing needed  {level(found.pre_ie)}"
+    if support.stands:
+        return f"reached  nothing needed  {level(support.pre_ie)}"
     lines = []
-    for case in found.built:
+    for case in support.built:
         parts = [case.acts, "reached" if case.reached else "not reached"]
-        parts += [] if case.force is None else [f"{size_number(case.force)} {found.unit}"]
+        parts += [] if case.force is None else [f"{size_number(case.force)} {support.unit}"]
         parts += [] if case.toward is None else [f"toward {line_in_words(case.toward)}"]
         pattern = case.pattern
         if pattern is not None and pattern.layout is not None:
-            parts.append(f"{len(pattern.layout)} {'rows' if found.unit == 'kN/m' else 'bolts'}")
+            parts.append(f"{len(pattern.layout)} {'rows' if support.unit == 'kN/m' else 'bolts'}")
         needs = [need.notice for need in (case.closed_form, case.pre_ie) if need and need.notice]
         parts += list(dict.fromkeys(notice.code for notice in (*needs, *(pattern.notices if pattern else ()))))
         lines.append("  ".join(parts))
     return "\n".join(lines)
 
 
-def _cases(found: Support) -> Table[Case]:
+def _cases(support: Support) -> Table[BoltCase]:
     """What the sections of active and passive bolts say, in rows; text has the sections."""
 
-    def laid(case: Case, what: str) -> int | None:
+    def laid(case: BoltCase, what: str) -> int | None:
         layout = case.pattern.layout if case.pattern is not None else None
         return None if layout is None else len(layout) if what == "bolts" else getattr(layout, what)
 
-    def put_back(case: Case) -> float | None:
+    def put_back(case: BoltCase) -> float | None:
         need = case.pattern.need if case.pattern is not None and case.pattern.need is not None else case.pre_ie
         return None if need is None else need.fos
 
-    unit = found.unit
-    columns: list[Column[Case]] = [
+    unit = support.unit
+    columns: list[Column[BoltCase]] = [
         Column("bolts are", attrgetter("acts"), "acts"),
         Column("direction", attrgetter("which"), "direction"),
         Column("toward", lambda case: None if case.toward is None else line_in_words(case.toward), "toward"),
@@ -92,14 +92,14 @@ def _cases(found: Support) -> Table[Case]:
         Column("columns", lambda case: laid(case, "columns"), "columns"),
         Column("of each", lambda case: None if case.pattern is None else case.pattern.each, "each_kn", "kN", _size),
     ]
-    return Table(columns, found.cases, said="")
+    return Table(columns, support.cases, said="")
 
 
 def _size(value: float | None) -> str:
     return "" if value is None else size_number(value)
 
 
-def _of_both(one: Case | Pressure) -> list[str]:
+def _of_both(one: BoltCase | FacePressure) -> list[str]:
     """What is to be known of what each method needs."""
     return [str(need.notice) for need in (one.closed_form, one.pre_ie) if need and need.notice]
 
@@ -109,26 +109,26 @@ def level(answer: Answer) -> str:
     return "no FoS" if answer.factor is None else f"FoS {factor_text(answer.factor)}"
 
 
-def _target(found: Support) -> list[str]:
-    bare = found.pre_ie
-    now = f"as it stands {level(bare)} by PRE-IE, {level(found.closed_form)} by the closed form"
-    entries = [f"FoS {found.target:g}; {now}: {status_words(found.design, bare.status)}"]
+def _target(support: Support) -> list[str]:
+    bare = support.pre_ie
+    now = f"as it stands {level(bare)} by PRE-IE, {level(support.closed_form)} by the closed form"
+    entries = [f"FoS {support.target:g}; {now}: {status_words(support.design, bare.status)}"]
     if bare.moments_govern:
         entries.append("moments govern: the closed form knows none, PRE-IE's numbers are those to use")
-    if found.stands:
+    if support.stands:
         entries.append("reached: no more support is needed")
     return entries
 
 
-def _case(found: Support, case: Case) -> list[str]:
+def _case(support: Support, case: BoltCase) -> list[str]:
     head = _WHICH[case.which]
     if case.toward is None:
         return [f"{head}: none.  {case.closed_form.notice}"]
-    if _same(found, case):
+    if _same(support, case):
         return ["best of all directions: the same"]
     lines = [
-        f"{head} {line_in_words(case.toward)}: {needed(case.closed_form, found.unit, 'closed form')};  "
-        f"{needed(case.pre_ie, found.unit, 'PRE-IE')}"
+        f"{head} {line_in_words(case.toward)}: {needed(case.closed_form, support.unit, 'closed form')};  "
+        f"{needed(case.pre_ie, support.unit, 'PRE-IE')}"
     ]
     lines += _of_both(case)
     best, other = case.optimum, case.pre_ie
@@ -146,23 +146,23 @@ def _case(found: Support, case: Case) -> list[str]:
         off = "needs"
         if math.isfinite(least):
             shown = size_number(least), size_number(most) if math.isfinite(most) else "more"
-            off = f"needs {shown[0]}" + (f" to {shown[1]}" if shown[0] != shown[1] else "") + f" {found.unit}"
+            off = f"needs {shown[0]}" + (f" to {shown[1]}" if shown[0] != shown[1] else "") + f" {support.unit}"
         else:
             off = "does not reach it"
         words = "least of all" if best.is_minimum else "NOT PROVED the least"
         lines.append(f"{words}: none of {best.scanned} other directions needs less; 1° off it {off} (closed form)")
     if case.most is not None and case.pattern is not None:
         lines.append(
-            f"no more than {size_number(case.most)} {found.unit}: beyond that FoS falls below the target again"
+            f"no more than {size_number(case.most)} {support.unit}: beyond that FoS falls below the target again"
         )
     if case.pattern is not None:
-        lines += _pattern(found, case, case.pattern)
+        lines += _pattern(support, case, case.pattern)
     return lines
 
 
-def _same(found: Support, case: Case) -> bool:
+def _same(support: Support, case: BoltCase) -> bool:
     """Whether a best direction is that which is built, and was printed already."""
-    built = next((other for other in found.built if other.acts == case.acts), case)
+    built = next((other for other in support.built if other.acts == case.acts), case)
     if built is case or case.toward is None or built.toward is None or built.pre_ie is None:
         return False
     apart = float(case.toward.vector() @ built.toward.vector())
@@ -181,8 +181,8 @@ def needed(need: Need | None, unit: str, name: str) -> str:
     return f"{name} {size_number(need.force)} {unit} (put back: {fos})"
 
 
-def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
-    laid, unit = pattern.layout, found.unit
+def _pattern(support: Support, case: BoltCase, pattern: Pattern) -> list[str]:
+    laid, unit = pattern.layout, support.unit
     if laid is None:
         return [f"on the face: none.  {notice}" for notice in pattern.notices]
     lines = []
@@ -197,7 +197,7 @@ def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
         lines.append(first)
     lines += [str(notice) for notice in pattern.notices]
     if pattern.each is not None:
-        if found.unit == "kN/m":
+        if support.unit == "kN/m":
             rows = "1 row" if laid.rows == 1 else f"{laid.rows} rows, {laid.up_m:.3g} m from row to row"
             bolts = f"{rows}, a bolt every {laid.across_m:.4g} m along the slope"
         else:
@@ -205,7 +205,7 @@ def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
             rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
             apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
             bolts = f"{counted(len(laid), 'bolt')}{asked} in {rows}{apart}"
-        in_each = f"{size_number(pattern.each)} of {found.options.capacity:g} kN in each"
+        in_each = f"{size_number(pattern.each)} of {support.options.capacity:g} kN in each"
         lines.append(f"{bolts}, {in_each}; {pattern.per_m2:.4g} kN on a m² of face")
     if laid.left_out:
         lines.append(
@@ -216,14 +216,14 @@ def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
     span = (
         f"{lengths.min():.4g} m" if len(lengths) == 1 else f"{lengths.min():.4g} m (shortest) to {lengths.max():.4g} m"
     )
-    lines.append(f"least length {span}: from the head to behind the joint, and {found.options.bond:g} m of anchorage")
+    lines.append(f"least length {span}: from the head to behind the joint, and {support.options.bond:g} m of anchorage")
     turns = pattern.need is not None and pattern.need.moments_govern
     if pattern.groups < len(laid) and case.acts == "passive" and turns:
         lines.append(f"PRE-IE took the {len(laid)} bolts as {pattern.groups} groups, each at the middle of its heads")
     return lines
 
 
-def _pressure(pressure: Pressure, unit: str) -> list[str]:
+def _pressure(pressure: FacePressure, unit: str) -> list[str]:
     need, other = pressure.closed_form, pressure.pre_ie
     lines = [
         f"even on the face, {size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}, square to it "
@@ -235,26 +235,26 @@ def _pressure(pressure: Pressure, unit: str) -> list[str]:
     return lines
 
 
-def _crest(found: Support) -> list[str]:
+def _crest(support: Support) -> list[str]:
     """A row of anchors from the crest: force per metre, plunge, spacing and length."""
-    if not found.crest:
-        has_crest = kind_of(found.design).crest_point is not None and not found.stands
+    if not support.crest:
+        has_crest = kind_of(support.design).crest_point is not None and not support.stands
         return ["none: the crack stands in the face, the crest is no part of the block"] if has_crest else []
-    first, lines = found.crest[0], []
+    first, lines = support.crest[0], []
     low, high = first.plunges
     place = ", ".join(f"{round(part, 6) + 0.0:.6g}" for part in first.head)
     lines.append(
         f"one row of anchors, heads at the crest ({place}); they cross the plane at plunges of {low:g} to {high:g}°"
     )
-    for row in found.crest:
+    for row in support.crest:
         what = {"best": "best plunge", "given": "the direction given", "practical": "best that can be drilled"}
         head = f"{row.acts}, {what[row.which]}"
         if row.toward is None:
             lines += [f"{head}: none.  {notice}" for notice in row.notices]
             continue
         lines.append(
-            f"{head} {line_in_words(row.toward)}: {needed(row.closed_form, found.unit, 'closed form')};  "
-            f"{needed(row.pre_ie, found.unit, 'PRE-IE')}"
+            f"{head} {line_in_words(row.toward)}: {needed(row.closed_form, support.unit, 'closed form')};  "
+            f"{needed(row.pre_ie, support.unit, 'PRE-IE')}"
         )
         lines += [str(need.notice) for need in (row.closed_form, row.pre_ie) if need and need.notice]
         if row.which == "best" and row.toward.plunge_deg <= low + 0.05:
@@ -262,15 +262,15 @@ def _crest(found: Support) -> list[str]:
         if row.spacing is not None and row.each is not None and row.crosses is not None and row.length is not None:
             lines.append(
                 f"an anchor of {size_number(row.each)} kN every {row.spacing:.4g} m, {row.length:.4g} m long: "
-                f"{row.crosses:.4g} m to the plane, and {found.options.bond:g} m of anchorage"
+                f"{row.crosses:.4g} m to the plane, and {support.options.bond:g} m of anchorage"
             )
         lines += [str(notice) for notice in row.notices]
     return lines
 
 
-def _crest_table(found: Support) -> Table[CrestRow]:
+def _crest_table(support: Support) -> Table[CrestRow]:
     """The same in rows."""
-    unit = found.unit
+    unit = support.unit
     columns: list[Column[CrestRow]] = [
         Column("anchors are", attrgetter("acts"), "acts"),
         Column("plunge", attrgetter("which"), "direction"),
@@ -284,37 +284,37 @@ def _crest_table(found: Support) -> Table[CrestRow]:
         Column("apart", attrgetter("spacing"), "spacing_m", "m", _size),
         Column("of each", attrgetter("each"), "each_kn", "kN", _size),
     ]
-    return Table(columns, found.crest, said="")
+    return Table(columns, support.crest, said="")
 
 
-def _use(found: Support) -> list[str]:
+def _use(support: Support) -> list[str]:
     lines = []
-    for case in found.built:
+    for case in support.built:
         if case.toward is None or case.force is None:
             lines.append(f"{case.acts}: the target is not reached; see above")
             continue
         closed = case.closed_form.force or 0.0
         why = "both methods agree"
-        if found.dilates:
+        if support.dilates:
             why = "PRE-IE's: the joints dilate, which the closed form does not know"
         elif case.force > closed * (1.0 + 1e-6):
-            why = f"moments govern: the closed form's {size_number(closed)} {found.unit} are not enough"
+            why = f"moments govern: the closed form's {size_number(closed)} {support.unit} are not enough"
             if not closed:
                 why = "moments govern: the closed form sees nothing to hold"
         lost = case.pattern is not None and not case.pattern.reached
         but = " as a force through the centroid; the bolts above do not reach the target" if lost else ""
         lines.append(
-            f"{case.acts}: {size_number(case.force)} {found.unit} toward {line_in_words(case.toward)}{but}   ({why})"
+            f"{case.acts}: {size_number(case.force)} {support.unit} toward {line_in_words(case.toward)}{but}   ({why})"
         )
-    if found.pressure is not None and found.pressure.use is not None:
-        lines.append(f"pressure: {size_number(found.pressure.use)} kPa")
+    if support.pressure is not None and support.pressure.use is not None:
+        lines.append(f"pressure: {size_number(support.pressure.use)} kPa")
     return lines
 
 
-def _paste(found: Support) -> list[Entry]:
+def _paste(support: Support) -> list[Entry]:
     """The bolts as YAML, to be pasted."""
     entries: list[Entry] = []
-    for case in found.built:
+    for case in support.built:
         if case.yaml is None:
             entries += [f"{case.acts}: nothing to paste. {case.lacks}"] if case.lacks else []
             continue
@@ -322,6 +322,6 @@ def _paste(found: Support) -> list[Entry]:
         if count > _FEW:
             entries.append(f"{case.acts}: {count} bolts; -o DIR writes them to support-{case.acts}.yaml")
             continue
-        each = " (each row's bolts, per metre of slope)" if found.unit == "kN/m" else ""
+        each = " (each row's bolts, per metre of slope)" if support.unit == "kN/m" else ""
         entries += [f"{case.acts}, in place of `support` in the design{each}:", Verbatim(case.yaml)]
     return entries

@@ -30,11 +30,11 @@ from slopekit.studies.protocol import (
     DESK,
     ADesign,
     Argument,
-    Desk,
     Jobs,
     Option,
-    Outcome,
     Scheduler,
+    StudyOutcome,
+    Workplace,
     number_of,
     study,
 )
@@ -67,7 +67,7 @@ class Critical:
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class StatusChange:
     """A change of status between two neighbouring values of the first key; `line` as in `Critical`."""
 
     line: float | None
@@ -76,7 +76,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Sweep(Outcome):
+class Sweep(StudyOutcome):
     """A design at many values.
 
     Attributes
@@ -137,7 +137,7 @@ class Sweep(Outcome):
         """The least and the largest factor."""
 
         def end(which: Callable[..., float]) -> Callable[[Sweep], float | None]:
-            return lambda found: which(found._factors(), default=None)
+            return lambda swept: which(swept._factors(), default=None)
 
         return [
             Column("least FoS", end(min), "fos_least", show=".4f", width=12),
@@ -145,10 +145,10 @@ class Sweep(Outcome):
         ]
 
     @property
-    def changes(self) -> list[Change]:
+    def changes(self) -> list[StatusChange]:
         """Changes of status between neighbours."""
         return [
-            Change(line, (a, b), (self.status(one), self.status(other)))
+            StatusChange(line, (a, b), (self.status(one), self.status(other)))
             for line, points in self.lines()
             for (a, one), (b, other) in pairwise(points)
             if self.status(one) != self.status(other)
@@ -158,10 +158,10 @@ class Sweep(Outcome):
     def critical(self) -> list[Critical]:
         """Where the factors pass the levels."""
         return [
-            found
+            crossing
             for (level, what), method in product(self.levels, self.asked)
             for line, points in self.lines()
-            for found in self._passes(level, what, method, line, points)
+            for crossing in self._passes(level, what, method, line, points)
         ]
 
     def _passes(
@@ -184,13 +184,13 @@ class Sweep(Outcome):
 
     def shape(self, method: Method) -> str:
         """How the factor goes with the first key: rises, falls, stays, turns; over all lines the same, or turns."""
-        found = set()
+        shapes = set()
         for _, points in self.lines():
             factors = [factor for _, point in points if (factor := factor_at(point, method)) is not None]
             steps = {_step(low, high) for low, high in pairwise(factors)} - {"stays"}
-            found.add("turns" if len(steps) > 1 else steps.pop() if steps else "stays" if len(factors) > 1 else "")
-        found -= {""}
-        return "" if not found else found.pop() if len(found) == 1 else "turns"
+            shapes.add("turns" if len(steps) > 1 else steps.pop() if steps else "stays" if len(factors) > 1 else "")
+        shapes -= {""}
+        return "" if not shapes else shapes.pop() if len(shapes) == 1 else "turns"
 
     @property
     def counts(self) -> dict[str, int]:
@@ -248,17 +248,17 @@ class Sweep(Outcome):
 
 def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
     """Paths and what follows their equals signs."""
-    faults, found = Faults(), dict[str, str]()
+    faults, by_path = Faults(), dict[str, str]()
     for text in texts:
         path, equals, values = text.partition("=")
         path = path.strip()
         if not equals:
             faults.append(Fault("E312", f"{path} has no values", text, how_written(path)))
-        elif path in found:
+        elif path in by_path:
             faults.append(Fault("E313", f"{path} is given twice", text, "Give it once."))
-        found[path] = values
+        by_path[path] = values
     faults.refuse()
-    return found
+    return by_path
 
 
 #: `KEY=VALUES ...` of a command.
@@ -279,7 +279,7 @@ def sweep(
     fos: Annotated[float | None, Option("A factor of safety: where it is passed is said.", number_of)] = None,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Sweep:
     """A design at many values of one number (a curve) or of two (a grid), or of each in turn (--tornado).
 
@@ -309,19 +309,19 @@ def sweep(
     crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
     check_methods(design, methods)
-    faults, found, meant = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
+    faults, axes, meant = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
     for path, given in keys.items():
         with faults.kept():
             key = key_of(design, path)
-            found.append((key, parse_values(key, given)))
-            meant += meant_in_steps(key, given, found[-1][1])
-    count = math.prod(len(values) for _, values in found)
+            axes.append((key, parse_values(key, given)))
+            meant += meant_in_steps(key, given, axes[-1][1])
+    count = math.prod(len(values) for _, values in axes)
     if count > MOST:
         faults.append(Fault("E312", f"{count} points are too many for one sweep (most: {MOST})"))
     faults.refuse()
-    if len({key.path for key, _ in found}) < len(found):
-        raise DesignError([Fault("E313", f"{found[0][0].path} is given twice", "", "Name two different keys.")])
-    own, values = tuple(key for key, _ in found), tuple(of for _, of in found)
+    if len({key.path for key, _ in axes}) < len(axes):
+        raise DesignError([Fault("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")])
+    own, values = tuple(key for key, _ in axes), tuple(of for _, of in axes)
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), meant=tuple(meant))
     tasks = [values_of(design, own, place) for place in swept.places]
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
@@ -329,7 +329,7 @@ def sweep(
 
 
 def evaluated(
-    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew, desk: Desk
+    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew, desk: Workplace
 ) -> list[Point]:
     """The points of a study, by whoever does the work; what is done is kept in a journal until all are."""
     plain = design.source.root.plain() if design.source is not None else None
@@ -385,14 +385,14 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
     DesignError
         E314 for a target that is none.
     """
-    found = {1.0: "FoS 1"}
+    levels = {1.0: "FoS 1"}
     for rule in design.rules:
         if rule.name in ("fos", "fos.limit", "fos.closed_form"):
-            found.setdefault(rule.value, f"acceptance, {rule}")
+            levels.setdefault(rule.value, f"acceptance, {rule}")
     if fos is not None:
         checked_target(fos, "Write --fos 1.5")
-        found.setdefault(fos, f"target, FoS {number(fos)}")
-    return tuple(found.items())
+        levels.setdefault(fos, f"target, FoS {number(fos)}")
+    return tuple(levels.items())
 
 
 def _step(low: float, high: float) -> str:

@@ -177,9 +177,9 @@ def _across(swept: Sweep, method: Method, k: int, value: float) -> Column[_Line]
         return factor if factor is not None and is_number(factor) else _BRIEFLY.get(status, status)[: _CELL - 2]
 
     def marked(line: _Line) -> str:
-        found, point = cell_of(line), line[1][k][1]
+        content, point = cell_of(line), line[1][k][1]
         governed = point.factors is not None and point.factors.moments_govern
-        text = cell(found) if isinstance(found, float) else found
+        text = cell(content) if isinstance(content, float) else content
         return f"{text:>{_CELL - 1}}{'!' if point.is_in_doubt else '*' if governed else ' '}"
 
     return Column(_rounded(value), cell_of, width=_CELL, text=marked)
@@ -201,14 +201,14 @@ def _shape(swept: Sweep) -> list[str]:
     with_first = "" if len(swept.keys) == 1 else f" along {swept.keys[0].path}"
     for method in swept.asked:
         shape = swept.shape(method)
-        found = [
+        factors = [
             (factor, place) for place, point in zip(swept.places, swept.points, strict=True)
             if (factor := factor_at(point, method)) is not None and is_number(factor)
         ]  # fmt: skip
-        if not shape or not found:
+        if not shape or not factors:
             entries.append(f"{METHODS[method]}: no curve")
             continue
-        least, most = (f"{cell(factor)} at {_place(swept, at)}" for factor, at in (min(found), max(found)))
+        least, most = (f"{cell(factor)} at {_place(swept, at)}" for factor, at in (min(factors), max(factors)))
         said.setdefault(f"{_GOES[shape]}{with_first}; least {least}, greatest {most}", []).append(METHODS[method])
     return [*entries, *(f"{' and '.join(methods)}: {text}" for text, methods in said.items())]
 
@@ -220,22 +220,22 @@ def _place(swept: Sweep, place: tuple[float, ...]) -> str:
 def _critical(swept: Sweep) -> list[str]:
     if len(swept.keys) > 1:
         return _passes_of_a_grid(swept)
-    found = swept.critical
+    critical = swept.critical
     entries = []
     for level, what in swept.levels:
-        own = [one for one in found if one.level == level]
+        own = [one for one in critical if one.level == level]
         if not own:
             entries.append(f"{what}: not passed between neighbouring points")
         entries += list(_together(swept, what, own))
-    if any(one.at is not None and one.how != "at a point" for one in found):
+    if any(one.at is not None and one.how != "at a point" for one in critical):
         entries.append(f"interpolated values are rough: slopekit solve finds {swept.keys[0].path} to every digit")
     return entries
 
 
-def _together(swept: Sweep, what: str, found: Sequence[Critical]) -> Iterator[str]:
+def _together(swept: Sweep, what: str, critical: Sequence[Critical]) -> Iterator[str]:
     """Each place once, with the methods that pass the level there alike."""
     said: dict[str, list[str]] = {}
-    for one in found:
+    for one in critical:
         said.setdefault(_passed(swept, one), []).append(METHODS[one.method])
     for text, methods in said.items():
         yield f"{what}: {text}, by {' and '.join(methods)}"
@@ -307,8 +307,8 @@ def _counted(swept: Sweep) -> str:
 
 def _reasons(swept: Sweep) -> list[str]:
     """The first message of each code, for points without a block."""
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for place, point in zip(swept.places, swept.points, strict=True):
         if point.factors is None:
-            found.setdefault(point.code, f"{point.code} at {_place(swept, place)}: {point.message}")
-    return list(found.values())
+            reasons.setdefault(point.code, f"{point.code} at {_place(swept, place)}: {point.message}")
+    return list(reasons.values())

@@ -24,7 +24,7 @@ from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import Method, Point, factor_at, status_of
-from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
+from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
 from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, asked_of, check_methods, evaluated
@@ -60,7 +60,7 @@ class TornadoBar:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Tornado(Outcome):
+class Tornado(StudyOutcome):
     """The numbers of a design by what they do.
 
     Attributes
@@ -152,7 +152,7 @@ def tornado(
     methods: MethodsAsked = "both",
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
-    desk: Desk = DESK,
+    desk: Workplace = DESK,
 ) -> Tornado:
     """Every number of the design, one at a time.
 

@@ -9,15 +9,15 @@ from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
-from slopekit.studies.protocol import Outcome
-from slopekit.studies.support.records import Acts, Need, Options, bolt_words, snippet
+from slopekit.studies.protocol import StudyOutcome
+from slopekit.studies.support.records import Acts, Need, SupportOptions, bolt_words, snippet
 from slopekit.studies.support.search import Answer
 
 Where = Literal["toe", "crest", "least", "column"]
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HoldingForce:
     """What one column has to be held with.
 
     Attributes
@@ -69,7 +69,7 @@ class ByColumn:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class ColumnSupport(Outcome):
+class ColumnSupport(StudyOutcome):
     """What a row of columns needs.
 
     Attributes
@@ -85,11 +85,11 @@ class ColumnSupport(Outcome):
     name: ClassVar[str] = "support"
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})
-    options: Options = field(metadata={"json": None})
+    options: SupportOptions = field(metadata={"json": None})
     closed_form: Answer | None = field(metadata={"json": None})
     pre_ie: Answer = field(metadata={"json": None})
     why_no_closed_form: str
-    held: tuple[Held, ...]
+    held: tuple[HoldingForce, ...]
     columns: tuple[ByColumn, ...]
     unit: str
     thickness: float = field(metadata={"json": "thickness_m"})
@@ -120,7 +120,7 @@ class ColumnSupport(Outcome):
             "status": self.pre_ie.status, "closed_form_status": None if closed is None else closed.status,
         }  # fmt: skip
 
-    def least(self, acts: Acts) -> Held | None:
+    def least(self, acts: Acts) -> HoldingForce | None:
         """The column that takes the least force of those that reach the target."""
         able = [one for one in self.held if one.acts == acts and one.bolt is not None]
         return min(able, key=lambda one: one.use_kn or 0.0, default=None)

@@ -18,8 +18,8 @@ from slopekit.design.parts import Bolt
 from slopekit.kinds import factors_of, kind_of
 from slopekit.kinds.topple import ToppleDesign, column_slope, cut, why_no_table
 from slopekit.notices import common_notices
-from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, Held, Where
-from slopekit.studies.support.records import Acts, Need, Options, written
+from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce, Where
+from slopekit.studies.support.records import Acts, Need, SupportOptions, written
 from slopekit.studies.support.search import Answer, least_force, pre_ie
 
 INTO_SLOPE = Line(90.0, 0.0)  # columns fall toward -x: level, into the slope
@@ -30,7 +30,7 @@ _ALL = 24  # of more columns the table is not asked for every one
 _ALMOST_ALL = 1e3  # times the weight of the row: a force as good as endless
 
 
-def support_of_columns(design: ToppleDesign, options: Options, began: float) -> ColumnSupport:
+def support_of_columns(design: ToppleDesign, options: SupportOptions, began: float) -> ColumnSupport:
     """The forces on the toe column, the crest and the best column.
 
     Raises
@@ -39,7 +39,7 @@ def support_of_columns(design: ToppleDesign, options: Options, began: float) -> 
         E387 rows of columns, E388 a direction out of the section, E389 options that columns do not have.
     """
     _refuse(design, options)
-    search = _Search(design, options)
+    search = _RowSearch(design, options)
     held = () if search.stands else tuple(search.held())
     return ColumnSupport(
         design, options.target, options, search.closed, search.bare, search.why_not, held,
@@ -48,7 +48,7 @@ def support_of_columns(design: ToppleDesign, options: Options, began: float) -> 
     )  # fmt: skip
 
 
-def _refuse(design: ToppleDesign, options: Options) -> None:
+def _refuse(design: ToppleDesign, options: SupportOptions) -> None:
     faults = Faults()
     if design.rows > 1:
         advice = "Set columns.rows to 1: rows do not touch, each takes the same."
@@ -65,13 +65,13 @@ def _refuse(design: ToppleDesign, options: Options) -> None:
         raise DesignError(faults)
 
 
-class _Search:
+class _RowSearch:
     """One row of columns at one target."""
 
-    def __init__(self, design: ToppleDesign, options: Options) -> None:
+    def __init__(self, design: ToppleDesign, options: SupportOptions) -> None:
         self.design, self.options, self.target = design, options, options.target
-        found = factors_of(design)
-        self.bare = Answer(found.limit, found.status, found.moments_govern)
+        factors = factors_of(design)
+        self.bare = Answer(factors.limit, factors.status, factors.moments_govern)
         self.why_not = why_no_table(design)
         self.slope: ColumnSlope | None = None
         self.closed: Answer | None = None
@@ -153,25 +153,25 @@ class _Search:
         try:
             weight = self.slope.unit_weight_kn_m3 * self.slope.width_m * sum(self.design.heights_m)
             held = self.pulled(self.slope, column, _ALMOST_ALL * weight if endless else force)
-            found = toppling_factor_of_safety(held)
+            closed = toppling_factor_of_safety(held)
             table = toppling_table(held, self.target)
         except DesignError as error:
             return Need(None, None, self.closed.status), (Notice("E390", f"{name}: {error.faults[0].message}"),)
         if endless:
-            best = "" if found.factor is None else f": at best FoS {found.factor:.4g}"
+            best = "" if closed.factor is None else f": at best FoS {closed.factor:.4g}"
             why = "those below it topple or slide by themselves" if column else "it is not held in that direction"
             message = f"no force on {name} reaches the target by Goodman & Bray, {why}{best}"
-            return Need(None, found.factor, found.status), (Notice("E390", message),)
+            return Need(None, closed.factor, closed.status), (Notice("E390", message),)
         lifted = [self.design.block_names[k] for k in np.flatnonzero(~table.base_holds)[:5]]
         notices = () if not lifted else (
             Notice("W445", f"with {name} held Goodman & Bray's forces are not admissible at {', '.join(lifted)}"),
         )  # fmt: skip
         times = self.target if acts == "passive" else 1.0
-        return Need(times * force, found.factor, found.status), notices
+        return Need(times * force, closed.factor, closed.status), notices
 
     # -- PRE-IE -------------------------------------------------------------------------------------------
 
-    def held(self) -> list[Held]:
+    def held(self) -> list[HoldingForce]:
         """Each way to act, each column."""
         return [self.one(acts, where, column) for acts in self.options.acts for where, column in self.places()]
 
@@ -179,12 +179,12 @@ class _Search:
         thick = force * self.design.thickness_m
         return Bolt(thick, self.line, acts, self.at(column), None, self.design.block_names[column])
 
-    def one(self, acts: Acts, where: Where, column: int) -> Held:
+    def one(self, acts: Acts, where: Where, column: int) -> HoldingForce:
         """Both methods on one column."""
         closed, notices = self.by_table(column, acts)
         name = self.design.block_names[column]
         limit, said = self.by_pre_ie(acts, column, None if closed is None else closed.force)
-        held = Held(
+        held = HoldingForce(
             acts, name, where, self.height(column), self.at(column), self.line, closed, limit, None, (*notices, *said)
         )
         use = held.use_kn
@@ -203,16 +203,14 @@ class _Search:
         start = guess or 0.1 * weight
         at_zero = self.bare.level if math.isfinite(self.bare.level) else 0.0
         upward = None if guess else [start * factor for factor in (3.0, 10.0, 100.0)]
-        found = least_force(ask, self.target, within, start, at_zero, math.inf, upward=upward)
-        answer = found.answer
-        if found.force is None:
-            best = f"at best FoS {answer.level:.4g} at {found.best_force:.4g} kN/m"
+        root = least_force(ask, self.target, within, start, at_zero, math.inf, upward=upward)
+        answer = root.answer
+        if root.force is None:
+            best = f"at best FoS {answer.level:.4g} at {root.best_force:.4g} kN/m"
             message = f"PRE-IE does not reach the target by a force on {design.block_names[column]}: {best}"
             return Need(None, answer.factor, answer.status), (Notice("E329", message),)
         said: tuple[Notice, ...] = ()
-        if found.below is not None:
-            message = (
-                f"FoS jumps over the target at {found.force:.6g} kN/m, from {found.below:.4g} to {answer.level:.4g}"
-            )
+        if root.below is not None:
+            message = f"FoS jumps over the target at {root.force:.6g} kN/m, from {root.below:.4g} to {answer.level:.4g}"
             said = (Notice("E325", f"{message}: the way the columns move changes there"),)
-        return Need(found.force, answer.factor, answer.status, found.below), said
+        return Need(root.force, answer.factor, answer.status, root.below), said
