@@ -89,7 +89,7 @@ def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, 
         E164 a list that is too short or too long.
 
     >>> from slopekit.design.nodes import document_from
-    >>> spec = Section({"height": Leaf(number=True, example="64.89 m")}, required=("height",))
+    >>> spec = KeyGroup({"height": Leaf(number=True, example="64.89 m")}, required=("height",))
     >>> print(*check_structure(document_from({"hieght": 5}).root, spec, "wedge"), sep="\\n")
     E142 hieght is not a key of a wedge design
          design: hieght = 5

@@ -69,7 +69,7 @@ class BenchInputs:
     joints : the survey; slope : its loads as a wedge design whose joints and face mean nothing
     heights_m, face_dips_deg : of the benches, each with each; berms_m : of each of those, None: the width needed
     toward_deg : dip direction of the faces; toe : one of `TOES`
-    cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.Ground`
+    cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.BenchSite`
     drawn : of `c` and `phi` those that are drawn at each place, for joints without their own
     own : how many joints have c, φ, a trace and a spacing of their own
     from_sets : whether the joints are drawn from sets, and none of them was measured

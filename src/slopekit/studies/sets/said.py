@@ -64,8 +64,11 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
             message = f"{counted(chosen, 'set')} or {others}: the joints hardly tell which (BIC within 6)"
             return [Notice("W404", f"{message}; look at the stereonet, --sets N takes another number")]
     elif len(joint_sets.sets) < joint_sets.asked:
-        enough = f"{len(joint_sets.sets)} hold joints that are likelier theirs than not"
-        return [Notice("W408", f"{joint_sets.asked} sets were asked for, {enough}")]
+        message = (
+            f"{joint_sets.asked} sets were asked for, {len(joint_sets.sets)} hold joints that are likelier "
+            "theirs than not"
+        )
+        return [Notice("W408", message)]
     return []
 
 
