@@ -251,13 +251,15 @@ def _done(what: str, moment: Moment, options: Mapping[str, Any], pipe: Connectio
             last = now
             pipe.send_bytes(json.dumps({"done": done, "total": total, "words": words}).encode())
 
+    def told(end: Mapping[str, Any]) -> bytes:
+        return json.dumps({"end": end}, default=of_numpy, allow_nan=False).encode()
+
     try:
-        end: dict[str, Any] = {"result": run_job(what, moment, options, tell)}
+        return told({"result": run_job(what, moment, options, tell)})
     except SlopekitError as error:
-        end = {"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]}
+        return told({"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]})
     except Exception as error:  # a bug of ours: the page says so
-        end = {"faults": [answers.fault_of(bug(error))]}
-    return json.dumps({"end": end}, default=of_numpy, allow_nan=False).encode()
+        return told({"faults": [answers.fault_of(bug(error))]})
 
 
 # -- here -------------------------------------------------------------------------------------------------------------

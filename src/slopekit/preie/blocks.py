@@ -220,7 +220,7 @@ def _limit_of(
         settled = None
         if proposal is not None and not vouched:
             own = proposal.limit_alone(bond)
-            if own is not None:
+            if own is not None and (own.found or own.outcome is PathOutcome.BRACKET):
                 if not own.found:
                     snapped.add(bond.tobytes())
                 return _weaker(own, 1.0 / unit), False

@@ -75,6 +75,7 @@ class _Rounds:
         self.whole: float | None = None
         self.least: float | None = None
         self.unsettled: float | None = None
+        self.stood: Bools | None = None  # what was lost where all blocks stood up to `least`
 
     @property
     def bond(self) -> Floats:
@@ -82,14 +83,16 @@ class _Rounds:
         left: Floats = np.where(self.lost[self.model.pair_contact], 0.0, 1.0)
         return left
 
-    def after(self, path_end: PathLimit) -> bool:
+    def after(self, path_end: PathLimit, all_rest: bool) -> bool:
         """Whether bonds break, are kept or come back after a round."""
         self.whole = path_end.parameter if self.whole is None else self.whole
         opens, slips = _moves(self.model, path_end)
+        self.late = np.zeros_like(self.lost)
         breaks = opens & self.bonded & ~self.lost & ~self.kept
         if breaks.any() and self.unsettled is not None and not path_end.found:
             share = self._work(path_end, breaks) / float(self.working @ path_end.motion)
-            if abs(share) < _LITTLE:  # another round like the last would say no more
+            work = path_end.parameter or 0.0 if self.load_grows else 1.0  # `share` is in the parameter's unit there
+            if abs(share) < _LITTLE * work:  # another round like the last would say no more
                 self.late = breaks
                 return False
         if breaks.any():
@@ -102,8 +105,9 @@ class _Rounds:
         change = 1.0 - self.broke / (path_end.parameter or math.inf)
         slid_on = closed & slips & ((-change if self.load_grows else change) > SAME_FACTOR)
         if slid_on.any():
+            self.least = self._less(path_end, opens & self.kept)
+            self.stood = self.lost if all_rest else None
             self.lost, self.kept = self.lost & ~slid_on, self.kept | slid_on
-            self.least = path_end.parameter
             return True
         back = closed & (self.times < 2) & path_end.found  # what has not settled gives nothing back
         self.lost = self.lost & ~back
@@ -127,16 +131,25 @@ class _Rounds:
         opens &= self.kept | self.late
         if path_end.parameter is None or not opens.any():
             return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled)
-        did, works = self._work(path_end, opens), float(self.working @ path_end.motion)
-        parameter, share = path_end.parameter, did / works
-        less = parameter - share if self.load_grows else parameter / max(1.0 - share, TINY)
-        if least is not None and (least < parameter) == self.load_grows:  # what stands without bonds stands with them
-            less = max(less, least) if self.load_grows else min(less, least)
-            less = self._pressed_to(less, least, opens & self.kept, pressed)
+        parameter = path_end.parameter
+        less = self._less(path_end, opens)
+        if least is not None and (least < parameter) == self.load_grows:
+            if self.stood is not None and not (self.lost & ~self.stood).any():  # what stands without bonds stands with
+                less = max(less, least) if self.load_grows else min(less, least)
+            if (least < less) == self.load_grows:
+                less = self._pressed_to(less, least, opens & self.kept, pressed)
         share = 1.0 - (less / parameter if self.load_grows else parameter / less)
         return Bonded(
             replace(path_end, parameter=less), self.bond, self.whole, least, int(opens.sum()), share, self.unsettled
         )
+
+    def _less(self, path_end: PathLimit, opens: Bools) -> float:
+        """Its parameter without the work that the cohesion of contacts (k,) does."""
+        assert path_end.parameter is not None
+        share = self._work(path_end, opens) / float(self.working @ path_end.motion)
+        if self.load_grows:
+            return max(path_end.parameter - share, 0.0)
+        return path_end.parameter / max(1.0 - share, TINY)
 
     def _work(self, path_end: PathLimit, contacts: Bools) -> float:
         """What the cohesion of some contacts (k,) does in a motion."""
@@ -169,17 +182,19 @@ def with_bonds(
     once : finds the limit with some bonds; pressed : contacts that are at rest
     working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
     """
-    rounds, vouched = _Rounds(model, working, load_grows), True
+    rounds, vouched, all_rest = _Rounds(model, working, load_grows), True, False
     for _ in range(_MOST_ROUNDS):
         path_end, all_rest = once(rounds.bond, vouched)
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
         if not runs or not rounds.bonded.any():
             whole = rounds.whole or path_end.parameter
             return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled)
-        changed = rounds.after(path_end) or (all_rest and rounds.refused(path_end, pressed))
+        changed = rounds.after(path_end, all_rest) or (all_rest and rounds.refused(path_end, pressed))
         if all_rest and not changed:
             return rounds.ended(path_end, pressed)
         vouched = not changed
+    while not all_rest:  # forces of a group alone are none of all blocks
+        path_end, all_rest = once(rounds.bond, True)
     return Bonded(replace(path_end, outcome=PathOutcome.GAVE_UP), rounds.bond, rounds.whole)
 
 

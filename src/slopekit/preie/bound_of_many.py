@@ -203,7 +203,7 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
         towards = (_AIM if moves else _NO_NEARER) * abs(middle) if worth < farthest else 0.0
         try:
             step = _step(program, strengths, at, off, towards)
-        except SolverError:
+        except (SolverError, np.linalg.LinAlgError):
             return None
         length = step.longest(at)
         at, reduction = step.taken(at, length), reduction + length * moves

@@ -147,7 +147,7 @@ class BlockProgram:
                 break
             try:
                 newton = NewtonEquations.at(self, strengths, at, off)
-            except SolverError:
+            except (SolverError, np.linalg.LinAlgError):
                 break
             step = newton.step(recentre=length < _SHORT)
             length = step.longest(at)

@@ -31,8 +31,10 @@ def _slips(value: float, name: str, written: str, called: object) -> tuple[str, 
     if _WALLS_KPA[0] <= value <= _WALLS_KPA[1]:
         return None
     low, high = (f"{end / 1e3:g} MPa" for end in _WALLS_KPA)
-    meant = "MPa" if value < _WALLS_KPA[0] else "Pa"
-    advice = f"A bare number is kPa. If {meant} are meant: jcs: {value:.10g} {meant}."
+    meant, in_kpa = ("MPa", 1e3) if value < _WALLS_KPA[0] else ("Pa", 1e-3)
+    advice = ""
+    if written.strip()[-1:].isdigit() and _WALLS_KPA[0] <= value * in_kpa <= _WALLS_KPA[1]:
+        advice = f"A bare number is kPa. If {meant} are meant, write {value:.10g} {meant}."
     return "E553", f"{name} is {value:.10g} kPa, joint walls have {low} to {high}", advice
 
 

@@ -21,6 +21,7 @@ from slopekit.design.fields import Field, field_at
 
 #: The largest share that is left to a study, which counts such samples as impossible.
 MOST_BEYOND = 0.01
+_NEVER = 1e-9  # a share that no study draws: nothing is said of that end
 _BEYOND_DRAWING = 8.5  # standard deviations: no sample lies out there (2⁻⁵⁴ is 8.3 of them)
 
 
@@ -156,7 +157,7 @@ def _fault(one: Beyond) -> Fault:
         ("min", "below", one.below, one.limits.least),
         ("max", "above", one.above, one.limits.most),
     ):
-        if share > 0.0:
+        if share > _NEVER:
             ends.append(f"{share * 100:.3g} % of {one.variable.path} lies {side} {number(limit)}")
             cures.append(f"{key}: {number(limit)}")
     verb = "Give it" if any(cure.partition(":")[0] in own.parameters for cure in cures) else "Add"

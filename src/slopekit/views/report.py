@@ -48,7 +48,7 @@ _HEAVIEST_VIEWS = 400_000  # bytes of all views of a page, the first whatever it
 NOT_MODELLED = (
     "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
 )
-_BENDS = ("deformation of the rock", "deformation of the rock (but under Elastic blocks)")
+_BENDS = ("deformation of the rock", "deformation of the rock (except in Elastic blocks)")
 #: What a page says of a project, and in which words.
 PROJECT = {
     "name": "project", "client": "client", "number": "number", "author": "made by", "checker": "checked by",

@@ -23,7 +23,7 @@ def _limit(blocks: ElasticBlocks) -> str:
         return "no limit: the blocks stand without strength"
     factor, rigid = factor_text(blocks.limit).strip(), factor_text(blocks.rigid_limit).strip()
     at = f"at F = {blocks.factor:.4g}"
-    if blocks.opened_share == 0.0:
+    if blocks.opened_share == blocks.rigid_opened_share == 0.0:
         return f"{factor}  limit of elastic blocks, that of rigid ones: no contact is pulled open {at}"
     if blocks.lost_share == blocks.rigid_lost_share == 0.0:
         also = f" (rigid {_percent(blocks.rigid_opened_share)})" if blocks.rigid_opened_share else ""

@@ -447,7 +447,7 @@ def _off_section(static: Design) -> list[Notice]:
     said = analyse(with_values(static, {KEY: _A_LOAD})).warnings
     if not any(one.code == "W323" and "off the section" in one.message for one in said):
         return []
-    why = "what acts along the face is left out, and moves a slope too; k_y is too high"
+    why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
     where = f"toward {number(trend):0>3} is off the section, which knows the part of the shaking along it alone"
     return [Notice("W487", f"{where}: {why}")]
 
