@@ -169,6 +169,32 @@ def test_a_motion_that_has_not_settled_breaks_what_it_opens_wide_and_says_so() -
     assert (found.unsettled, found.whole, found.limit.parameter) == (0.5, 0.5, 0.6)
 
 
+def test_other_node_pairs_begin_with_the_bonds_that_were_lost_and_with_all_where_they_are_not_confirmed() -> None:
+    """Confirmed: one search. Where the motion opens another contact, or does not settle: as with none before."""
+    model = boxes()
+    lost = {
+        (1, 1): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
+        (1, 0): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
+    }
+    first = with_bonds(model, Scripted(model, lost), pressed_to(0.0), np.ones(model.load.size))
+    assert first.rounds is not None
+    for other, asked in [
+        (lost[1, 0], [(1, 0)]),
+        (replace(lost[1, 0], outcome=PathOutcome.BRACKET), [(1, 0), (1, 1), (1, 0)]),
+        (ends(model, 0.6, [LIFTS, LIFTS]), [(1, 0), (1, 1), (1, 0), (0, 0)]),
+    ]:
+        script = Scripted(model, {**lost, (1, 0): other, (0, 0): ends(model, 0.7, [LIFTS, (0.0, 0.0, 2.0)])})
+        found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, first.rounds)
+        assert script.asked == asked
+        assert found.whole == 0.5
+        assert (found.bond[model.pair_contact == 0] == (0.0 if asked[-1] == (0, 0) else 1.0)).all()
+    unsettled = {key: replace(end, outcome=PathOutcome.BRACKET) for key, end in lost.items()}
+    before = with_bonds(model, Scripted(model, unsettled), pressed_to(0.0), np.ones(model.load.size)).rounds
+    script = Scripted(model, lost)
+    with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, before)
+    assert script.asked == [(1, 1), (1, 0)]  # a motion that had not settled broke bonds: nothing to begin with
+
+
 def test_a_bond_that_comes_back_and_opens_again_is_lost() -> None:
     """Without the bond nothing slides on the contact: it comes back once, opens again, and the rounds end."""
     model = boxes()

@@ -24,7 +24,7 @@ from slopekit.core.onlooker import told_times
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.bonds import Bonded, with_bonds
+from slopekit.preie.bonds import Bonded, Rounds, with_bonds
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
@@ -83,6 +83,7 @@ class BlocksLimit:
     kept, kept_share, unbonded : contacts that the motion opens and whose bonds stand until it begins, the part of its
         work that they would do, which the factor leaves out, and the factor of lesser motions without those bonds
     unsettled : the factor of a motion that broke bonds before it had settled
+    rounds : what the rounds of bonds came to, for other node pairs of the same contacts
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
@@ -118,6 +119,7 @@ class BlocksLimit:
     kept_share: float = 0.0
     unbonded: float | None = None
     unsettled: float | None = None
+    rounds: Rounds | None = None
 
 
 class Proposal(Protocol):
@@ -140,8 +142,9 @@ class Proposal(Protocol):
 
 
 def limit_of_blocks(
-    model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL, proposal: Proposal | None = None
-) -> BlocksLimit:
+    model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL, proposal: Proposal | None = None,
+    begun: Rounds | None = None,
+) -> BlocksLimit:  # fmt: skip
     """The limit factor of an assembly with its static bound.
 
     Parameters
@@ -149,12 +152,15 @@ def limit_of_blocks(
     ranged : whether the range of the mechanism is wanted
     ratio : k_t / k_n of the elastic joints
     proposal : what is tried before the path
+    begun : what the rounds of bonds came to with other node pairs of the same contacts
     """
     with allowed(MOST):
-        return _limit_within(model, ranged, ratio, proposal)
+        return _limit_within(model, ranged, ratio, proposal, begun)
 
 
-def _limit_within(model: AssemblyModel, ranged: bool, ratio: float, proposal: Proposal | None) -> BlocksLimit:
+def _limit_within(
+    model: AssemblyModel, ranged: bool, ratio: float, proposal: Proposal | None, begun: Rounds | None
+) -> BlocksLimit:
     """The limit with the work that is allowed."""
     model, unit = _in_unit_strength(model)
     strong = unit > 0.0
@@ -163,7 +169,7 @@ def _limit_within(model: AssemblyModel, ranged: bool, ratio: float, proposal: Pr
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
-    limit = _limit_of(model, unit, bound, ranged, ratio, proposal)
+    limit = _limit_of(model, unit, bound, ranged, ratio, proposal, begun)
     return replace(
         limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
         lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), bonded=_times(limit.bonded, unit),
@@ -208,8 +214,9 @@ def _rounded(values: Floats) -> Floats:
 
 
 def _limit_of(
-    model: AssemblyModel, unit: float, bound: StaticBound, ranged: bool, ratio: float, proposal: Proposal | None
-) -> BlocksLimit:
+    model: AssemblyModel, unit: float, bound: StaticBound, ranged: bool, ratio: float, proposal: Proposal | None,
+    begun: Rounds | None,
+) -> BlocksLimit:  # fmt: skip
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
     steps, loads = 0, LoadsOn()
     snapped: set[bytes] = set()  # bonds with which a peak was taken for a round
@@ -248,7 +255,7 @@ def _limit_of(
         return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
 
     try:
-        ended = with_bonds(model, once, pressed, model.load.ravel())
+        ended = with_bonds(model, once, pressed, model.load.ravel(), False, begun)
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
@@ -330,6 +337,7 @@ def _limit(
 
 def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     """The limit with what is known of its bonds."""
+    limit = replace(limit, rounds=ended.rounds)
     if ended.unsettled is not None:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
     if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):

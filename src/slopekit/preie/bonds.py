@@ -16,6 +16,7 @@ does little of its work, which is taken off as well. Every bond breaks twice at 
 
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -50,6 +51,7 @@ class Bonded:
     least : of the rounds, the parameter at which blocks would move without the bonds that are kept; None where none is
     kept : contacts whose bond the motion opens and that keep it; share : part of the motion's work that they did
     unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
+    rounds : what the rounds have come to: others between the same contacts, of other node pairs, can begin with it
     """
 
     limit: PathLimit
@@ -59,9 +61,10 @@ class Bonded:
     kept: int = 0
     share: float = 0.0
     unsettled: float | None = None
+    rounds: "Rounds | None" = None
 
 
-class _Rounds:
+class Rounds:
     """What contacts (k,) have lost, and the rounds that say so."""
 
     def __init__(self, model: AssemblyModel, working: Floats, load_grows: bool) -> None:
@@ -76,6 +79,12 @@ class _Rounds:
         self.least: float | None = None
         self.unsettled: float | None = None
         self.stood: Bools | None = None  # what was lost where all blocks stood up to `least`
+
+    def on(self, model: AssemblyModel) -> "Rounds":
+        """The same between other node pairs of the same contacts."""
+        other = copy(self)
+        other.model, other.broke = model, self.broke.copy()
+        return other
 
     @property
     def bond(self) -> Floats:
@@ -130,7 +139,7 @@ class _Rounds:
         opens, _ = _moves(self.model, path_end)
         opens &= self.kept | self.late
         if path_end.parameter is None or not opens.any():
-            return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled)
+            return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled, rounds=self)
         parameter = path_end.parameter
         less = self._less(path_end, opens)
         if least is not None and (least < parameter) == self.load_grows:
@@ -139,9 +148,8 @@ class _Rounds:
             if (least < less) == self.load_grows:
                 less = self._pressed_to(less, least, opens & self.kept, pressed)
         share = 1.0 - (less / parameter if self.load_grows else parameter / less)
-        return Bonded(
-            replace(path_end, parameter=less), self.bond, self.whole, least, int(opens.sum()), share, self.unsettled
-        )
+        limit, kept = replace(path_end, parameter=less), int(opens.sum())
+        return Bonded(limit, self.bond, self.whole, least, kept, share, self.unsettled, self)
 
     def _less(self, path_end: PathLimit, opens: Bools) -> float:
         """Its parameter without the work that the cohesion of contacts (k,) does."""
@@ -173,16 +181,29 @@ class _Rounds:
 
 
 def with_bonds(
-    model: AssemblyModel, once: Search, pressed: Pressed, working: Floats, load_grows: bool = False
-) -> Bonded:
+    model: AssemblyModel, once: Search, pressed: Pressed, working: Floats, load_grows: bool = False,
+    begun: Rounds | None = None,
+) -> Bonded:  # fmt: skip
     """The limit with the bonds that its own motion leaves whole.
 
     Parameters
     ----------
     once : finds the limit with some bonds; pressed : contacts that are at rest
     working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
+    begun : what rounds between other node pairs of the same contacts came to: taken where they had all settled, and a
+        limit with their bonds settles and changes nothing; else the rounds begin anew
     """
-    rounds, vouched, all_rest = _Rounds(model, working, load_grows), True, False
+    if begun is not None and begun.bonded.any() and begun.unsettled is None:
+        rounds = begun.on(model)
+        path_end, all_rest = once(rounds.bond, True)
+        if (
+            path_end.found
+            and all_rest
+            and not rounds.after(path_end, all_rest)
+            and not rounds.refused(path_end, pressed)
+        ):
+            return rounds.ended(path_end, pressed)
+    rounds, vouched, all_rest = Rounds(model, working, load_grows), True, False
     for _ in range(_MOST_ROUNDS):
         path_end, all_rest = once(rounds.bond, vouched)
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)

@@ -22,6 +22,7 @@ from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis, BlocksLimit, Span, first_limit, limit_of_blocks, load_limit, unit_bound
+from slopekit.preie.bonds import Rounds
 from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.key_blocks import slide_alone
@@ -262,11 +263,11 @@ def _solved(scene: _WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
 
 
 def component_limit(
-    model: AssemblyModel, ranged: bool, proposal: "_Groups | None" = None
+    model: AssemblyModel, ranged: bool, proposal: "_Groups | None" = None, begun: Rounds | None = None
 ) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
     """The limit of a component, and its model: where laws are curved with the lines that the limit settled on."""
     if model.lines is None:
-        return model, limit_of_blocks(model, ranged, proposal=proposal)
+        return model, limit_of_blocks(model, ranged, proposal=proposal, begun=begun)
     from slopekit.preie.strength_lines import settled_blocks  # only curved laws pay for it
 
     return settled_blocks(model, limit_of_blocks)
@@ -526,7 +527,7 @@ def _split(scene: _WholeAssembly, there: Bools, part: Part) -> Part:
         model_patch = _model(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model, limit = component_limit(model_patch[0], scene.ranged)
+        model, limit = component_limit(model_patch[0], scene.ranged, begun=part.limit.rounds)
         if not limit.factor or not part.limit.factor:
             break
         change = abs(limit.factor / part.limit.factor - 1.0)
