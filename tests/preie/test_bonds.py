@@ -7,7 +7,7 @@ import pytest
 
 import slopekit as sk
 from benchmarks import populations
-from slopekit.preie import blocks
+from slopekit.preie import blocks, bonds
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bonds import Bonded, with_bonds
 from slopekit.preie.path_limit import PathLimit, PathOutcome
@@ -70,11 +70,11 @@ def ends(model: AssemblyModel, parameter: float, motion, outcome=PathOutcome.SET
 class Scripted:
     """Searches that end by what bonds the two contacts have, and the bonds that were asked for."""
 
-    def __init__(self, model: AssemblyModel, found: dict[tuple[int, int], PathLimit]) -> None:
+    def __init__(self, model: AssemblyModel, found: dict[tuple[int, ...], PathLimit]) -> None:
         self.model, self.found, self.asked = model, found, []
 
     def __call__(self, bond, vouched) -> tuple[PathLimit, bool]:
-        left = tuple(int(bond[self.model.pair_contact == contact].all()) for contact in (0, 1))
+        left = tuple(int(bond[self.model.pair_contact == contact].all()) for contact in range(len(self.model.plus)))
         self.asked.append(left)
         return self.found[left], True
 
@@ -204,3 +204,36 @@ def test_a_bond_that_comes_back_and_opens_again_is_lost() -> None:
     assert script.asked == [(1, 1), (0, 1), (1, 1), (0, 1)]
     assert found.limit is none
     assert (found.bond[model.pair_contact == 0] == 0.0).all()
+
+
+def test_a_lesser_motion_is_no_floor_once_other_bonds_broke() -> None:
+    """The top of three boxes slides at 0.8 without its bond. The base breaks after that: 0.8 says nothing any more.
+
+    What is left begins at 0.65, 0.4 of its work is that of the bond that is kept: 0.65 / (1 - 0.4).
+    """
+    model = boxes_in_space((1, 1, 3), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
+    still, slides, opens = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.5)
+    once = Scripted(model, {
+        (1, 1, 1): ends(model, 0.5, [still, (0.0, 0.0, 0.5), (1.0, 0.0, 1.0)]),
+        (1, 0, 0): ends(model, 0.8, [still, still, slides]),
+        (1, 0, 1): ends(model, 0.6, [(0.0, 0.0, 0.3), (0.0, 0.0, 0.3), (1.0, 0.0, 0.6)]),
+        (0, 0, 1): ends(model, 0.65, [still, still, opens]),
+    })  # fmt: skip
+    load = np.zeros(model.load.size)
+    load[12] = 0.65 * cohesive_work(model, 2) / 0.4
+    ended = with_bonds(model, once, lambda bond, at: np.ones(3, dtype=bool), load)
+    assert once.asked[-1] == (0, 0, 1)
+    assert ended.limit.parameter == pytest.approx(0.65 / (1.0 - 0.4), rel=1e-12)
+
+
+def test_rounds_without_an_end_have_the_forces_of_all_blocks(monkeypatch) -> None:
+    """A group alone ends the last round: all blocks are asked once more."""
+    monkeypatch.setattr(bonds, "_MOST_ROUNDS", 1)
+    model, asked = boxes(), []
+
+    def once(bond, vouched) -> tuple[PathLimit, bool]:
+        asked.append(vouched)
+        return ends(model, 0.5, [LIFTS, LIFTS]), len(asked) > 1
+
+    ended = with_bonds(model, once, pressed_to(0.0), np.ones(model.load.size))
+    assert (ended.limit.outcome, asked) == (PathOutcome.GAVE_UP, [True, True])
