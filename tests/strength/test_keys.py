@@ -119,7 +119,7 @@ def test_a_wall_in_another_unit_is_told_how_to_be_written(written, meant) -> Non
     """A bare number is kPa: 50 would have no roughness left, and 50 MPa in Pa would hold at 70°."""
     with pytest.raises(DesignError) as refused:
         sk.load({**WEDGE, "strength": {"joint": {**ROUGH, "jcs": float(written)}}})
-    assert refused.value.faults[0].advice.endswith(f"jcs: {meant}.")
+    assert refused.value.faults[0].advice.endswith(f"write {meant}.")
     for end in (100.0, 1e6, "0.1 MPa"):
         sk.load({**WEDGE, "strength": {"joint": {**ROUGH, "jcs": end}}})
 
