@@ -477,7 +477,7 @@ def _measured(text: str, units: dict[str, float], pulse: str, advice: str, least
         raise DesignError([Fault("E517", f"{pulse}: {text} needs a number with {needs}", pulse, advice)])
     value = float(match[1]) * factor
     if not least <= abs(value) < 1e3 or (value < 0.0 and "g" not in units):
-        own = next(unit for unit, one in units.items() if one == 1.0).replace("hz", "Hz")
-        allowed = f"1e-06 to 1000 {own}" if own else "1 to 100 whole cycles"
-        raise DesignError([Fault("E517", f"{pulse}: {text} is out of range, {allowed} is taken", pulse, advice)])
+        low, high = (f"{end / factor:.4g}" for end in (least, 1e3))
+        allowed = f"{low} to {high} {match[2]} is" if "cycles" not in units else "1 to 100 whole cycles are"
+        raise DesignError([Fault("E517", f"{pulse}: {text} is out of range, {allowed} taken", pulse, advice)])
     return value
