@@ -112,7 +112,8 @@ def test_pulses_that_are_none(name) -> None:
 
 
 @pytest.mark.parametrize(("name", "taken"), [
-    ("sine:900g,1Hz", "to 102 g"), ("sine:2000m/s2,1Hz", "1e-06 to 1000 m/s2"), ("sine:0.5g,0Hz", "1e-06 to 1000 Hz"), ("triangular:1g,0s", "1000 s"),
+    ("sine:900g,1Hz", "to 102 g"), ("sine:2000m/s2,1Hz", "1e-06 to 1000 m/s2"),
+    ("sine:0.5g,0Hz", "1e-06 to 1000 Hz"), ("triangular:1g,0s", "1000 s"),
     ("sine:0.5g,1Hz,-2", "1 to 100 whole cycles"),
 ])  # fmt: skip
 def test_pulses_out_of_range_say_the_range(name, taken) -> None:
