@@ -276,9 +276,8 @@ def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> 
 def test_what_the_results_of_hard_scenes_say() -> None:
     """A motion that does not settle, loads that come last, bonds that break, no bound: each has its notice."""
     from slopekit.kinds import many_blocks as room
-    from slopekit.kinds.blocks import OWN
+    from slopekit.kinds.many_blocks_notices import notices_of
     from slopekit.kinds.many_blocks_states import mechanism
-    from slopekit.kinds.protocol import ClosedForm
 
     design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))
     scene = cut(design)
@@ -292,10 +291,14 @@ def test_what_the_results_of_hard_scenes_say() -> None:
         limit = replace(part.limit, **changes)
         changed = replace(failure, parts=(replace(part, limit=limit, mesh_change=mesh_change),))
         sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
-        notices = room._notices(OWN, design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""))
+        notices = notices_of(design, scene, sequence, [mechanism(changed, scene)])
         return {notice.code: notice.message for notice in notices}
 
     assert said() == {}
+    assert "less 1 % of the work" in said(unsettled=1.0, kept_share=0.01)["W486"]
+    both = said(unsettled=1.0, kept=2, kept_share=0.01)
+    assert "less" not in both["W486"]
+    assert "on 2 contacts: what it would do there, 1 % of the work" in both["W484"]
     bond = np.array([1.0, 0.0, 1.0])
     assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307", "W309"}
     assert said(loads_last=True, carried=1.2).keys() == {"W361"}

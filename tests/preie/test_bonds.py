@@ -169,6 +169,28 @@ def test_a_motion_that_has_not_settled_breaks_what_it_opens_wide_and_says_so() -
     assert (found.unsettled, found.whole, found.limit.parameter) == (0.5, 0.5, 0.6)
 
 
+def test_a_second_motion_that_does_not_settle_gives_the_work_of_what_it_opens_and_keeps_no_bond() -> None:
+    """Of its work the cohesion of the lower contact does a hundredth: it is taken off, and nothing is said to stand."""
+    model, opens = boxes(), (1.0, 0.0, 0.5)
+    script = Scripted(model, {
+        (1, 1): ends(model, 0.5, [(0.0, 0.0, 0.0), opens], PathOutcome.BRACKET),
+        (1, 0): ends(model, 0.6, [opens, opens], PathOutcome.BRACKET),
+    })  # fmt: skip
+    working = np.zeros(model.load.size)
+    working[6] = 0.6 * cohesive_work(model, 0) / 0.01
+    found = with_bonds(model, script, pressed_to(0.0), working)
+    assert script.asked == [(1, 1), (1, 0)]
+    assert found.kept == 0
+    assert found.share == pytest.approx(0.01, rel=1e-9)
+    assert found.limit.parameter == pytest.approx(0.6 / (1.0 - 0.01), rel=1e-12)
+
+
+def test_what_a_search_in_unit_strength_reached_is_the_designs_strength_again() -> None:
+    once = replace(ends(boxes(), 0.5, [LIFTS, LIFTS]), reached=0.4, peak=(0.3, 0.2))
+    weaker = blocks._weaker(once, 4.0)
+    assert (weaker.parameter, weaker.reached, weaker.peak) == (0.125, 0.1, (0.075, 0.05))
+
+
 def test_other_node_pairs_begin_with_the_bonds_that_were_lost_and_with_all_where_they_are_not_confirmed() -> None:
     """Confirmed: one search. Where the motion opens another contact, or does not settle: as with none before."""
     model = boxes()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.benches import bench
-from slopekit.preie import blocks, ravelling
+from slopekit.preie import blocks, groups, ravelling
 from slopekit.preie.blocks import Basis, limit_of_blocks
 from slopekit.preie.path_limit import PathOutcome
 from tests.preie.block_scenes import boxes_in_space, first_part
@@ -37,7 +37,7 @@ def test_the_limit_of_a_group_that_all_blocks_vouch_for() -> None:
 
 
 def test_a_rest_that_is_not_near_enough_is_a_peak(monkeypatch) -> None:
-    monkeypatch.setattr(ravelling, "JUST", 1e-4)
+    monkeypatch.setattr(groups, "JUST", 1e-4)
     limit = key_part().limit
     assert limit.basis is Basis.PEAK
     assert 0.99 * EXACT < limit.factor < (1.0 - 1e-4) * EXACT
@@ -47,7 +47,7 @@ def test_a_rest_that_is_not_near_enough_is_a_peak(monkeypatch) -> None:
 
 def test_a_group_a_hair_above_the_static_bound(monkeypatch) -> None:
     """The rest is looked for below the bound; what is said of it, in parts of the factor, is what was seen."""
-    bound, rests, seen = blocks.static_bound, ravelling.rests_before, []
+    bound, rests, seen = blocks.static_bound, groups.rests_before, []
 
     def lower(model):
         found = bound(model)
@@ -60,7 +60,7 @@ def test_a_group_a_hair_above_the_static_bound(monkeypatch) -> None:
         return flow, gap
 
     monkeypatch.setattr(blocks, "static_bound", lower)
-    monkeypatch.setattr(ravelling, "rests_before", watched)
+    monkeypatch.setattr(groups, "rests_before", watched)
     part = key_part()
     limit = part.limit
     assert limit.group > 0
@@ -73,30 +73,30 @@ def test_a_group_a_hair_above_the_static_bound(monkeypatch) -> None:
 
 def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> None:
     """A limit of a group a fifth too low: all blocks rest there, and have strength to spare."""
-    whole = ravelling.first_limit
+    whole = groups.first_limit
     seen = []
 
     def lower(*group):
         found = whole(*group)
-        return ravelling.replace(found, parameter=found.parameter / 0.8)
+        return replace(found, parameter=found.parameter / 0.8)
 
     def judged(*args):
         seen.append(original(*args))
         return seen[-1]
 
-    class Groups(ravelling._Groups):
+    class Watched(groups.Groups):
         def __init__(self, *scene):
             super().__init__(*scene)
             made.append(self)
 
-    original, made = ravelling.at_their_limit, []
-    monkeypatch.setattr(ravelling, "_Groups", Groups)
-    monkeypatch.setattr(ravelling, "first_limit", lower)
-    monkeypatch.setattr(ravelling, "at_their_limit", judged)
+    original, made = groups.at_their_limit, []
+    monkeypatch.setattr(ravelling, "Groups", Watched)
+    monkeypatch.setattr(groups, "first_limit", lower)
+    monkeypatch.setattr(groups, "at_their_limit", judged)
     limit = key_part().limit
     assert seen == [False]
     assert (limit.group, limit.factor) == (0, pytest.approx(EXACT, rel=1e-3))
-    assert [groups.found for groups in made] == [None]  # what was refused has no range to give
+    assert [one.found for one in made] == [None]  # what was refused has no range to give
 
 
 @pytest.mark.parametrize(("proposal", "factor", "basis"), [

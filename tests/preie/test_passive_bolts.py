@@ -23,9 +23,9 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.components import whole_model
 from slopekit.preie.distance import Distance
 from slopekit.preie.limit import limit_analysis
-from slopekit.preie.ravelling import whole_model
 from slopekit.result import Result
 from slopekit.studies.check import check
 from tests.preie import path_oracle

@@ -348,7 +348,8 @@ def _of_model(model: Model) -> ElasticModel:
 
 def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _ElasticBlocks:
     """Convex blocks on flat contacts."""
-    from slopekit.preie.ravelling import ravel, whole_model
+    from slopekit.preie.components import whole_model
+    from slopekit.preie.ravelling import ravel
 
     assembly, (rock, _) = scene.assembly, _rock(design)
     if design.elastic_bedrock == ELASTIC:

@@ -3,8 +3,7 @@
 scene -> loads -> the mechanisms one after the other -> what they say of each block -> Result.
 """
 
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
@@ -20,6 +19,7 @@ from slopekit.design.reader import Reader
 from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.many_blocks_design import AssemblyDesign
+from slopekit.kinds.many_blocks_notices import notices_of
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_sizes import with_sizes
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
@@ -45,12 +45,10 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
-from slopekit.notices import SQUARE, common_notices, headless_notices, mesh_notices, undrawn_notice
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
-from slopekit.preie.blocks import Basis, BlocksLimit
+from slopekit.preie.components import whole_model
 from slopekit.preie.contact import SHEAR_TO_NORMAL
-from slopekit.preie.loads_last import STRONGER
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import (
     CriticalLoad,
@@ -59,7 +57,6 @@ from slopekit.preie.ravelling import (
     Ravelling,
     critical_load,
     ravel,
-    whole_model,
 )
 from slopekit.result import Result, Words
 
@@ -71,8 +68,6 @@ A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
-_ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
-_FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
     "count": "more mechanisms were not asked for",
     "stands": "what is left stands without any strength",
@@ -271,6 +266,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         _left_out(design, scene, parts),
         max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
     )  # fmt: skip
+    of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
     result = Result(
         design=design, words=own.words, status=status,
         fos=FactorsOfSafety(limit, closed.factor, bound, all_pairs.factor if all_pairs else None, low, high),
@@ -279,7 +275,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if all_pairs is None else all_pairs_of(all_pairs),
-        warnings=tuple(_notices(own, design, scene, ravelling, mechanisms, closed)),
+        warnings=(*notices_of(design, scene, ravelling, mechanisms), *of_kind),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
         findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
     )  # fmt: skip
@@ -439,126 +435,6 @@ def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> CurvedStrength | Non
             )  # fmt: skip
     rounds = max(part.model.lines.rounds for part in solved if part.model.lines is not None)
     return CurvedStrength(None, None, rounds, lines)
-
-
-def _drawn_out(part: Part) -> bool:
-    """Whether a mechanism draws out a passive bolt."""
-    _, slip = part.model.opening_and_slip(part.limit.velocity)
-    return bool((slip[part.model.bolted, 0] < -SQUARE).any())
-
-
-def _notices(
-    own: Blocks[A], design: A, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
-    closed: ClosedForm,
-) -> Iterator[Notice]:  # fmt: skip
-    yield from scene.notices
-    yield from common_notices(design, scene.strengths)
-    if not mechanisms:
-        return
-    first, limit = mechanisms[0], ravelling.failures[0].limit
-    limit = replace(limit, bond=limit.bond[ravelling.failures[0].parts[0].model.joint_pairs])
-    yield from headless_notices(design)
-    if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
-        yield undrawn_notice()
-    if limit.outcome is Outcome.NO_STRENGTH:
-        yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
-    yield from mesh_notices(max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0))
-    if limit.basis is Basis.PEAK and first.fos:
-        yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
-                     "rest, the peak of the elastic path, on the way to it that holds least; where limits of random "
-                     "sections were found they lay up to 4 % below their peaks, which bounds none")  # fmt: skip
-    if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
-        yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
-                     f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
-    if limit.loads_last and first.fos:
-        yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
-                     "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
-    if limit.begun and first.fos and first.static_bound:
-        yield Notice("W482", "with all loads on at once the blocks come to rest at "
-                     f"{first.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
-                     "twice; those that came on after the weight led to no limit state")  # fmt: skip
-    if limit.outcome is Outcome.NO_REST:
-        yield _without_rest(limit)
-    if limit.spent:
-        yield _unsettled(limit)
-    elif limit.outcome is Outcome.NOT_CONVERGED:
-        yield _given_up(limit)
-    if first.fos and first.static_bound is None:
-        yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
-                     "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
-    if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
-        more = (first.static_bound / first.fos - 1.0) * 100.0
-        yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
-                     "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
-    if (limit.bond == 0.0).any():
-        share = float(1.0 - limit.bond.mean())
-        before = f"; with all of it the first motion begins at {limit.bonded:.4f}" if limit.bonded else ""
-        yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened, have "
-                     f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
-                     f"that happens{before}")  # fmt: skip
-    if limit.kept and first.fos:
-        without = f" (without it blocks would move at {limit.unbonded:.4f})" if limit.unbonded else ""
-        yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
-                     f"{limit.kept} contact{'s' if limit.kept > 1 else ''}: what it would do there, "
-                     f"{limit.kept_share * 100:.2g} % of the work, is left out of the factor")  # fmt: skip
-    if limit.unsettled and first.fos:
-        yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
-                     f"{limit.unsettled:.4f}): the factor is that without it, and which other contacts that motion "
-                     "would have opened is not known")  # fmt: skip
-    yield from own.notices(design, scene, ravelling.failures[0], closed)
-
-
-def _unsettled(limit: BlocksLimit) -> Notice:
-    """What is known of blocks whose limit takes more work than an analysis does."""
-    rests = "no rest of all blocks that would say anything was seen"
-    if limit.rested is not None:
-        rests = (
-            f"all blocks were last at rest with their strength divided by {limit.rested:.4g} (limits of random "
-            "sections lay up to 4 % below such a rest)"
-        )
-    above = ", and no static bound was found"
-    if limit.static_bound is not None:
-        above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
-    return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
-                  f"counted, not timed: every machine ends here): {rests}{above}")  # fmt: skip
-
-
-def _given_up(limit: BlocksLimit) -> Notice:
-    """Why a search ended without a limit although work was left."""
-    why = "the motion that was followed led to no state whose forces balance within strength"
-    if limit.by_turns is not None:
-        low, high = limit.by_turns
-        fit = f"fit on and do not by turns with the strength divided by {low:.4g} to {high:.4g}"
-        if high <= low * (1.0 + _ONE_PLACE):
-            fit = f"just all fit on with the strength divided by {low:.4g}"
-        why = f"the loads beside weight and water, coming on last, {fit}, and no rest under all of them was found there"
-    above = "" if limit.static_bound is None else f"; the static bound is {limit.static_bound:.4g}"
-    return Notice("W371", f"the search for the limit of these blocks gave up: {why}{above}")
-
-
-def _without_rest(limit: BlocksLimit) -> Notice:
-    """Why blocks that forces could balance have no factor, with what was tried."""
-    most = f"{STRONGER[-1]:g} times the strength of the static bound"
-    if limit.loads_last and limit.carried is not None and limit.carried < 1.0:
-        tried = f"up to {most}" if limit.static_bound else "at any strength that was tried"
-        tips = ""
-        if limit.tips is not None:
-            part, factor = limit.tips
-            tips = (
-                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of them in a motion that "
-                "slips nowhere: they tip, and no friction or cohesion hinders it"
-            )
-        return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight "
-                      f"and water, and {tried} they did not carry all of them: no factor of safety is given"
-                      f"{tips}")  # fmt: skip
-    exist = (
-        ""
-        if limit.static_bound is None
-        else "; the static bound says that forces in balance exist, not that they arise"
-    )
-    bonds = "without the cohesion that is lost, " if limit.bonded else ""
-    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried: "
-                  f"no factor of safety is given{exist}")  # fmt: skip
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------

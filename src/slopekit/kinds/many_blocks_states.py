@@ -16,9 +16,10 @@ from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads, line_of_action
 from slopekit.preie.blocks import Basis
+from slopekit.preie.components import block_sizes, whole_model
 from slopekit.preie.effort import MOST, EffortSpentError, allowed
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Failure, Part, block_sizes, whole_model
+from slopekit.preie.ravelling import Failure, Part
 from slopekit.preie.settlement import settlement
 from slopekit.strength.mohr_coulomb import line
 

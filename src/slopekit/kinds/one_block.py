@@ -153,6 +153,7 @@ def kind_of_one_block(
     variants: Mapping[str, Words] = MappingProxyType({}),
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
     drawn_planes: Callable[[D], tuple[str, str]] | None = None,
+    in_section: Callable[[D], float] | None = None,
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -166,6 +167,7 @@ def kind_of_one_block(
     variants : what designs call things that have the input of that name, where it is not as the kind does
     without_basal : a block that the one analysed is part of, and that may fail before it
     drawn_planes : keys of the two planes that a survey may say in the design's place
+    in_section : the part of an earthquake that acts in the section of a design
     """
 
     def analyse(design: D) -> Result:
@@ -210,7 +212,8 @@ def kind_of_one_block(
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
         lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays, has_site, crest_point,
-        paper_keys=paper_keys, carried=carried, drawn_planes=drawn_planes, answered="drag", variants=variants,
+        paper_keys=paper_keys, carried=carried, drawn_planes=drawn_planes, in_section=in_section,
+        answered="drag", variants=variants,
     )  # fmt: skip
 
 

@@ -284,11 +284,10 @@ def _water_depth(design: PlaneDesign, depth: float) -> float:
     return given
 
 
-def _seismic(design: PlaneDesign) -> float:
-    """The coefficient out of the slope."""
+def _in_section(design: PlaneDesign) -> float:
+    """The part of an earthquake that acts out of the slope, in its section."""
     trend = design.seismic.trend_deg
-    turned = 0.0 if trend is None else math.radians(trend - design.face.dip_direction_deg)
-    return design.seismic.coefficient * math.cos(turned)
+    return 1.0 if trend is None else math.cos(math.radians(trend - design.face.dip_direction_deg))
 
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
@@ -298,8 +297,9 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
         design, origin,
         lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, (J1,), where), axes,
     )  # fmt: skip
+    k = design.seismic.coefficient * _in_section(design)
     return block_loads(
-        section.block, design.unit_weight_kn_m3, {}, np.array([_seismic(design), 0.0, 0.0]),
+        section.block, design.unit_weight_kn_m3, {}, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * _strongest(design)],
         _water(design, section),
@@ -477,10 +477,11 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
         if apart > _OUT and plane.dip_deg > 0.0:
             message = f"{name} strikes {shown(round(apart, 1))}° from the face: taken as parallel to it"
             notices.append(Notice("W321", message))
-    if design.seismic.coefficient and abs(_seismic(design)) < design.seismic.coefficient * (1.0 - 1e-6):
-        share = _seismic(design) / design.seismic.coefficient * 100
+    share = _in_section(design)
+    if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (
-            f"the seismic load acts off the section: {share:.0f} % of it acts out of the slope, the rest is left out"
+            f"the seismic load acts off the section: {share * 100:.0f} % of it acts out of the slope, "
+            "the rest is left out"
         )
         notices.append(Notice("W323", message))
     along = _axes(design.face)[1]
@@ -524,5 +525,5 @@ KIND = kind_of_one_block(
         {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, has_site=True, crest_point=crest_point,
+    on_arrays=ON_ARRAYS, has_site=True, crest_point=crest_point, in_section=_in_section,
 )  # fmt: skip

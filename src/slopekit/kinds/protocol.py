@@ -174,6 +174,7 @@ class Kind(Generic[D]):
     paper_keys : how keys begin whose defaults stand for numbers of the slope
     carried : what goes over into a design of kind blocks
     drawn_planes : keys of the two planes that a survey may say in the design's place; None of other kinds
+    in_section : the part of an earthquake that acts in the section of a design; None of kinds that know all of it
     falls_west : the slope falls toward -x where nothing of a result says the way
     answered : when a design under work is analysed: while a slider is dragged, when it is let go, at a button
     variants : words of designs that have the input of that name
@@ -200,6 +201,7 @@ class Kind(Generic[D]):
     paper_keys: tuple[str, ...] = ()
     carried: Carried = Carried()
     drawn_planes: Callable[[D], tuple[str, str]] | None = None
+    in_section: Callable[[D], float] | None = None
     falls_west: bool = False
     answered: Literal["drag", "release", "button"] = "release"
     variants: Mapping[str, Words] = field(default_factory=dict)

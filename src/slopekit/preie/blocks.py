@@ -80,8 +80,9 @@ class BlocksLimit:
     loads_last : whether those loads came on after weight and water; tips : the part of them at which the blocks tip
         then, in a motion that slips nowhere, at that factor and any lower one; None where no such motion was found
     begun : the factor at which all loads came on at once, where that is far below the static bound
-    kept, kept_share, unbonded : contacts that the motion opens and whose bonds stand until it begins, the part of its
-        work that they would do, which the factor leaves out, and the factor of lesser motions without those bonds
+    kept, unbonded : contacts that the motion opens and whose bonds stand until it begins, and the factor of lesser
+        motions without those bonds
+    kept_share : the part of the motion's work that cohesion would do which it opens, and that the factor leaves out
     unsettled : the factor of a motion that broke bonds before it had settled
     rounds : what the rounds of bonds came to, for other node pairs of the same contacts
     steps : factorisations of the path; bound_steps : of the bound
@@ -342,7 +343,7 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
     if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
         limit = replace(limit, bonded=1.0 / ended.whole)
-    if not ended.kept or limit.factor is None:
+    if not ended.share or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
     unbonded = None if ended.least is None else 1.0 / ended.least
@@ -446,7 +447,7 @@ def _weaker(path_end: PathLimit, unit: float) -> PathLimit:
     peak = None if path_end.peak is None else (path_end.peak[0] / unit, path_end.peak[1] / unit)
     return replace(
         path_end, parameter=_times(path_end.parameter, 1.0 / unit), peak=peak, reduction=path_end.reduction / unit,
-        started=path_end.started / unit,
+        started=path_end.started / unit, reached=_times(path_end.reached, 1.0 / unit),
     )  # fmt: skip
 
 

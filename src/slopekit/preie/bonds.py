@@ -2,9 +2,10 @@
 
 A flat contact that a motion opens anywhere touches along a line at most: all its cohesion goes, and the limit is looked
 for again. A motion begins at its own factor and breaks nothing before. So where a lesser motion, at a lower factor,
-slides on a closed contact whose cohesion an earlier one has opened, it is not there: strength that falls slowly comes
-to that factor with the contact whole. Such a bond is kept. Where the motion that it holds opens it again the bond
-breaks as that motion begins: the limit is that motion's, less what the cohesion that it opens does of its work,
+slides on a closed contact whose cohesion an earlier one has opened, settled or not, it is not there: strength that
+falls slowly comes to that factor with the contact whole. Such a bond is kept. Where the motion that it holds opens it
+again the bond breaks as that motion begins: the limit is that motion's, less what the cohesion that it opens does
+of its work,
 
     λ' (P·v - λ Σ_kept c |s|) = λ P·v        (of a load α R:  α' R·v = α R·v - λ Σ_kept c |s|)
 
@@ -49,7 +50,8 @@ class Bonded:
     bond : (m,) 0 where a pair has lost its cohesion
     whole : the parameter with all bonds
     least : of the rounds, the parameter at which blocks would move without the bonds that are kept; None where none is
-    kept : contacts whose bond the motion opens and that keep it; share : part of the motion's work that they did
+    kept : contacts whose bond the motion opens and that keep it
+    share : part of the motion's work that their cohesion did, and that of what it opens without having settled
     unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
     rounds : what the rounds have come to: others between the same contacts, of other node pairs, can begin with it
     """
@@ -148,7 +150,7 @@ class Rounds:
             if (least < less) == self.load_grows:
                 less = self._pressed_to(less, least, opens & self.kept, pressed)
         share = 1.0 - (less / parameter if self.load_grows else parameter / less)
-        limit, kept = replace(path_end, parameter=less), int(opens.sum())
+        limit, kept = replace(path_end, parameter=less), int((opens & self.kept).sum())
         return Bonded(limit, self.bond, self.whole, least, kept, share, self.unsettled, self)
 
     def _less(self, path_end: PathLimit, opens: Bools) -> float:

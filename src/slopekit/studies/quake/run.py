@@ -23,8 +23,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
-from slopekit.kinds import analyse
+from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
@@ -48,7 +47,6 @@ _ABOUT = 150  # evaluations: for the bar
 _MOST_DRAWN = 2000  # points of a motion in JSON
 _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
-_A_LOAD = 0.01  # a seismic coefficient, to ask a kind what it leaves out of its way
 _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
 _HANGS = 0.02  # of what slides in six degrees of freedom: more hangs on the node pairs
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
@@ -440,15 +438,13 @@ def _into(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[
 
 
 def _off_section(static: Design) -> list[Notice]:
-    """W487 where a section is shaken another way than it lies: the kind says so of a load that acts so (W323)."""
-    trend = static.seismic.trend_deg
-    if trend is None:
-        return []
-    said = analyse(with_values(static, {KEY: _A_LOAD})).warnings
-    if not any(one.code == "W323" and "off the section" in one.message for one in said):
+    """W487 where a section is shaken another way than it lies."""
+    in_section, trend = kind_of(static).in_section, static.seismic.trend_deg
+    share = 1.0 if in_section is None else in_section(static)
+    if trend is None or abs(share) > 1.0 - 1e-6:
         return []
     why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
-    where = f"toward {number(trend):0>3} is off the section, which knows the part of the shaking along it alone"
+    where = f"toward {number(trend):0>3} is off the section, which knows {share * 100:.4g} % of the shaking alone"
     return [Notice("W487", f"{where}: {why}")]
 
 

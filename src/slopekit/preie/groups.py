@@ -1,0 +1,194 @@
+"""A large component in space by groups of it: the limit of a few blocks, all others held, proposes that of all."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.geometry.patches import Assembly
+from slopekit.preie import effort
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.blocks import Span, first_limit, unit_bound
+from slopekit.preie.bounds import mechanism_range
+from slopekit.preie.components import WholeAssembly, model_of
+from slopekit.preie.distance import StaticBound
+from slopekit.preie.key_blocks import slide_alone
+from slopekit.preie.path_limit import PathLimit, PathOutcome
+from slopekit.preie.rests import JUST, at_their_limit, rests_before
+from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
+
+_MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
+_LONG = 100  # blocks of which the path takes seconds
+_OF_GROUP = 0.3  # of the work that is left, for the limit of a group
+
+
+class Groups:
+    """A large component in space: the limit of a group, the others held, proposes that of all.
+
+    The first group is the single block that slides out most easily, with its neighbours. All blocks together, none
+    held, then come to rest at just a little more strength than the group's limit, or flow: who flows is the next
+    group. Where they rest just before it, their strength along its motion used up or running beyond, it is that of all.
+    """
+
+    def __init__(self, scene: WholeAssembly, there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
+        self.scene, self.there, self.blocks, self.model, self.patch = scene, there, blocks, model, patch
+        gone = ~there & ~scene.assembly.fixed
+        self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
+        self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
+        self.known: dict[bytes, tuple[AssemblyModel, Ints] | None] = {}  # models of groups
+        self.bounds: dict[bytes, StaticBound] = {}
+        self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
+        self.solved: tuple[bytes, tuple[AssemblyModel, PathLimit, Floats] | None] = b"", None  # the last, and its bonds
+        self.snapped: PathLimit | None = None  # the peak of a group, as one of all
+        self.near = self.group  # and that which is solved alone in between
+
+    def _known(self, group: Ints) -> tuple[AssemblyModel, Ints] | None:
+        """The model of a group."""
+        key = group.tobytes()
+        if key not in self.known:
+            self.known[key] = model_of(self.scene, self.there, group)
+        return self.known[key]
+
+    def _bound(self, group: Ints, model: AssemblyModel) -> StaticBound:
+        """The bound of a group, which does not depend on what bonds are left."""
+        key = group.tobytes()
+        if key not in self.bounds:
+            self.bounds[key] = unit_bound(model)
+        return self.bounds[key]
+
+    def span(self) -> Span | None:
+        """The range of the group's mechanism: what is held beside it can carry any force, so it is none too narrow."""
+        if self.found is None:
+            return None
+        model, limit, bond = self.found
+        assert limit.parameter is not None
+        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond, (limit.normal, limit.friction))
+
+    def _first(self) -> Ints:
+        """The group to begin with."""
+        bolts = self.scene.loads.bolts
+        bolted = np.isin(self.alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
+        first = self.alone[np.argsort(bolted, kind="stable")][:1]
+        return self.group if len(self.group) else _with_neighbours(self.scene.assembly, first, self.blocks)
+
+    def _of_group(self, group: Ints, bond: Floats) -> tuple[AssemblyModel, PathLimit, Floats] | None:
+        """The model of a group with all others held, its limit with some bonds (m,) of all, and its own bonds."""
+        known = self._known(group) if len(group) <= _MOST_GROUP * len(self.blocks) else None
+        if known is None:
+            return None
+        small, own = known
+        key = group.tobytes() + bond.tobytes()
+        if key == self.solved[0]:
+            return self.solved[1]
+        broken, lost = np.zeros(len(self.scene.assembly.patches), dtype=bool), self.model.pair_contact[bond == 0.0]
+        broken[self.patch[lost[lost < len(self.patch)]]] = True  # bolts are contacts beyond them
+        opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
+        own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
+        try:
+            with effort.part(_OF_GROUP):
+                limit = first_limit(small, own_bond, self._bound(group, small))
+        except effort.EffortSpentError:
+            return None
+        solution = None if limit is None or limit.parameter is None else (small, limit, own_bond)
+        self.solved = key, solution
+        return solution
+
+    def _of_all(self, small: AssemblyModel, limit: PathLimit) -> PathLimit:
+        """A limit of a group, its motion that of all blocks."""
+        model = self.model
+        motion = np.zeros_like(model.load)
+        motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
+        motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
+        return replace(limit, motion=motion.ravel())
+
+    def limit_alone(self, bond: Floats) -> PathLimit | None:
+        """The limit of the group that failed last, with some bonds (m,); none of its forces are those of all."""
+        solution = self._of_group(self.near, bond) if len(self.near) else None
+        if solution is None:
+            return None
+        small, limit, _ = solution
+        return replace(self._of_all(small, limit), group=len(self.near))
+
+    def peak(self) -> PathLimit | None:
+        """The peak of the group that the last limit of all was not found with; None of few blocks."""
+        return self.snapped if len(self.blocks) > _LONG else None
+
+    def begins_with(self, motion: Floats) -> None:
+        """Blocks that move in a motion (N,) of all, and their neighbours, are solved alone from now on.
+
+        They are the first group as well where the path of all takes long.
+        """
+        group = _with_neighbours(self.scene.assembly, self._movers(motion), self.blocks)
+        if len(group) <= _MOST_GROUP * len(self.blocks):
+            self.near = group
+            if len(self.blocks) > _LONG:
+                self.group = group
+
+    def _movers(self, motion: Floats) -> Ints:
+        """Blocks that move in a motion (N,) of all."""
+        moved = motion.reshape(self.model.load.shape)
+        speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
+        movers: Ints = self.model.moving[speed > FLOWS * float(speed.max())]
+        return movers
+
+    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+        """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere.
+
+        Parameters
+        ----------
+        peaks : the peak of a group proposes as well
+        """
+        scene, model, blocks = self.scene, self.model, self.blocks
+        self.found, self.snapped = None, None
+        if not len(self.alone):
+            return None
+        bed = Bed(model, Drive(model.load.ravel()), bond)
+        group, work = self._first(), 0
+        for _ in range(_MOST_GROUPS):
+            solution = self._of_group(group, bond)
+            if solution is None:
+                return None
+            small, limit, own_bond = solution
+            assert limit.parameter is not None
+            if not limit.found and not peaks:  # it may be a snap of slivers
+                self.snapped = self._of_all(small, limit)
+                return None
+            work += limit.factorisations
+            factor = 1.0 / limit.parameter
+            below = min(factor, top)
+            flow, gap = rests_before(bed, below, RESTS_NEAR)
+            if flow.ended == "rest":
+                if factor > top * (1.0 + BOUND_ACCURACY):
+                    return None
+                self.group, self.near, of_group = group, group, (small, limit, own_bond)
+                limit = self._of_all(small, limit)
+                if not at_their_limit(bed, flow, limit):
+                    return None
+                self.found = of_group
+                rested, width = 1.0 / (below * (1.0 - gap)), 1.0 - (1.0 - gap) * below / factor
+                at, forces = bed.polished(flow.at, rested)
+                if gap > JUST or not limit.found:  # what all blocks vouch for is the last state at rest
+                    limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
+                    width = 0.0
+                settled = PathOutcome.SETTLED if limit.found else limit.outcome
+                return replace(
+                    limit, outcome=settled, width=width, group=len(group), displacement=at,
+                    normal=forces.normal, friction=forces.friction,
+                    residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work,
+                )  # fmt: skip
+            if flow.ended == "lost":
+                return None
+            movers = self._movers(flow.at - flow.before)
+            group = _with_neighbours(scene.assembly, group if np.isin(movers, group).all() else movers, blocks)
+        return None
+
+
+def _with_neighbours(assembly: Assembly, group: Ints, among: Ints) -> Ints:
+    """A group of blocks with those among others that touch it."""
+    patches, inside = assembly.patches, np.zeros(len(assembly) + 1, dtype=bool)
+    inside[group] = True
+    near = np.concatenate([
+        group, patches.plus[inside[patches.minus] & (patches.minus >= 0)], patches.minus[inside[patches.plus]]
+    ])  # fmt: skip
+    return np.intersect1d(near, among)
