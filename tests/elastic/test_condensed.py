@@ -120,7 +120,7 @@ def test_what_still_parts_is_not_at_rest() -> None:
 
 
 def test_many_bonds_that_part_at_once_lead_to_the_same_rest(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a crowd a quarter part together: fewer rounds, and the same bonds are gone as one small group after another."""
+    """Of a crowd a quarter part together: fewer rounds, and the same bonds are gone as group after group."""
     design = sk.load(wall(cohesion=3.0))
     scene = _many_blocks(design, cut(design), sk.analyse(design))
     states = []
