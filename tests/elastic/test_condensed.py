@@ -119,6 +119,28 @@ def test_what_still_parts_is_not_at_rest() -> None:
     assert not found.stands
 
 
+def test_many_bonds_that_part_at_once_lead_to_the_same_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a crowd a quarter part together: fewer rounds, and the same bonds are gone as group after group."""
+    design = sk.load(wall(cohesion=3.0))
+    scene = _many_blocks(design, cut(design), sk.analyse(design))
+    states = []
+    for crowd in (10**9, 4):
+        monkeypatch.setattr(rest, "_CROWD", crowd)
+        search = RestSearch(scene.model, scene.stiffness)
+        found = search.rest(1.0)
+        assert found.stands
+        normal, *shear = found.forces.reshape(-1, 3).T
+        strength = np.where(found.parted, 0.0, scene.model.cohesion) * scene.model.area
+        assert (normal >= -1e-9 * normal.max()).all()
+        assert (np.hypot(*shear) <= strength + scene.model.tan_friction * normal + 1e-9 * normal.max()).all()
+        states.append((search.steps, found))
+    (many, one), (few, other) = states
+    assert few < many
+    assert one.parted.sum() > 20
+    assert (one.parted == other.parted).mean() > 0.97
+    assert other.forces == pytest.approx(one.forces, abs=0.02 * np.abs(one.forces).max())
+
+
 def test_work_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rest, "_WORK", 1e3)
     found = sk.run("templates/wall.yaml", elastic=True)

@@ -32,7 +32,9 @@ def _at2(head="ACCELERATION TIME SERIES IN UNITS OF G", points="NPTS=   200, DT=
     "n,time,acc (g)\n" + "".join(f"1,{t:.4f},{a:.9f}\n" for t, a in zip(TIMES, VALUES, strict=True)),
     _at2(), _at2(points="200 0.02 NPTS, DT"), _at2(head="ACCELERATION TIME HISTORY IN UNITS OF CM/S2",
                                                   values=VALUES * GRAVITY * 100.0),
-    _at2().replace("E-0", "D-0"), _at2().replace("  -", "-"),
+    _at2().replace("E-0", "D-0"), _at2().replace("  -", "-"), _at2(points="NPTS= 200, DT= 2.0D-02 SEC"),
+    "t (s);a (g)\n" + "".join(f"{t:.6E};{a:.9E}\n".replace("E", "D") for t, a in zip(TIMES, VALUES, strict=True)),
+    _columns("time [s],acc [ms-2]", VALUES * GRAVITY),
 ])  # fmt: skip
 def test_one_motion_in_many_files(tmp_path, text) -> None:
     path = tmp_path / "motion.txt"
@@ -63,6 +65,14 @@ def test_one_motion_in_many_files(tmp_path, text) -> None:
     (_at2(head="VELOCITY TIME SERIES IN UNITS OF CM/S"), "E515", "no record of acceleration"),
     (_at2(head="ACCELERATION TIME SERIES"), "E511", "IN UNITS OF G"),
     (_at2().replace("E-0", "x", 1), "E513", "line 5"),
+    (_at2(points="NPTS=   200, DT= fast SEC"), "E515", "line 4 says no number of points and no time step"),
+    (_at2(points="NPTS=   200"), "E515", "line 4 says"),
+    (_columns("period (s),Sa (g)"), "E515", "'period (s)' holds no times"),
+    (_columns("freq (Hz),acc (g)"), "E515", "'freq (hz)' holds no times"),
+    (_columns("time (s),velocity (m/s)"), "E515", "'velocity (m/s)' holds no accelerations"),
+    (_columns("time (s),spectral acceleration (g)"), "E515", "holds no accelerations"),
+    (_columns("time (s),acc (g) in m/s2"), "E511", "names g and m/s2"),
+    ("acc (g)\n0.1\n0.2\n", "E512", "1 column, which"),
 ])  # fmt: skip
 def test_what_is_wrong_is_said_with_its_line(tmp_path, text, code, said) -> None:
     path = tmp_path / "bad.csv"
@@ -81,6 +91,25 @@ def test_the_unit_may_be_given(tmp_path) -> None:
         read_record(path, "feet")
     with pytest.raises(sk.DesignError, match="E511"):  # though the pulse names its own
         read_records(["sine:0.5g,1Hz"], "feet")
+
+
+@pytest.mark.parametrize(("points", "codes"), [("NPTS= 200, DT= 20.0 SEC", ["W497"]), ("NPTS= 200, DT= .1 SEC", [])])
+def test_times_that_may_be_in_milliseconds_are_said(tmp_path, points, codes) -> None:
+    path = tmp_path / "north.AT2"
+    path.write_text(_at2(points=points), encoding="utf-8")
+    record = read_record(path)
+    assert [one.code for one in record.notices] == codes
+    assert all("the time step is 20 s" in one.message for one in record.notices)
+
+
+def test_a_file_whose_name_is_like_a_pulse_is_a_file(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "half-sine").write_text(_columns("t,a (g)"), encoding="utf-8")
+    assert not read_record("half-sine").is_pulse
+    with pytest.raises(sk.DesignError, match="E147"):
+        read_record("half-sine.csv")
+    with pytest.raises(sk.DesignError, match="E510 a record without a name"):
+        read_records([""])
 
 
 def test_a_folder_is_read_and_every_bad_file_is_said(tmp_path) -> None:
@@ -104,7 +133,7 @@ def test_a_folder_is_read_and_every_bad_file_is_said(tmp_path) -> None:
 @pytest.mark.parametrize("name", [
     "sine", "sine:0.5g", "sine:0.5,1Hz", "sine:0.5g,1s", "sine:0.5g,1Hz,0.5", "rectangular:0.5g,-1s",
     "triangular:0.5g,1s,2", "rectangular:0g,1s", "sine:xg,1Hz", "square:0.5g,1s",
-    "sine:0.5g,1Hz,0",
+    "sine:0.5g,1Hz,0", "rect:0.5g,0.3s", "half-sine:0.5g,1Hz", "half_sine: 0.5g, 1s", "half-sine", "rectangle:0.5g",
 ])  # fmt: skip
 def test_pulses_that_are_none(name) -> None:
     with pytest.raises(sk.DesignError, match="E517"):

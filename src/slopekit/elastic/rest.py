@@ -37,6 +37,7 @@ _LOST = 1e7  # a residual that has nothing to do with the answer any more
 _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more strength than asked for
 _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
 _LET_GO = 0.5  # pairs in more than this part of the worst tension part together
+_CROWD, _WORST = 100, 0.25  # of many blocks: where more pairs than that are in tension, so many of them part at least
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
 
@@ -218,7 +219,10 @@ class RestSearch:
             if not state.stands or not broken.any():
                 break
             pulled = law.tractions[:, 0] + tension / factor
-            new = broken & (pulled < _LET_GO * float(pulled[broken].min()))
+            bound = _LET_GO * float(pulled[broken].min())
+            if not self.model.is_dense and int(broken.sum()) > _CROWD:
+                bound = max(bound, float(np.quantile(pulled[broken], _WORST)))
+            new = broken & (pulled < bound)
             memory = state.memory.copy()
             memory[new] = state.relative[new, 1:]
             state = replace(state, parted=state.parted | new, memory=memory)

@@ -27,6 +27,7 @@ GRAVITY = 9.80665
 _UNITS = {
     "g": GRAVITY, "m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001, "mgal": 1e-5,
     "m/s/s": 1.0, "cm/s/s": 0.01, "m/sec2": 1.0, "cm/sec2": 0.01, "m/sec/sec": 1.0, "cm/sec/sec": 0.01,
+    "ms-2": 1.0, "cms-2": 0.01,
 }  # fmt: skip
 _KNOWN = "g, m/s2, cm/s2, gal"
 _ENDINGS = (".csv", ".txt", ".dat", ".at2", ".acc")
@@ -35,19 +36,26 @@ _MOST_RECORDS = 500
 _LARGEST_G = 10.0  # no record of an earthquake has more than half of it
 _UNEVEN = 0.01  # of a step
 _GAP = 10.0  # times the usual step
+_COARSE = 0.1  # s: a step with which hardly a wave of an earthquake is seen
 _DRIFTS = 0.1  # of the highest velocity of the ground
 _MOST_FAULTS = 8
 _PARTS = 100  # of a rectangular or triangular pulse
 _CYCLE = 2000  # samples of a sine: the displacement is off by some 2e-6
 _TIMES = ("t", "time", "zeit", "sec", "seconds", "s")
 _ACCELERATIONS = ("a", "acc", "accel", "acceleration", "ag", "beschleunigung", "ground acceleration", "amplitude")
+_NO_TIMES = re.compile(r"(?:^|[^a-z])(freq|frequency|period|hz)(?![a-z])")
+_NO_ACCELERATIONS = re.compile(r"^(vel|velocity|disp|displ|displacement|spectral|sa|psa|sv|sd)(?![a-z])")
 _MILLI = re.compile(r"(?:^|[^a-z])(ms|msec|milliseconds?)(?![a-z])")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?")
 _STEPS = (
-    re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eE+-]+)", re.IGNORECASE),
-    re.compile(r"^\s*(\d+)\s+([\d.eE+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
+    re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eEdD+-]+)", re.IGNORECASE),
+    re.compile(r"^\s*(\d+)\s+([\d.eEdD+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
-_LIKE_PULSE = r"(rectangular|sine|triangular)\b|[a-z]+:[^,/\\\\]+,"
+_NOT_STEPS = re.compile(r"\bNPTS\b", re.IGNORECASE)  # of a line that has to say them
+_LIKE_PULSE = (
+    r"(rect|rectangular|rectangle|square|half[-_ ]?sine|sine|sin|tri|triangular|triangle)(?![\w.-])"
+    r"|[a-z][a-z_ -]+:[^/\\]*$"
+)
 _PULSE = re.compile(r"(rectangular|sine|triangular):([^,:]+),([^,:]+)(?:,([^,:]+))?", re.IGNORECASE)
 
 
@@ -183,7 +191,7 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     faults = Faults()
     paths: list[Any] = []
     for one in given:
-        if isinstance(one, str | os.PathLike) and Path(one).is_dir():
+        if isinstance(one, str | os.PathLike) and os.fspath(one).strip() and Path(one).is_dir():
             inside = sorted(path for path in Path(one).iterdir() if path.suffix.lower() in _ENDINGS)
             if not inside:
                 faults.append(
@@ -241,13 +249,31 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     text = os.fspath(path)
     if re.match(_LIKE_PULSE, text, re.IGNORECASE) and not Path(path).exists():
         return _pulse(text)
+    if not text.strip():
+        raise DesignError([Fault("E510", "a record without a name is given", "RECORD")])
     name = Path(path).name
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
     if not any(line.strip() for line in lines):
         raise DesignError([Fault("E516", f"{name} is empty", str(path))])
     if any(_step_in(line) for line in lines[:8]):
-        return _at2(name, lines)
-    return _columns(name, lines, unit)
+        return _with_coarse_steps_said(_at2(name, lines))
+    if said := next((k for k, line in enumerate(lines[:8], 1) if _NOT_STEPS.search(line)), None):
+        message = f"{name}: line {said} says no number of points and no time step that could be read"
+        advice = f"It is {lines[said - 1].strip()[:60]!r}; NPTS= 4000, DT= .0050 SEC is needed."
+        raise DesignError([Fault("E515", message, f"{name}:{said}", advice)])
+    return _with_coarse_steps_said(_columns(name, lines, unit))
+
+
+def _with_coarse_steps_said(record: Record) -> Record:
+    """What a file holds, W497 where its steps are longer than those of records."""
+    usual = float(np.median(np.diff(record.times_s)))
+    if usual <= _COARSE:
+        return record
+    message = (
+        f"{record.name}: the time step is {usual:.6g} s, records have 0.05 s or less: times in ms, numbers of samples, "
+        "or no record of an earthquake?"
+    )
+    return _called(record, record.name, (Notice("W497", message), *record.notices))
 
 
 def _text_of(content: bytes, name: str) -> str:
@@ -266,7 +292,7 @@ def _step_in(line: str) -> tuple[int, float] | None:
     for pattern in _STEPS:
         if match := pattern.search(line):
             try:
-                return int(match[1]), float(match[2])
+                return int(match[1]), float(_with_e(match[2]))
             except ValueError:
                 return None
     return None
@@ -309,9 +335,14 @@ def _run_together(part: str) -> bool:
     return len(numbers) > 1 and "".join(numbers) == part
 
 
+def _with_e(word: str) -> str:
+    """A number as Fortran writes it, with D before its exponent, as others do."""
+    return word.replace("D", "E").replace("d", "e")
+
+
 def _value(word: str, name: str, line: int) -> float:
     try:
-        value = float(word.replace("D", "E").replace("d", "e"))
+        value = float(_with_e(word))
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
@@ -343,6 +374,8 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     width = len(cells(rows[first][1]))
     heads = _heads(rows[first - 1][1], mark, width) if first else []
     at = _places(name, heads, width, rows[first][0])
+    if heads:
+        _are_a_motion(name, heads[at[0]], heads[at[1]], rows[first - 1][0])
     if heads and _plain(heads[at[0]]) in _TIMES and (other := _MILLI.search(heads[at[0]])):
         message = f"{name}: times are in {other[1]}, in seconds they are needed"
         raise DesignError([Fault("E514", message, f"{name}:{rows[first - 1][0]}", "Divide them by 1000: time (s).")])
@@ -375,7 +408,7 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
 
 def _is_number(text: str) -> bool:
     try:
-        return math.isfinite(float(text))
+        return math.isfinite(float(_with_e(text)))
     except ValueError:
         return False
 
@@ -400,10 +433,29 @@ def _places(name: str, heads: Sequence[str], width: int, line: int) -> tuple[int
             return times[0], accelerations[0]
     if width != 2:
         advice = "Two columns, time and acceleration, or name them so in the header."
-        raise DesignError(
-            [Fault("E512", f"{name}: {width} columns, which are time and acceleration?", f"{name}:{line}", advice)]
-        )
+        message = f"{name}: {width} column{'s' if width != 1 else ''}, which are time and acceleration?"
+        raise DesignError([Fault("E512", message, f"{name}:{line}", advice)])
     return 0, 1
+
+
+def _are_a_motion(name: str, time: str, acceleration: str, line: int) -> None:
+    """Whether the heads of two columns may be those of time and acceleration: a spectrum is no record.
+
+    Raises
+    ------
+    DesignError
+        E511 two units, E515.
+    """
+    if len(units := _units_in(acceleration)) > 1:
+        message = f"{name}: the column {acceleration[:40]!r} names {' and '.join(sorted(units))}, one unit is needed"
+        raise DesignError([Fault("E511", message, f"{name}:{line}")])
+    for head, known, other, needed in (
+        (time, _TIMES, _NO_TIMES, "times"), (acceleration, _ACCELERATIONS, _NO_ACCELERATIONS, "accelerations"),
+    ):  # fmt: skip
+        if _plain(head) not in known and other.search(head):
+            message = f"{name}: the column {head[:40]!r} holds no {needed}"
+            advice = "A record is time and acceleration of the ground, no spectrum, velocity or displacement."
+            raise DesignError([Fault("E515", message, f"{name}:{line}", advice)])
 
 
 def _unit_of_head(head: str) -> str | None:
@@ -419,9 +471,13 @@ def _spelled(text: str) -> str:
     return re.sub(r"sec(?=2|/|\b)", "s", text).replace("m_s2", "m/s2")
 
 
+def _units_in(text: str) -> set[str]:
+    return {word for word in re.split(r"[\s,;:=()\[\]\"']+", _spelled(text)) if word in _UNITS}
+
+
 def _unit_in(text: str) -> str | None:
     """The one unit of acceleration that a text names."""
-    words = {word for word in re.split(r"[\s,;:=()\[\]\"']+", _spelled(text)) if word in _UNITS}
+    words = _units_in(text)
     return words.pop() if len(words) == 1 else None
 
 
@@ -446,7 +502,8 @@ def _pulse(text: str) -> Record:
     match = _PULSE.fullmatch(text.replace(" ", ""))
     advice = "rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz  sine:0.5g,1Hz,5 (cycles)"
     if match is None:
-        raise DesignError([Fault("E517", f"{text} is no pulse, nor a file", text, advice)])
+        message = f"{text} is no pulse (rectangular, triangular or sine), nor a file"
+        raise DesignError([Fault("E517", message, text, advice)])
     shape = match[1].lower()
     peak = _measured(match[2], {unit: _UNITS[unit] for unit in ("g", "m/s2", "cm/s2", "gal")}, text, advice)
     if shape == "sine":
