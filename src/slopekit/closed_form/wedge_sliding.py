@@ -11,9 +11,10 @@ from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
-from slopekit.closed_form.given import Bools, Codes, Floats, Value
+from slopekit.closed_form.given import Codes, Value
 from slopekit.closed_form.search import loss_with_bolts, together
 from slopekit.closed_form.tolerances import PULLS_SETTLED, SMALL, SQUARE
+from slopekit.core.arrays import Bools, Floats
 
 Vector = tuple[Value, Value, Value]
 Bolt = tuple[float, float, float]

@@ -1,8 +1,17 @@
 """Array types and the one way to freeze an array before it is stored."""
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
+import numpy as np
+
+if TYPE_CHECKING:  # numpy.typing takes a millisecond of a cold run, to write the docstring of its NDArray
+    from numpy.typing import ArrayLike as ArrayLike
+else:
+    ArrayLike = Any
+
+S = TypeVar("S", bound=np.generic)
+
+NDArray: TypeAlias = np.ndarray[tuple[Any, ...], np.dtype[S]]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
