@@ -40,7 +40,7 @@ from slopekit.closed_form.wedge_sliding import (
     times,
     under_bolts,
 )  # fmt: skip
-from slopekit.core.arrays import ArrayLike, Bools, Floats
+from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.records import dataclass
 
 #: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from slopekit.core.arrays import ArrayLike, Floats
+from slopekit.core.array_types import ArrayLike, Floats
 
 _RADIAN: Final = math.pi / 180.0
 #: Of the modified Ritchie criterion: a part of the bench height, and m.

@@ -18,7 +18,7 @@ import numpy as np
 
 from slopekit.closed_form.rotation import GroundSurface, panels
 from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
-from slopekit.core.arrays import ArrayLike, Floats
+from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 

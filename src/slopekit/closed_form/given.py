@@ -5,7 +5,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import ArrayLike, NDArray
+from slopekit.core.array_types import ArrayLike, NDArray
 
 Codes = NDArray[np.int8]
 #: One of the values that a formula takes: a float or an array.

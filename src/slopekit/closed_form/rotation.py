@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
-from slopekit.core.arrays import ArrayLike, Floats
+from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from slopekit.closed_form.search import first_loss
 from slopekit.closed_form.tolerances import HOLDS, ROUNDING
-from slopekit.core.arrays import ArrayLike, Bools, Floats
+from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 

@@ -32,7 +32,7 @@ from slopekit.closed_form.wedge_sliding import (
     times,
     under_bolts,
 )  # fmt: skip
-from slopekit.core.arrays import ArrayLike, Bools, Floats, NDArray
+from slopekit.core.array_types import ArrayLike, Bools, Floats, NDArray
 from slopekit.core.records import dataclass
 
 #: What may become of a wedge: it slides, it loses contact, nothing drives it, or the planes cut none (`explain CODE`).

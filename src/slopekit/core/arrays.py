@@ -1,20 +1,10 @@
 """Array types and the one way to freeze an array before it is stored."""
 
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
-
 import numpy as np
 
-if TYPE_CHECKING:  # numpy.typing takes a millisecond of a cold run, to write the docstring of its NDArray
-    from numpy.typing import ArrayLike as ArrayLike
-else:
-    ArrayLike = Any
+from slopekit.core.array_types import ArrayLike, Bools, Floats, Ints, NDArray
 
-S = TypeVar("S", bound=np.generic)
-
-NDArray: TypeAlias = np.ndarray[tuple[Any, ...], np.dtype[S]]
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+__all__ = ["Bools", "Floats", "Ints", "NDArray", "cross", "frozen"]
 
 
 def frozen(values: ArrayLike) -> Floats:
