@@ -6,6 +6,7 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.units import quantity
+from slopekit.design.document import read_document
 from slopekit.design.fields import every_field, field_at, structure_of, words_of
 from slopekit.design.files import load
 from slopekit.design.registry import KINDS, record_of
@@ -77,6 +78,20 @@ DESIGNS = [
                 "section": {"thickness": 2}, "strength": {"a": STRENGTH}, "water": {"pressures": {"B/base": 5}}}),
     ("blocks", {"blocks": {"base": {"polygon": SQUARE, "fixed": "true"}, "B": {"polygon": SQUARE, "unit_weight": 25}},
                 "strength": {"a": STRENGTH}, "loads": {"surcharge": {"B": 20}}}),
+]  # fmt: skip
+
+
+def _in_numbers(kind: str, value: object, path: str = "") -> object:
+    """What a template says, its quantities as numbers."""
+    if isinstance(value, dict):
+        return {key: _in_numbers(kind, below, f"{path}.{key}" if path else key) for key, below in value.items()}
+    field = field_at(record_of(kind), path)
+    return quantity(value, field.measures, path) if isinstance(value, str) and field and field.is_number else value
+
+
+DESIGNS += [
+    (kind, {key: _in_numbers(kind, value, key) for key, value in read_document(path_of(kind))[0].root.plain().items()})
+    for kind in KINDS if kind not in {kind for kind, _ in DESIGNS}
 ]  # fmt: skip
 _UNITS = {
     "length": "m", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN", "angle": "deg",
