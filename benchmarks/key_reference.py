@@ -4,16 +4,24 @@ import re
 from pathlib import Path
 
 from benchmarks.key_tables import tables
+from slopekit.design.templates import summary
 
 PAGE = Path(__file__).parents[1] / "docs/design-files.md"
 
 
+_BEHIND_KINDS = "## Distributions\n"
+
+
 def written(page: str) -> str:
-    """The page with the tables of today between their marks."""
+    """The page with the tables of today between their marks; a kind that is new has its heading and mark behind all."""
     for name, table in tables().items():
-        mark = re.escape(f"<!-- keys of {name} -->")
+        begins = f"<!-- keys of {name} -->\n"
+        if begins not in page:
+            own = f"## {name}\n\n{summary(name)}.\n\n{begins}<!-- end of keys -->\n\n"
+            page = page.replace(_BEHIND_KINDS, own + _BEHIND_KINDS)
+        mark = re.escape(begins)
         page, count = re.subn(
-            rf"({mark}\n).*?(<!-- end of keys -->)", lambda m, t=table: m[1] + t + m[2], page, flags=re.S
+            rf"({mark}).*?(<!-- end of keys -->)", lambda m, t=table: m[1] + t + m[2], page, flags=re.S
         )
         if count != 1:
             raise ValueError(f"{PAGE.name} has {count} places for the keys of {name}")

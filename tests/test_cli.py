@@ -232,13 +232,14 @@ def test_picture(tmp_path) -> None:
             2,
             "E129 the output cannot be written: No space left on device",
         ),
+        ("wedge --dips 45/115 45/245 >&-", 2, "E129 the output cannot be written: it is closed"),
         ("wedge --dips 45/115 45/245 --quiet 2>&-", 0, ""),
         ("wedge --dips 45/115 2> /dev/full", 2, ""),
         ("explain --all | true", 0, ""),
     ],
 )
 def test_streams_that_take_nothing(redirected, code, says, tmp_path) -> None:
-    """A full disk is no bug of ours, a closed stderr no reason to stop."""
+    """A full disk is no bug of ours, a closed stdout bad input, a closed stderr no reason to stop."""
     line = f"{sys.executable} -m slopekit.cli {redirected}"
     run = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path)
     assert run.returncode == code

@@ -44,6 +44,7 @@ OF_A_WEDGE = [
     ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
     ("W492", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),
     ("W492", {"height": 0.01}, "m high, lower than any slope: was a length typed in km?"),
+    ("W498", {"water": "u=5000kPa"}, "a mean water pressure of 5000 kPa is that of 509.7 m of water, on blocks 100 m"),
     ("W379", {"face": "65/180"}, "not given, taken from the paper's wedge: upper, height, c, phi, density"),
 ]  # fmt: skip
 # code, template, changes, what the notice says
@@ -68,6 +69,9 @@ OF_A_FILE = [
                                    "B1": {"polygon": [[0, 0], [2000, 0], [2000, 3000], [0, 3000]]}},
                         "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 0, "phi": 30}}},
      "the blocks are 4000 m high"),
+    ("W498", "blocks", {"water": {"pressures": {"base/B1": 900}}}, "a mean water pressure of 900 kPa is that of 91.7"),
+    ("W498", "topple", {"water": {"pressures": {"base": 2000}}}, "a mean water pressure of 2000 kPa is that"),
+    ("W316", "wedge", {"strength.weak": {"law": "power", "a": 200, "b": 0.75}}, "power curve 200 σ^0.75 kPa resists 6"),
     ("W326", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
 ]  # fmt: skip
 
@@ -202,3 +206,58 @@ def test_every_code_has_a_test() -> None:
 @pytest.mark.parametrize("height", [0.3, 15.0, 900.0])
 def test_heights_of_models_and_of_slopes_are_no_slips(height) -> None:
     assert "W492" not in {notice.code for notice in sk.wedge(dips=DIPS, height=height).warnings}
+
+
+@pytest.mark.parametrize("height", [0.3, 15.0, 900.0])
+def test_water_that_stands_little_above_the_blocks_is_no_slip(height) -> None:
+    """Heads of 2.9 and 3.1 times the height of the blocks: what lifts a block is a result as any other."""
+    total = sk.wedge(dips=DIPS, height=height).geometry.total_height_m
+    said = [
+        {notice.code for notice in sk.wedge(dips=DIPS, height=height, water=(times * 9.81 * total,) * 2).warnings}
+        for times in (2.9, 3.1)
+    ]
+    assert ["W498" in codes for codes in said] == [False, True]
+
+
+_SLIPS = {"rock": {"unit_weight": 100}, "strength.weak.c": 6000, "slope.height": 15000}
+_WET = {"water": {"pressures": {"J1": 5000, "J2": 0}}}
+_STUDIES = {
+    "sweep": lambda design: sk.sweep(design, {"loads.seismic.k": [0.0]}, methods="closed-form"),
+    "tornado": lambda design: sk.tornado(design, {"loads.seismic.k": "0:0.1"}, methods="closed-form"),
+    "solve": lambda design: sk.solve(design, "loads.seismic.k", fos=1.2),
+    "prob": lambda design: sk.prob(design, n=100, confirm=0, near=0),
+    "quake": lambda design: sk.quake(design, ["sine:0.5g,1Hz"]),
+    "support": lambda design: sk.support(design, fos=1.5),
+    "check": sk.check,
+}
+
+
+@pytest.mark.parametrize("study", _STUDIES)
+def test_every_study_says_the_slips_of_a_design_that_its_run_says(study) -> None:
+    scatters = {"strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 2}} if study == "prob" else {}
+    for slips, codes in ((_SLIPS, {"W302", "W316", "W492"}), (_WET, {"W498"})):
+        design = sk.load(path_of("wedge"), set=slips | scatters)
+        assert codes <= {notice.code for notice in sk.run(path_of("wedge"), set=slips).warnings}
+        if study in ("support", "quake") and codes == {"W498"}:
+            continue  # the water pushes the wedge off its joints: there is nothing to hold or to shake
+        assert codes <= {notice.code for notice in _STUDIES[study](design).warnings}
+
+
+def test_a_value_that_a_study_replaces_is_no_slip() -> None:
+    design = sk.load(path_of("wedge"), set={"slope.height": 15000})
+    swept = sk.sweep(design, {"slope.height": [20.0, 30.0]}, methods="closed-form")
+    assert not swept.warnings
+
+
+def test_lint_says_the_slips_that_a_run_says() -> None:
+    sets = [
+        word
+        for key, value in (("rock.unit_weight", 100), ("slope.height", 15000))
+        for word in ("--set", f"{key}={value}")
+    ]
+    sets += ["--set", "rock.density="]
+    said = slopekit("lint", str(path_of("wedge")), *sets)
+    assert said.returncode == 0
+    assert [line.split()[0] for line in said.stdout.splitlines()[-2:]] == ["W302", "W492"]
+    document = json.loads(slopekit("lint", str(path_of("wedge")), *sets, "--json").stdout)
+    assert [one["code"] for one in document["warnings"]] == ["W302", "W492"]

@@ -5,7 +5,6 @@ The arrays stand in a result's JSON under `scene`, packed: `{"type": "float64", 
 The classes neither compare nor print: arrays do that badly, and every wedge would pay for the methods.
 """
 
-import base64
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
@@ -255,6 +254,8 @@ def packed(values: Floats | Ints | Bools) -> dict[str, Any]:
     """
     name = "float64" if values.dtype.kind == "f" else "uint8" if values.dtype.kind == "b" else "int32"
     array = np.ascontiguousarray(values, dtype=np.dtype(_TYPES[name]).newbyteorder("<"))
+    import base64  # of JSON alone
+
     data = base64.b64encode(zlib.compress(array.tobytes(), _LEVEL)).decode()
     return {"type": name, "shape": list(array.shape), "zlib_base64": data}
 
@@ -267,6 +268,8 @@ def unpacked(document: Mapping[str, Any]) -> Any:
     KeyError, TypeError, ValueError
         For anything else.
     """
+    import base64
+
     kind, shape = document["type"], tuple(document["shape"])
     raw = zlib.decompress(base64.b64decode(document["zlib_base64"], validate=True))
     array = np.frombuffer(raw, np.dtype(_TYPES[kind]).newbyteorder("<")).reshape(shape)

@@ -7,6 +7,7 @@ stay apart: their capacity is strength, and is divided by the strength reduction
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,7 +15,9 @@ from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.geometry.cutting import Block
-from slopekit.geometry.patches import Assembly
+
+if TYPE_CHECKING:  # one block has no patches between blocks
+    from slopekit.geometry.patches import Assembly
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,12 +250,12 @@ class AssemblyLoads:
     bolts: PassiveBolts = NO_BOLTS
     water_points: Floats | None = None
 
-    def water_at(self, assembly: Assembly) -> Floats:
+    def water_at(self, assembly: "Assembly") -> Floats:
         """The points (k, 3) that the water of each patch acts through."""
         return assembly.patches.centroids if self.water_points is None else self.water_points
 
 
-def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
+def drained(assembly: "Assembly", loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
     """The loads without the water on some patches (k,): a joint that a block has left stands open."""
     at = np.flatnonzero(patches & (loads.water != 0.0))
     if len(at) == 0:
@@ -269,7 +272,7 @@ def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> Assembl
 
 
 def assembly_loads(
-    assembly: Assembly,
+    assembly: "Assembly",
     unit_weights: Floats,
     seismic: Floats,
     pressures: Floats,

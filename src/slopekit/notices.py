@@ -24,6 +24,10 @@ _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
 _HEIGHTS_M = (0.02, 2500.0)
+_INTACT_KPA = 5000.0  # of cohesion
+_STRONGEST_LAW_KPA = 2000.0  # ... and of a curved law, at ...
+_AT_KPA = 100.0
+_ARTESIAN = 3.0  # columns of water as high as the blocks
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
@@ -83,8 +87,13 @@ def _judged_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[N
 def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
     """Cohesion that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
-    if strongest > 5000.0:
+    if strongest > _INTACT_KPA:
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+    for law in dict.fromkeys(strength.law for strength in strengths if strength.law is not None):
+        resists = float(law.resistance(np.array([_AT_KPA]))[0])
+        if resists >= _STRONGEST_LAW_KPA:
+            yield Notice("W316", f"{law.in_words()} resists {resists:.4g} kPa at a normal traction of {_AT_KPA:g} kPa, "
+                                 "as intact rock does: are its numbers in kPa?")  # fmt: skip
 
 
 def headless_notices(design: Design) -> Iterator[Notice]:
@@ -113,6 +122,16 @@ def size_notices(height_m: float) -> Iterator[Notice]:
         yield Notice("W492", f"the blocks are {shown} m high, {what}: was a length typed in {unit}?")
 
 
+def pressure_notices(pressures_kpa: Sequence[float], height_m: float, water_unit_weight: float) -> Iterator[Notice]:
+    """W498: the water on an interface would stand far above the blocks."""
+    highest = max(pressures_kpa, default=0.0)
+    head_m = highest / water_unit_weight
+    if head_m > _ARTESIAN * height_m:
+        pressure, head, height = (number(float(f"{value:.4g}")) for value in (highest, head_m, height_m))
+        water = f"a mean water pressure of {pressure} kPa is that of {head} m of water"
+        yield Notice("W498", f"{water}, on blocks {height} m high: was it typed in Pa?")
+
+
 def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
     """W320: what scatters and is taken at its mean, but for what a study gives other values, by their paths.
 
@@ -139,8 +158,19 @@ def _read_notices(design: Design) -> Iterator[Notice]:
         )
     if design.partial is not None and getattr(design, "crack_searched", None):
         yield Notice("W429", "the crack stands where it is worst without the partial factors")
+    yield from _weight_notices(design)
+
+
+def _weight_notices(design: Design) -> Iterator[Notice]:
+    """A weight that no rock has."""
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+
+
+def unlikely_values(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """Numbers of the inputs that are likelier slips than meant: W302, W316."""
+    yield from _weight_notices(design)
+    yield from _intact_notices(strengths)
 
 
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:

@@ -5,11 +5,16 @@ from collections.abc import Iterator
 import pytest
 
 from slopekit.core.errors import DesignError
+from slopekit.core.units import quantity
+from slopekit.design.document import read_document
 from slopekit.design.fields import every_field, field_at, structure_of, words_of
 from slopekit.design.files import load
 from slopekit.design.registry import KINDS, record_of
+from slopekit.design.strength_laws import fields_of_law
 from slopekit.design.structure import AnyOf, KeyGroup, Leaf, ListOf, Named
 from slopekit.design.templates import names, path_of
+from slopekit.strength.mohr_coulomb import MohrCoulomb
+from slopekit.strength.registry import LAWS
 from slopekit.studies.keys import keys_of
 
 PLANE = {"dip": 45, "dip_direction": 115}
@@ -23,6 +28,11 @@ CURVED = (
     {"law": "bridged", "c": 1, "phi": 30, "c_rock": 500, "phi_rock": 45, "persistence": 0.9},
     {"law": "bilinear", "phi": 0, "i": 0, "sigma_t": 300},
 )  # fmt: skip
+#: The other laws, at the examples of their own fields.
+OF_EXAMPLES = [
+    {"law": name} | {one.path: quantity(one.example, one.measures, name) for one in fields_of_law(law).values()}
+    for name, law in LAWS.items() if law is not MohrCoulomb and name not in {given["law"] for given in CURVED}
+]  # fmt: skip
 LOADS = {"seismic": {"k": 0.1, "toward": 180}, "forces": [{"force": 5, "toward": LINE}]}
 BOLTS = {"bolts": [{"force": 5, "toward": LINE, "head": [0, 0, 0], "length": 9}]}
 JOINTS = {"J1": {"plane": PLANE}, "J2": {"plane": "45/245"}}
@@ -51,7 +61,7 @@ DESIGNS = [
     ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
                "crack": {"distance": 4}, "water": {"pressures": [5, 6]}}),
     *(("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": law}, "rock": ROCK})
-      for law in CURVED),
+      for law in (*CURVED, *OF_EXAMPLES)),
     ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
                  "strength": {"a": STRENGTH}, "uplift": {"toe": 20, "heel": 5, "drain": 0.5}}),
     ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
@@ -68,6 +78,20 @@ DESIGNS = [
                 "section": {"thickness": 2}, "strength": {"a": STRENGTH}, "water": {"pressures": {"B/base": 5}}}),
     ("blocks", {"blocks": {"base": {"polygon": SQUARE, "fixed": "true"}, "B": {"polygon": SQUARE, "unit_weight": 25}},
                 "strength": {"a": STRENGTH}, "loads": {"surcharge": {"B": 20}}}),
+]  # fmt: skip
+
+
+def _in_numbers(kind: str, value: object, path: str = "") -> object:
+    """What a template says, its quantities as numbers."""
+    if isinstance(value, dict):
+        return {key: _in_numbers(kind, below, f"{path}.{key}" if path else key) for key, below in value.items()}
+    field = field_at(record_of(kind), path)
+    return quantity(value, field.measures, path) if isinstance(value, str) and field and field.is_number else value
+
+
+DESIGNS += [
+    (kind, {key: _in_numbers(kind, value, key) for key, value in read_document(path_of(kind))[0].root.plain().items()})
+    for kind in KINDS if kind not in {kind for kind, _ in DESIGNS}
 ]  # fmt: skip
 _UNITS = {
     "length": "m", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN", "angle": "deg",

@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from slopekit.core.units import quantity
+from slopekit.design.strength_laws import fields_of_law
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
 from slopekit.strength.bridged import Bridged
@@ -20,6 +22,9 @@ EVERY = [
     MohrCoulomb(50.0, 20.0), BartonBandis(8.0, 50e3, 25.0), BartonBandis(16.0, 100e3, 28.0, length_m=5.0),
     PowerCurve(2.0, 0.75), PowerCurve(1.5, 0.6, 10.0), Bilinear(25.0, 15.0, 300.0),
     Wavy(BartonBandis(8.0, 50e3, 25.0), 5.0), Bridged(10.0, 30.0, 2e3, 45.0, 0.97),
+    *(law(**{
+        name: quantity(field.example, field.measures, name) for name, field in fields_of_law(law).items()
+    }) for law in LAWS.values()),
 ]  # fmt: skip
 TRACTIONS = np.array([0.5, 20.0, 299.0, 301.0, 2000.0])
 
@@ -126,4 +131,4 @@ def test_straight_laws_among_the_curved() -> None:
 
 def test_the_registry_names_every_law() -> None:
     """UX.md: the names that design files write."""
-    assert list(LAWS) == ["mohr-coulomb", "barton-bandis", "power", "bilinear", "bridged"]
+    assert list(LAWS) == ["mohr-coulomb", "barton-bandis", "bilinear", "bridged", "power"]

@@ -109,6 +109,12 @@ def _slopekit(
 _SPELLINGS = {"--accept-fos": "--accept", "--accept-pf": "--accept", "--target": "--fos"}
 
 
+def _refuse_no_output() -> None:
+    """Refuse a shell's `>&-`, under which everything would be worked out and nothing said."""
+    if cast(object, sys.stdout) is None:
+        raise DesignError([Fault("E129", "the output cannot be written: it is closed", "stdout", "Try > /dev/null.")])
+
+
 def _refuse_repeats(arguments: list[str]) -> None:
     """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
     given = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
@@ -146,6 +152,7 @@ def main() -> None:
     """
     atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
+        _refuse_no_output()
         _refuse_repeats(sys.argv[1:])
         code = app(standalone_mode=False)
     except SlopekitError as error:

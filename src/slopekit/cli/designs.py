@@ -7,6 +7,7 @@ import typer
 
 from slopekit._version import __version__
 from slopekit.cli.common import CASE, FILE, JSON, SET, json_text, load_design
+from slopekit.core.codec import json_of
 
 
 def lint(
@@ -16,11 +17,14 @@ def lint(
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Read and test a design file, run nothing."""
+    from slopekit.kinds import likely_slips
+
     read = load_design(design, sets, case)
+    slips = likely_slips(read)
     if as_json:
         document = {
             "slopekit": __version__, "kind": read.kind, "input_sha256": read.input_hash(), "inputs": read.inputs(),
-            "assumed": dict(read.assumed), "defaults": list(read.defaults), "errors": [],
+            "assumed": dict(read.assumed), "defaults": list(read.defaults), "warnings": json_of(slips), "errors": [],
             **({"cases": {one.name: {
                 "sets": dict(one.sets), "rules": [str(rule) for rule in one.design.rules],
                 "input_sha256": one.design.input_hash(), "inputs": one.design.inputs(),
@@ -39,3 +43,5 @@ def lint(
         typer.echo(f"     {name} is a distribution: run takes {value}")
     if read.defaults:
         typer.echo(f"     left out, taken by default: {', '.join(read.defaults)}")
+    for notice in slips:
+        typer.echo(f"     {notice}")

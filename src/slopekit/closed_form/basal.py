@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Bools, Codes, Columns, Floats, of_chunk
+from slopekit.closed_form.given import Codes, Columns, of_chunk
 from slopekit.closed_form.tolerances import SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge import (
     ClosedFormBlocks,
@@ -41,6 +40,7 @@ from slopekit.closed_form.wedge_sliding import (
     times,
     under_bolts,
 )  # fmt: skip
+from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.records import dataclass
 
 #: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.

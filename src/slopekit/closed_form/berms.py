@@ -11,9 +11,8 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Floats
+from slopekit.core.array_types import ArrayLike, Floats
 
 _RADIAN: Final = math.pi / 180.0
 #: Of the modified Ritchie criterion: a part of the bench height, and m.

@@ -15,11 +15,10 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Floats
 from slopekit.closed_form.rotation import GroundSurface, panels
 from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
+from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 

@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from slopekit.core.array_types import ArrayLike, NDArray
+
 Codes = NDArray[np.int8]
 #: One of the values that a formula takes: a float or an array.
 Value: TypeAlias = Any

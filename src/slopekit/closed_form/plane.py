@@ -12,11 +12,11 @@ from dataclasses import fields
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted
+from slopekit.closed_form.given import Codes, Columns, Value, columns_of, counted
 from slopekit.closed_form.search import loss_with_bolts, together
 from slopekit.closed_form.tolerances import PARALLEL_DEG, PULLS_SETTLED, SMALL, SQUARE
+from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.records import dataclass
 
 Vector = tuple[Value, Value]

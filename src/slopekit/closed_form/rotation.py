@@ -13,10 +13,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Floats
 from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
+from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 

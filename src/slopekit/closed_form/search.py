@@ -6,7 +6,7 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from slopekit.closed_form.given import Bools, Floats
+from slopekit.core.array_types import Bools, Floats
 
 _LEAST, _MOST = 1e-6, 1e6
 _STEPS = 2001  # over the whole range: 1.4 % each

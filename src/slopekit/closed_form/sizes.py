@@ -12,11 +12,11 @@ from dataclasses import fields
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Bools, Floats, Value, columns_of
+from slopekit.closed_form.given import Value, columns_of
 from slopekit.closed_form.tolerances import PARALLEL_DEG, REACHES, SAME_DIRECTION
 from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, times
+from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.records import dataclass
 
 _RADIAN: Final = math.pi / 180.0

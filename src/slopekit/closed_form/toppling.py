@@ -12,11 +12,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from slopekit.closed_form.given import Bools, Floats
 from slopekit.closed_form.search import first_loss
 from slopekit.closed_form.tolerances import HOLDS, ROUNDING
+from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 

@@ -12,9 +12,8 @@ from dataclasses import fields
 from typing import Any, ClassVar, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted, of_chunk
+from slopekit.closed_form.given import Codes, Columns, Value, columns_of, counted, of_chunk
 from slopekit.closed_form.tolerances import ALONG, DAYLIGHTS, SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge_sliding import (
     J1,
@@ -33,6 +32,7 @@ from slopekit.closed_form.wedge_sliding import (
     times,
     under_bolts,
 )  # fmt: skip
+from slopekit.core.array_types import ArrayLike, Bools, Floats, NDArray
 from slopekit.core.records import dataclass
 
 #: What may become of a wedge: it slides, it loses contact, nothing drives it, or the planes cut none (`explain CODE`).

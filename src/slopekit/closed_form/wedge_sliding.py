@@ -11,9 +11,9 @@ from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
-from slopekit.closed_form.given import Bools, Codes, Floats, Value
-from slopekit.closed_form.search import loss_with_bolts, together
+from slopekit.closed_form.given import Codes, Value
 from slopekit.closed_form.tolerances import PULLS_SETTLED, SMALL, SQUARE
+from slopekit.core.array_types import Bools, Floats
 
 Vector = tuple[Value, Value, Value]
 Bolt = tuple[float, float, float]
@@ -139,6 +139,8 @@ def under_bolts(
 
 def with_bolts(bed: WedgeJoints, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, WedgeSlide]:
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
+    from slopekit.closed_form.search import loss_with_bolts, together  # a plain wedge has no bolts to look for
+
     bolts = together([(east, north, up) for east, north, up in bolts])
 
     def at(reduction: Floats) -> WedgeSlide:

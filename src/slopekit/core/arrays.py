@@ -1,11 +1,10 @@
 """Array types and the one way to freeze an array before it is stored."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from slopekit.core.array_types import ArrayLike, Bools, Floats, Ints, NDArray
+
+__all__ = ["Bools", "Floats", "Ints", "NDArray", "cross", "frozen"]
 
 
 def frozen(values: ArrayLike) -> Floats:

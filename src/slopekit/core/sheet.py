@@ -233,7 +233,7 @@ class Sheet:
     tables: Mapping[str, Table[Any]] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        lines = textwrap.wrap(self.head, WIDTH, subsequent_indent=" " * LABEL)
+        lines = _folded(self.head, " " * LABEL)
         for section in self.sections:
             lines += section.lines()
         return "\n".join(lines)
@@ -284,8 +284,15 @@ def block(label: str, entries: Sequence[str], hang: int = 3) -> list[str]:
     for k, entry in enumerate(entries):
         head = f"{label if k == 0 else '':<{LABEL}}"
         indent = " " * (LABEL + hang)
-        lines += textwrap.wrap(head + entry, WIDTH, subsequent_indent=indent, drop_whitespace=True) or [head]
+        lines += _folded(head + entry, indent) or [head]
     return lines
+
+
+def _folded(text: str, indent: str) -> list[str]:
+    """A text in lines no wider than a sheet; nothing for a blank one."""
+    if len(text) <= WIDTH and text.isprintable():  # most lines: no tabs, no ends of lines, nothing to fold
+        return [text.rstrip(" ")] if text.strip() else []
+    return textwrap.wrap(text, WIDTH, subsequent_indent=indent)
 
 
 def factor_text(value: float | None) -> str:

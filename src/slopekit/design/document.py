@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.design.nodes import NO_TEXT, Document, cut, fail
+from slopekit.design.nodes import Document, cut, fail, no_text
 from slopekit.design.on_disk import read_bytes
 from slopekit.design.overrides import with_overrides
 from slopekit.design.yaml import LINE_END, SourceLines, TreeBuilder, composed
@@ -89,7 +89,7 @@ def decoded(content: bytes, name: str) -> str:
         line = content.count(b"\n", 0, error.start) + 1
         message = f"line {line} of {name} is not UTF-8 (byte 0x{content[error.start]:02x})"
         fail("E159", message, f"{name}:{line}", "Save it again as UTF-8: ° and φ are written in two bytes there.")
-    bad = NO_TEXT.search(text)
+    bad = no_text(text)
     if bad:
         line = len(LINE_END.findall(text, 0, bad.start())) + 1
         message = f"line {line} of {name} holds the character U+{ord(bad.group()):04X}, which is no text"

@@ -7,7 +7,6 @@ from dataclasses import replace
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import (
     MAX_DEPTH,
-    NO_TEXT,
     Document,
     Node,
     Place,
@@ -16,6 +15,7 @@ from slopekit.design.nodes import (
     fail_large,
     from_python,
     joined,
+    no_text,
     printable,
     shown_of,
 )
@@ -113,7 +113,7 @@ def _override_value(value: object, path: str, place: Place) -> Node:
         node, faults = builder.build(item, path, place), builder.faults
     else:
         text = value.strip()
-        if NO_TEXT.search(text):
+        if no_text(text):
             fail("E160", f"the value of --set {path} is no text", printable(str(place)))
         node = Node(None if text in NULLS else text, place, path, place)
     if faults:
@@ -139,7 +139,7 @@ def _written(path: str, place: Place) -> str:
 
 def _parts(path: str, place: Place) -> list[str]:
     parts = path.split(".")
-    if not all(part.strip() for part in parts) or NO_TEXT.search(path):
+    if not all(part.strip() for part in parts) or no_text(path):
         advice = f"Write {_written('strength.weak.phi', place)[:-1].strip()}{'' if place.is_set else ' '}25."
         fail("E160", f"{cut(printable(path))!r} is no path to a key", printable(str(place)), advice)
     if len(parts) > MAX_DEPTH:

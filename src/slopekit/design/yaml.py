@@ -9,7 +9,6 @@ from slopekit.core.records import dataclass
 from slopekit.design.nodes import (
     MAX_DEPTH,
     MAX_VALUES,
-    NO_TEXT,
     WIDTH,
     Node,
     Place,
@@ -17,6 +16,7 @@ from slopekit.design.nodes import (
     cut,
     fail_large,
     joined,
+    no_text,
     printable,
 )
 
@@ -244,7 +244,7 @@ class TreeBuilder:
         return Node(value, place, path, key_place or place)
 
     def scalar(self, item: Any, path: str, place: Place) -> str | None:
-        bad = NO_TEXT.search(item.value)
+        bad = no_text(item.value)
         if bad:
             message = f"{path or 'a value'} holds the character U+{ord(bad.group()):04X}, which is no text"
             self.faults.append(Fault("E159", message, str(place), "Leave out the escape that writes it."))
@@ -256,7 +256,7 @@ class TreeBuilder:
         entries: dict[str, Node] = {}
         for key, value in item.value:
             place = self.place(key.start_mark.line, key.start_mark.column)
-            if not isinstance(key.value, str) or (not key.style and key.value in NULLS) or NO_TEXT.search(key.value):
+            if not isinstance(key.value, str) or (not key.style and key.value in NULLS) or no_text(key.value):
                 shown = "empty" if isinstance(key.value, str) else "a list or has keys of its own"
                 advice = "A key is a name, then a colon and a space: phi: 20."
                 self.faults.append(Fault("E158", f"a key {_under(path)}is {shown}", str(place), advice))

@@ -6,9 +6,8 @@ centroids of the two sides are compared afterwards as evidence.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.records import dataclass
 from slopekit.geometry.plane_stacks import PlaneStack, Soup
 from slopekit.geometry.tolerances import NO_VOLUME

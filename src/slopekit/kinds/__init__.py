@@ -1,16 +1,21 @@
 """The kinds of design: one file a kind, loaded when a design of it is asked for."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from slopekit.core.errors import Notice, SlopekitError
 from slopekit.design import registry
 from slopekit.design.common import Design
-from slopekit.notices import size_notices
+from slopekit.notices import means_taken, pressure_notices, size_notices, unlikely_values
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds.protocol import Factors, Kind
+
+
+#: How the keys begin of what a likely slip is said of.
+_SAID_OF = {"W302": "rock", "W316": "strength", "W492": "slope.height", "W498": "water"}
 
 
 def register(kind: "Kind[Any]") -> None:
@@ -51,9 +56,7 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
         from slopekit.elastic.meshing import required
 
         required()
-    result = kind.analyse(design)
-    if said := tuple(size_notices(result.geometry.total_height_m)):
-        result = replace(result, warnings=(*result.warnings, *said))
+    result = with_slips_of_size(kind.analyse(design))
     if any(strength.residual for strength in kind.strengths(design)):
         from slopekit.kinds.residual import with_residual
 
@@ -63,6 +66,49 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
 
         result = with_elastic(kind, result, bracket)
     return result
+
+
+def with_slips_of_size(result: Result) -> Result:
+    """A result that says W492 and W498 of itself."""
+    said = tuple(_of_size(result.design, result.geometry.total_height_m))
+    return replace(result, warnings=(*result.warnings, *said)) if said else result
+
+
+def _of_size(design: Design, height_m: float) -> Iterator[Notice]:
+    """W492, W498: heights, and pressures on blocks of that height, that are likelier slips than meant."""
+    yield from size_notices(height_m)
+    yield from pressure_notices(_pressures_kpa(design), height_m, design.water_unit_weight_kn_m3)
+
+
+def _pressures_kpa(design: Design) -> list[float]:
+    """The mean water pressures that a design gives: of its interfaces, or of pairs of blocks."""
+    given: Sequence[Any] = getattr(design, "pressures_kpa", ())
+    given = given or getattr(getattr(design, "water", None), "pressures_kpa", ())
+    return [one[-1] if isinstance(one, tuple) else one for one in given]
+
+
+def slips_of_size(design: Design) -> tuple[Notice, ...]:
+    """What `analyse` says of the size of a design, without its analysis: W492, W498; nothing where no block forms."""
+    try:
+        return tuple(_of_size(design, cut(design).height_m))
+    except SlopekitError:  # what the run says
+        return ()
+
+
+def likely_slips(design: Design, varied: Sequence[str] = ()) -> list[Notice]:
+    """Numbers of a design that are likelier typed in another unit than meant: W302, W316, W492, W498.
+
+    Parameters
+    ----------
+    varied : the paths that a study gives other values: what the design has there does not count
+    """
+    slips = (*unlikely_values(design, kind_of(design).strengths(design)), *slips_of_size(design))
+    return [one for one in slips if not any(path.startswith(_SAID_OF[one.code]) for path in varied)]
+
+
+def notices_of_inputs(design: Design, varied: Sequence[str] = ()) -> tuple[Notice, ...]:
+    """What a study of a design at its means says of the inputs: means taken (W320), and `likely_slips`."""
+    return (*means_taken(design, varied), *likely_slips(design, varied))
 
 
 def factors_of(design: Design, pre_ie: bool = True) -> "Factors":

@@ -5,9 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design

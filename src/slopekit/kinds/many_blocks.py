@@ -374,14 +374,10 @@ def _geometry(scene: AssemblyScene) -> AssemblyGeometry:
     assembly = scene.assembly
     patches = assembly.patches
     free = ~assembly.fixed
-    if scene.outlines:
-        heights = np.concatenate([outline[:, 1] for outline in scene.outlines.values()])
-    else:
-        heights = assembly.vertices[assembly.triangles.ravel(), 2]
     areas = np.bincount(patches.joint, patches.areas, len(scene.joints))
     offset = scene.origin[[0, 2]]
     return AssemblyGeometry(
-        float(assembly.volumes[free].sum()), float(np.ptp(heights)),
+        float(assembly.volumes[free].sum()), scene.height_m,
         dict(zip(scene.joints, areas.tolist(), strict=True)), scene.names, tuple(assembly.fixed.tolist()),
         scene.thickness, frozen(assembly.centroids + scene.origin),
         {name: frozen(outline + offset) for name, outline in scene.outlines.items()},

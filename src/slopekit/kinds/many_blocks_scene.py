@@ -56,6 +56,13 @@ class AssemblyScene:
     crest: Crest | None = None
     crest_x: float | None = None
 
+    @property
+    def height_m(self) -> float:
+        """Of all blocks, bedrock that is one of them too: from their lowest to their highest point."""
+        if self.outlines:
+            return float(np.ptp(np.concatenate([outline[:, 1] for outline in self.outlines.values()])))
+        return float(np.ptp(self.assembly.vertices[self.assembly.triangles.ravel(), 2]))
+
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:
     """A scene with what acts on its blocks.

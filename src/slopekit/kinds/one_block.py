@@ -129,6 +129,11 @@ class Cut:
     axes: Floats | None = None
 
     @property
+    def height_m(self) -> float:
+        """From its lowest to its highest point."""
+        return self.geometry().total_height_m
+
+    @property
     def joints(self) -> tuple[int, ...]:
         """The ids of its joints."""
         return tuple(interface.key for interface in self.interfaces)

@@ -12,9 +12,8 @@ from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.ground_water import SlopeDesign

@@ -14,13 +14,34 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.preie.distance import StaticBound, bound_by_programs
+from slopekit.core.records import dataclass
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import BOUND_BEYOND, BOUND_LACKS, BOUND_PROVED, NO_OPENING
 
 _MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
+
+
+@dataclass(frozen=True, slots=True)
+class StaticBound:
+    """The largest F at which *some* admissible forces balance the loads.
+
+    Attributes
+    ----------
+    factor : None where there is none: nothing balances the loads (`lifted`), forces balance at any friction
+        (`locked`), or the search gave up
+    velocity : (N,) of the blocks, as joints that dilate would let them go, or as they set off where they are lifted
+    normal_force : (m,) of the node pairs there
+    steps : programs, or steps of the interior-point method
+    """
+
+    factor: float | None
+    lifted: bool
+    locked: bool
+    velocity: Floats
+    normal_force: Floats
+    steps: int
 
 
 def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:
@@ -134,6 +155,7 @@ def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
     if len(model.control_area) > _MOST_PAIRS:
         return none
     from slopekit.preie.assembly import one_block  # only a bound that moments govern pays for SciPy and Clarabel
+    from slopekit.preie.distance import bound_by_programs
 
     bound = bound_by_programs(one_block(model), 1.0 / limit)
     if bound is None or bound.factor is None or not (1.0 - BOUND_LACKS) * limit < bound.factor < BOUND_BEYOND * limit:

@@ -17,6 +17,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
+from slopekit.preie.bound import StaticBound as StaticBound
 from slopekit.preie.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
     CLOSE,
@@ -36,27 +37,6 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS, _MOST_DOUBTS = 60, 4  # of λ, and of a λ below which a program gave up
-
-
-@dataclass(frozen=True, slots=True)
-class StaticBound:
-    """The largest F at which *some* admissible forces balance the loads.
-
-    Attributes
-    ----------
-    factor : None where there is none: nothing balances the loads (`lifted`), forces balance at any friction
-        (`locked`), or the search gave up
-    velocity : (N,) of the blocks, as joints that dilate would let them go, or as they set off where they are lifted
-    normal_force : (m,) of the node pairs there
-    steps : programs, or steps of the interior-point method
-    """
-
-    factor: float | None
-    lifted: bool
-    locked: bool
-    velocity: Floats
-    normal_force: Floats
-    steps: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ would raise it, the forces alone stand: no credit is taken for an arrangement th
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,11 +31,13 @@ from slopekit.preie.limit_state import (
     settled_limit_state,
 )
 from slopekit.preie.linear import bounded_least_squares
-from slopekit.preie.mechanism import COLD, Stages, least_work_mechanism
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
 from slopekit.preie.tolerances import FARTHEST, MOMENTS, NO_FORCE, NO_NUMBER, NO_STRENGTH
 from slopekit.strength.mohr_coulomb import line
+
+if TYPE_CHECKING:
+    from slopekit.preie.mechanism import Stages
 
 _STRIDE = 1.05  # steps of λ on the way to the first loss
 _BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line across it meets zero
@@ -179,13 +182,16 @@ def _intact_limit(model: Model) -> Limit | None:
     return None if state is None else exact_limit(state, np.ones(len(model.control_area)), 0)
 
 
-def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
+def passes_limit(model: Model, passes: int, stages: "Stages | None" = None) -> float:
     """The factor after that many frozen-friction passes from a cold start, every bond whole: effort against error.
 
     Parameters
     ----------
-    stages : of the program, see `least_work_mechanism`; fewer of them are a looser tolerance
+    stages : of the program, see `least_work_mechanism`; fewer of them are a looser tolerance; None: all
     """
+    from slopekit.preie.mechanism import COLD, least_work_mechanism
+
+    stages = COLD if stages is None else stages
     normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
     velocity, factor = model.load, 0.0
     for _ in range(passes):

@@ -8,16 +8,19 @@ opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` 
 import math
 from dataclasses import replace
 from enum import Enum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.limit_state import LimitState, settled_limit_state
-from slopekit.preie.mechanism import COLD, WARM, LeastWorkMechanism, least_work_mechanism
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
+
+if TYPE_CHECKING:  # most limits need no passes
+    from slopekit.preie.mechanism import LeastWorkMechanism
 
 _MOST_PASSES = 300  # steered, and as many damped: two random wedges in 400 need the second
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
@@ -87,6 +90,8 @@ def _run_passes(
 
     Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
     """
+    from slopekit.preie.mechanism import COLD, WARM, least_work_mechanism
+
     releases = np.zeros(len(bond))
     friction = line(bond * model.cohesion, model.tan_friction, normal_force)
     if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
@@ -179,7 +184,7 @@ def exact_limit(state: LimitState, bond: Floats, passes: int) -> Limit:
     )  # fmt: skip
 
 
-def _carried(mechanism: LeastWorkMechanism) -> tuple[Floats, Floats]:
+def _carried(mechanism: "LeastWorkMechanism") -> tuple[Floats, Floats]:
     """Friction and bolt pulls of a pass: those of its program balance the load times its load factor."""
     return mechanism.friction_force / mechanism.load_factor, mechanism.bolt_pull / mechanism.load_factor
 

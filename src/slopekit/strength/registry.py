@@ -1,12 +1,24 @@
-"""The strength laws by the names that design files write. A new law is its file and a line here."""
+"""The strength laws by the names that design files write: the files of this folder. A new law is its file."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
 from typing import Any
 
-from slopekit.strength.barton_bandis import BartonBandis
-from slopekit.strength.bilinear import Bilinear
-from slopekit.strength.bridged import Bridged
 from slopekit.strength.mohr_coulomb import MohrCoulomb
-from slopekit.strength.power import PowerCurve
 
-LAWS: Mapping[str, Any] = {law.name: law for law in (MohrCoulomb, BartonBandis, PowerCurve, Bilinear, Bridged)}
+
+def _laws() -> Iterator[Any]:
+    """The laws every number of which is a key of design files: what changes another law is none of its own."""
+    for module in iter_modules([str(Path(__file__).parent)]):
+        if module.name == "registry":
+            continue
+        for one in vars(import_module(f"slopekit.strength.{module.name}")).values():
+            is_own = isinstance(one, type) and one.__module__.endswith(f".{module.name}") and is_dataclass(one)
+            if is_own and hasattr(one, "resistance") and all(part.metadata for part in fields(one)):
+                yield one
+
+
+LAWS: Mapping[str, Any] = {law.name: law for law in (MohrCoulomb, *_laws())}

@@ -11,10 +11,9 @@ persistence the longest edge of its face; of several limits the one that leaves 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass

@@ -15,11 +15,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.core.orientation import Plane, number

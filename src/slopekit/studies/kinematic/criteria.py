@@ -33,9 +33,8 @@ everywhere in slopekit: a joint parallel to the face does not daylight.
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.orientation import Plane, normals
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList

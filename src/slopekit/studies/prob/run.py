@@ -22,7 +22,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
-from slopekit.kinds import dilates, kind_of
+from slopekit.kinds import dilates, kind_of, likely_slips
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Point, point_of
 from slopekit.studies.prob.bolts import (
@@ -387,7 +387,7 @@ def prob(
         forming, summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation,
         judged.evaluator, crew_in_words(crew),
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
-         *_not_used(given), *(source.notices if source else ())), clock.done(),
+         *_not_used(given), *likely_slips(given), *(source.notices if source else ())), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
         None if source is None else source.outcome(judged, asked.seed, confidence), sizes,
         None if cracks is None else cracks.found,

@@ -9,9 +9,8 @@ from functools import partial
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass

@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats, NDArray
 from slopekit.core.errors import SlopekitError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design

@@ -13,10 +13,9 @@ from functools import lru_cache, partial
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from slopekit.core.arrays import Floats, frozen
+from slopekit.core.arrays import Floats, NDArray, frozen
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Pair

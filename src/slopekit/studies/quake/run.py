@@ -23,8 +23,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
-from slopekit.kinds import kind_of
-from slopekit.notices import means_taken
+from slopekit.kinds import kind_of, notices_of_inputs
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
@@ -494,4 +493,4 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
         notes.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
                             "gone"))  # fmt: skip
     notes += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
-    return [*notes, *means_taken(static, [KEY])]
+    return [*notes, *notices_of_inputs(static, [KEY])]

@@ -20,6 +20,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
+from slopekit.kinds import likely_slips
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.protocol import Advance, StudyOutcome
 from slopekit.studies.ranges import Within, parse_within
@@ -207,7 +208,8 @@ def for_probability(
         len(asked.known) + len(asked.led), reason,
     )  # fmt: skip
     dropped = refused if roots else None
-    return replace(solution, warnings=tuple(_notices(solution, counted, dropped)), seconds=time.perf_counter() - began)
+    notices = (*_notices(solution, counted, dropped), *likely_slips(design, [one.path]))
+    return replace(solution, warnings=notices, seconds=time.perf_counter() - began)
 
 
 @dataclass(slots=True)

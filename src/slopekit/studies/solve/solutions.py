@@ -12,7 +12,7 @@ from slopekit.core.errors import Fault, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.notices import means_taken
+from slopekit.kinds import notices_of_inputs
 from slopekit.studies.keys import Key
 from slopekit.studies.points import Method, Point
 from slopekit.studies.protocol import StudyOutcome
@@ -294,7 +294,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, and means taken (W320)."""
+    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, and of the inputs."""
     key, target, answer = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -321,7 +321,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
             yield Notice("W358", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
 
-    yield from means_taken(solution.design, [key.path])
+    yield from notices_of_inputs(solution.design, [key.path])
 
 
 def _of_paths(solution: Solution) -> Iterator[Notice]:

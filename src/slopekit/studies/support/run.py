@@ -22,7 +22,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
-from slopekit.kinds import dilates, kind_of
+from slopekit.kinds import dilates, kind_of, slips_of_size
 from slopekit.notices import common_notices
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
 from slopekit.studies.support.columns import ColumnSupport
@@ -136,9 +136,10 @@ def support(
     stands = enough(options.target, bare, bare_limit, search.dilates)
     cases = () if stands else tuple(search.cases())
     weight = design.unit_weight_kn_m3 * site.block.volume
+    notices = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
     return Support(
         design, options.target, options, bare, bare_limit, cases, None if stands else search.pressure(), weight,
-        site.area, site.unit, tuple(common_notices(design, kind_of(design).strengths(design))), search.dilates,
+        site.area, site.unit, notices, search.dilates,
         () if stands else tuple(search.crest()), time.perf_counter() - began,
     )  # fmt: skip
 

@@ -22,8 +22,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
-from slopekit.kinds import kind_of
-from slopekit.notices import means_taken
+from slopekit.kinds import kind_of, notices_of_inputs
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import (
@@ -85,7 +84,7 @@ class Sweep(StudyOutcome):
     points : for each value of the second key, those of the first
     methods : both, closed-form or pre-ie
     levels : what the factor is held against: (level, words)
-    meant : ranges that may have been meant as steps
+    of_inputs : what is said of keys and design: ranges that may have been meant as steps, means taken, likely slips
     """
 
     name: ClassVar[str] = "sweep"
@@ -96,7 +95,7 @@ class Sweep(StudyOutcome):
     methods: Methods
     levels: tuple[tuple[float, str], ...]
     seconds: float = field(default=0.0, compare=False)
-    meant: tuple[Notice, ...] = ()
+    of_inputs: tuple[Notice, ...] = ()
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -213,14 +212,16 @@ class Sweep(StudyOutcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: points without a number, means taken."""
-        at_means = [*self.meant, *means_taken(self.design, [key.path for key in self.keys])]
+        """What a reader must know: points without a number, and what is said of the inputs."""
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
         if not bare:
-            return tuple(at_means)
+            return self.of_inputs
         named = Counter(self.status(point) for point in bare)
         text = ", ".join(f"{name} {count}" for name, count in named.most_common())
-        return (Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"), *at_means)
+        return (
+            Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"),
+            *self.of_inputs,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""
@@ -309,12 +310,12 @@ def sweep(
     crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
     check_methods(design, methods)
-    faults, axes, meant = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
+    faults, axes, said = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
     for path, given in keys.items():
         with faults.kept():
             key = key_of(design, path)
             axes.append((key, parse_values(key, given)))
-            meant += meant_in_steps(key, given, axes[-1][1])
+            said += meant_in_steps(key, given, axes[-1][1])
     count = math.prod(len(values) for _, values in axes)
     if count > MOST:
         faults.append(Fault("E312", f"{count} points are too many for one sweep (most: {MOST})"))
@@ -322,7 +323,8 @@ def sweep(
     if len({key.path for key, _ in axes}) < len(axes):
         raise DesignError([Fault("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")])
     own, values = tuple(key for key, _ in axes), tuple(of for _, of in axes)
-    swept = Sweep(design, own, values, (), methods, levels_of(design, fos), meant=tuple(meant))
+    said += notices_of_inputs(design, [key.path for key in own])
+    swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
     tasks = [values_of(design, own, place) for place in swept.places]
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
     return replace(swept, points=points, seconds=time.perf_counter() - began)

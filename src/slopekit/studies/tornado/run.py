@@ -20,8 +20,7 @@ from slopekit.core.errors import Faults, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
-from slopekit.kinds import kind_of
-from slopekit.notices import means_taken
+from slopekit.kinds import kind_of, notices_of_inputs
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import Method, Point, factor_at, status_of
 from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
@@ -107,8 +106,8 @@ class Tornado(StudyOutcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: ends without a number, means taken by all bars but its own."""
-        at_means = means_taken(self.design)
+        """What a reader must know: ends without a number, means taken by all bars but its own, likely slips."""
+        of_inputs = notices_of_inputs(self.design)
         method = self.asked[0]
         bare = [
             f"{bar.key.path} at {bar.key.shown(value, 6)} ({status_of(point, method)})"
@@ -117,9 +116,9 @@ class Tornado(StudyOutcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         if not bare:
-            return tuple(at_means)
+            return of_inputs
         ends = "end has" if len(bare) == 1 else "ends have"
-        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *at_means)
+        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *of_inputs)
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
