@@ -393,7 +393,8 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     """The multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
 
     The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
-    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ.
+    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ; `bonded`, `unbonded` and
+    `unsettled` are multipliers.
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
@@ -417,10 +418,13 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     path_end, bond = ended.limit, ended.bond
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK
+    basis = Basis.SETTLED if ended.share and basis is Basis.LIMIT else basis
+    farther = (bond == 0.0).any() and (ended.whole or 0.0) > (path_end.parameter or math.inf)
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
         frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,
-        path_end.factorisations, 0,
+        path_end.factorisations, 0, bonded=ended.whole if farther else None, kept=ended.kept, kept_share=ended.share,
+        unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
     )  # fmt: skip
 
 
