@@ -341,7 +341,7 @@ def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had
 
 def test_notes_of_a_point_go_through_a_journal_and_older_journals_have_none() -> None:
     notes = (Notice("W484", "cohesion stands"), Notice("W486", "not settled"))
-    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes))
+    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
     assert Point.from_record(json.loads(json.dumps(point.to_record()))) == point
     assert Point.from_record(point.to_record()[:-1]) == Point(replace(point.factors, notes=()))
     assert point.to_dict().keys() == Point(None, "E1", "").to_dict().keys()

@@ -145,7 +145,7 @@ def kind_of_many_blocks(
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(reached, status, closed, design.agree_within)
         notes = tuple(said_of_bonds(ravelling.failures[0])) if factor else ()
-        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes)
+        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
 
     def ladder(design: A) -> "Ladder":
         from slopekit.kinds.many_blocks_ladder import ladder_of_blocks  # only `check` asks

@@ -66,7 +66,7 @@ class Factors:
     agree: bool | None
     moments_govern: bool
     settled: bool
-    notes: tuple[Notice, ...] = field(default=(), metadata=NO_JSON)
+    notes: tuple[Notice, ...] = field(default=(), kw_only=True, metadata=NO_JSON)
 
     @property
     def factor(self) -> float | None:
