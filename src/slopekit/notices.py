@@ -75,6 +75,7 @@ class Bonds:
     kept, share : contacts that the motion opens and whose cohesion stands until then; the part of its work left out
     without : where blocks would move without that of `kept`, None where it was not asked
     unsettled : where a motion began that broke cohesion and had not settled, None where all had
+    sooner : of all bonds that were tried, where a motion would begin first; None where that is not before the limit
     """
 
     lost: float
@@ -83,10 +84,11 @@ class Bonds:
     share: float = 0.0
     without: float | None = None
     unsettled: float | None = None
+    sooner: float | None = None
 
 
 def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterator[Notice]:
-    """What a number of many blocks has to do with their cohesion: W307, W484, W486.
+    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W494.
 
     Parameters
     ----------
@@ -107,6 +109,9 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
         yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
                      f"{shown(bonds.unsettled)}): the {of} is that without it{less}, and which other contacts that "
                      "motion would have opened is not known")  # fmt: skip
+    if bonds.sooner is not None:
+        yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
+                     f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
 
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:

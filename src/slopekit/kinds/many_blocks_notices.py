@@ -70,7 +70,7 @@ def notices_of(
 
 
 def said_of_bonds(failure: Failure) -> Iterator[Notice]:
-    """What the factor of a mechanism has to do with cohesion: W307, W484, W486."""
+    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W494."""
     yield from bond_notices(bonds_of(failure), "{:.4f}".format, "factor of safety")
 
 
@@ -80,7 +80,7 @@ def bonds_of(failure: Failure) -> Bonds:
     lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
     if not limit.factor:
         return Bonds(lost, limit.bonded)
-    return Bonds(lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled)
+    return Bonds(lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner)
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:
