@@ -1,7 +1,7 @@
 """What a reader must know beside the number: notices with stable W-codes."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -67,6 +67,55 @@ class Facts:
     by_rules: bool = False
     span: tuple[float | None, float | None] = (None, None)
     rests_to: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Bonds:
+    """What a limit of many blocks says of their cohesion; `begins`, `without`, `unsettled` are factors, or loads.
+
+    Attributes
+    ----------
+    lost : part of the node pairs that have lost it; begins : where the first motion begins with all of it, if farther
+    kept, share : contacts that the motion opens and whose cohesion stands until then; the part of its work left out
+    without : where blocks would move without that of `kept`, None where it was not asked
+    unsettled : where a motion began that broke cohesion and had not settled, None where all had
+    sooner : of all bonds that were tried, where a motion would begin first; None where that is not before the limit
+    """
+
+    lost: float
+    begins: float | None = None
+    kept: int = 0
+    share: float = 0.0
+    without: float | None = None
+    unsettled: float | None = None
+    sooner: float | None = None
+
+
+def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterator[Notice]:
+    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W494.
+
+    Parameters
+    ----------
+    shown : a factor or load as sentences have it; `of` : what the number is
+    """
+    if bonds.lost > 0.0:
+        before = f"; with all of it the first motion begins at {shown(bonds.begins)}" if bonds.begins else ""
+        yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened, have "
+                     f"lost their cohesion ({bonds.lost * 100:.2g} % of the node pairs): the {of} jumps where "
+                     f"that happens{before}")  # fmt: skip
+    if bonds.kept:
+        without = f" (without it blocks would move at {shown(bonds.without)})" if bonds.without is not None else ""
+        yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
+                     f"{bonds.kept} contact{'s' if bonds.kept > 1 else ''}: what it would do there, "
+                     f"{bonds.share * 100:.2g} % of the work, is left out of the {of}")  # fmt: skip
+    if bonds.unsettled is not None:
+        less = f", less {bonds.share * 100:.2g} % of the work" if bonds.share and not bonds.kept else ""
+        yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
+                     f"{shown(bonds.unsettled)}): the {of} is that without it{less}, and which other contacts that "
+                     "motion would have opened is not known")  # fmt: skip
+    if bonds.sooner is not None:
+        yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
+                     f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
 
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:

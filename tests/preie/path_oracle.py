@@ -534,7 +534,11 @@ def _settled(bed: Joints, state: State, before: State, strength: float, viscosit
 
 
 def with_bonds(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tuple[History, np.ndarray]:
-    """`history` again and again: a contact that opens anywhere in the last motion has lost all of its cohesion."""
+    """`history` again and again: a contact that opens anywhere in the last motion loses all its cohesion for good.
+
+    Not the rule of `preie.bonds`, where bonds come back or are kept: it ends at the same limit where each motion opens
+    what the last one leaves open, and else below it. `breaking` is the judge of what falling strength comes to.
+    """
     given = arrays_of(model)
     cohesion = given.cohesion.copy()
     while True:

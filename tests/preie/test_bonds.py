@@ -9,12 +9,57 @@ import slopekit as sk
 from benchmarks import populations
 from slopekit.preie import blocks, bonds
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.blocks import Basis, limit_of_blocks
 from slopekit.preie.bonds import Bonded, with_bonds
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from tests.preie.block_scenes import boxes_in_space
 from tests.preie.path_oracle import breaking, model_of
 
 # -- against a history ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("number", "cohesion", "factor", "before"), [
+    (73, 5.0, 8.3050, 9.2946), (107, 5.0, 1.3386, 1.3554), (15, 5.0, 2.0390, 2.0501), (27, 15.0, 2.8509, 3.1123),
+])  # fmt: skip
+def test_contacts_that_are_open_before_anything_moves_carry_no_cohesion(number, cohesion, factor, before) -> None:
+    """Histories end there; the mechanism leaves those contacts as they are, and once had their cohesion for nothing."""
+    design = populations.bench(number)
+    design["strength"]["joint"]["c"] = cohesion
+    model = model_of(design)
+    found = limit_of_blocks(model, ranged=False)
+    assert found.factor == pytest.approx(factor, rel=1e-4)
+    rests, runs, _ = breaking(model, 1.5 / factor)
+    assert rests < runs < 1.003 * rests
+    assert 0.998 * rests < found.factor < runs < 0.997 * before
+    assert not (found.normal_force[found.bond == 0.0] > 0.0).any()
+
+
+def test_a_first_motion_is_the_limit_where_the_last_begins_later() -> None:
+    """Bench 8 with 5 kPa: once its bonds are broken the blocks stand at more, 0.6847; a history runs at 0.5462."""
+    design = populations.bench(8)
+    design["strength"]["joint"]["c"] = 5.0
+    model = model_of(design)
+    found = limit_of_blocks(model, ranged=False)
+    rests, runs, _ = breaking(model, 1.5 / 0.6)
+    assert runs < 1.003 * rests
+    assert found.factor == pytest.approx(0.4990, rel=2e-4)
+    first = found.factor / (1.0 - found.kept_share)
+    assert found.factor < rests < first < 1.02 * runs
+    assert (found.kept, found.lowest) == (5, None)
+    assert found.basis == Basis.SETTLED
+
+
+def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bonds() -> None:
+    """Bench 67: 2.2145 without a bond that is kept. A rule on the limit is met, and the sheet says by what not."""
+    design = populations.bench(67) | {"acceptance": {"rules": ["fos >= 2.3", "fos.lowest >= 2.3"]}}
+    found = sk.run(sk.load(design))
+    assert found.fos.lowest == pytest.approx(2.2145, rel=2e-4)
+    assert found.fos.limit > 2.5
+    assert [found.judged(rule) for rule in found.design.rules] == [True, False]
+    said = " ".join(str(found).split())
+    assert "MET, but not with any forces locked in or other cohesion left (W494: down to 2.21" in said
+    assert "W494 with other cohesion left than at the limit a motion would begin at 2.21" in said
+    assert "or others with other cohesion left (W494)" in said
 
 
 @pytest.mark.parametrize(("number", "factor", "lesser"), [
@@ -61,9 +106,10 @@ def ends(model: AssemblyModel, parameter: float, motion, outcome=PathOutcome.SET
     """A search that ends in a motion: displacements (3,) of the lower and of the upper box."""
     moved = np.zeros_like(model.load)
     moved[:, :3] = motion
+    still = np.zeros(moved.size)
     pairs, joints = len(model.control_area), model.slip_rows.shape[:2]
     return PathLimit(
-        outcome, parameter, None, moved.ravel(), moved.ravel(), np.zeros(pairs), np.zeros(joints), parameter, 0.0, 0,
+        outcome, parameter, None, still, moved.ravel(), np.zeros(pairs), np.zeros(joints), parameter, 0.0, 0,
     )  # fmt: skip
 
 
@@ -259,3 +305,47 @@ def test_rounds_without_an_end_have_the_forces_of_all_blocks(monkeypatch) -> Non
 
     ended = with_bonds(model, once, pressed_to(0.0), np.ones(model.load.size))
     assert (ended.limit.outcome, asked) == (PathOutcome.GAVE_UP, [True, True])
+
+
+# -- open before a motion begins, and the first motion ----------------------------------------------------------------
+
+
+def lifted(path_end: PathLimit, gap: float, carries: float = 1.0) -> PathLimit:
+    """A search's end whose upper box hangs above the lower, a contact's friction still carried there."""
+    displacement = np.zeros(12)
+    displacement[[2, 8]] = -1.0, -1.0 + gap
+    friction = path_end.friction.copy()
+    friction[-1] = carries
+    return replace(path_end, displacement=displacement, friction=friction)
+
+
+@pytest.mark.parametrize(("gap", "carries", "asked"), [
+    (1e-3, 1.0, [(1, 1), (1, 0)]),
+    (1e-7, 1.0, [(1, 1)]),  # it touches
+    (1e-3, 0.0, [(1, 1)]),  # it carries nothing: the limit is the same without
+])  # fmt: skip
+def test_a_bond_is_gone_where_its_contact_is_open_before_the_motion_begins(gap, carries, asked) -> None:
+    """The boxes slide as one below: what lies open between them counts nothing, and does not come back."""
+    model = boxes_in_space((1, 1, 2), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
+    slides = ends(model, 0.5, [SLIDES, SLIDES])
+    script = Scripted(model, {(1, 1): lifted(slides, gap, carries), (1, 0): ends(model, 0.6, [SLIDES, SLIDES])})
+    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
+    assert script.asked == asked
+    assert (found.bond[model.pair_contact == 1] == (1.0 if gap < 1e-6 else 0.0)).all()
+    assert found.soonest == (0.6 if len(asked) > 1 else 0.5)
+
+
+def test_the_first_motion_decides_where_what_it_breaks_lets_the_blocks_stand_longer() -> None:
+    """All bonds: at λ 0.8 the upper box lifts, its bond a tenth of the work; without it nothing moves down to 0.5."""
+    model = boxes()
+    working = np.zeros(model.load.size)
+    working[6] = 8.0 * cohesive_work(model, 1)
+    script = Scripted(model, {
+        (1, 1): ends(model, 0.8, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
+        (1, 0): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
+    })  # fmt: skip
+    found = with_bonds(model, script, pressed_to(0.0), working)
+    assert found.limit.parameter == pytest.approx(0.8 / (1.0 - 0.1), rel=1e-12)
+    assert (found.kept, found.soonest) == (1, 0.8)
+    assert found.share == pytest.approx(0.1, rel=1e-12)
+    assert (found.bond == 1.0).all()

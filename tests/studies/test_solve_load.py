@@ -1,18 +1,22 @@
 """A load of many blocks straight from the path in it."""
 
+import json
 import math
 from contextlib import suppress
+from dataclasses import replace
 
 import pytest
 
 import slopekit as sk
+from benchmarks import populations
 from benchmarks.blocks import multiplier
-from slopekit.core.errors import DesignError
+from slopekit.core.errors import DesignError, Notice
 from slopekit.design.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.protocol import AtLoad
-from slopekit.preie import effort
+from slopekit.kinds.protocol import AtLoad, Factors
+from slopekit.preie import blocks, effort
+from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_factor
@@ -284,3 +288,60 @@ def test_a_coefficient_beyond_any_earthquake_is_said(height, said) -> None:
     assert found.answer.value == pytest.approx(1.0 / height, rel=1e-9)
     assert ("W491" in [notice.code for notice in found.warnings]) == said
     assert ("W491" in str(sk.quake(flat, "sine:1g,1Hz"))) == said
+
+
+# -- cohesion ---------------------------------------------------------------------------------------------------------
+
+
+BEGINS = 0.1652  # bench 69 with all of its cohesion
+
+
+def _bench(number):
+    """A random bench with cohesion and no earthquake."""
+    design = populations.bench(number)
+    design["loads"]["seismic"]["k"] = 0.0
+    return sk.load(design)
+
+
+def test_a_load_on_a_cohesive_bench_says_what_it_has_to_do_with_cohesion() -> None:
+    """W307 in the load's own terms, on the sheet of `solve` and of `quake`: contacts that it opens lose their bonds."""
+    found = sk.solve(_bench(69), KEY, fos=1.0)
+    (said,) = [notice.message for notice in found.warnings if notice.code == "W307"]
+    assert "(18 % of the node pairs): the load jumps where that happens" in said
+    assert f"begins at {BEGINS}" in said
+    assert found.answer.value < BEGINS
+    shaken = sk.quake(_bench(69), "sine:0.5g,1Hz")
+    assert said in [notice.message for notice in shaken.warnings]
+    assert "notes" not in shaken.to_dict()["yield"][0]
+
+
+def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_does() -> None:
+    """Bench 67: its strength divided last has the value, and a bond that stands until the mechanism begins (W484)."""
+    found = sk.solve(_bench(67), KEY, fos=1.0)
+    (said,) = [notice.message for notice in found.warnings if notice.code == "W484"]
+    assert "on 1 contact" in said
+
+
+def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had_not_settled(monkeypatch) -> None:
+    """W484 and W486 with the load's unit, and only those that the path in the load does not say from the factor."""
+
+    def kept(*args, **keys):
+        found = whole(*args, **keys)
+        at = found.limit.parameter
+        return replace(found, kept=2, share=0.03, least=0.4 * at, unsettled=0.5 * at)
+
+    whole = blocks.with_bonds
+    limit = sk.solve(_slab(), KEY, fos=1.0).answer.value
+    monkeypatch.setattr(blocks, "with_bonds", kept)
+    said = {notice.code: notice.message for notice in sk.solve(_slab(), KEY, fos=1.0).warnings}
+    assert f"(without it blocks would move at {0.4 * limit:.4g})" in said["W484"]
+    assert "on 2 contacts: what it would do there, 3 % of the work, is left out of the load" in said["W484"]
+    assert f"(it began beyond {0.5 * limit:.4g}): the load is that without it, and" in said["W486"]
+
+
+def test_notes_of_a_point_go_through_a_journal_and_older_journals_have_none() -> None:
+    notes = (Notice("W484", "cohesion stands"), Notice("W486", "not settled"))
+    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
+    assert Point.from_record(json.loads(json.dumps(point.to_record()))) == point
+    assert Point.from_record(point.to_record()[:-1]) == Point(replace(point.factors, notes=()))
+    assert point.to_dict().keys() == Point(None, "E1", "").to_dict().keys()

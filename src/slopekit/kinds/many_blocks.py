@@ -19,7 +19,7 @@ from slopekit.design.reader import Reader
 from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.many_blocks_design import AssemblyDesign
-from slopekit.kinds.many_blocks_notices import notices_of
+from slopekit.kinds.many_blocks_notices import bonds_of, notices_of, said_of_bonds
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_sizes import with_sizes
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
@@ -144,7 +144,8 @@ def kind_of_many_blocks(
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(reached, status, closed, design.agree_within)
-        return Factors(status, factor, None, closed.factor, difference, agree, False, settled)
+        notes = tuple(said_of_bonds(ravelling.failures[0])) if factor else ()
+        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
 
     def ladder(design: A) -> "Ladder":
         from slopekit.kinds.many_blocks_ladder import ladder_of_blocks  # only `check` asks
@@ -180,7 +181,9 @@ def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> AtLoad | Non
     return (
         None
         if critical is None
-        else AtLoad(critical.multiplier, mechanism(critical.failure, scene).status, critical.runs)
+        else AtLoad(
+            critical.multiplier, mechanism(critical.failure, scene).status, critical.runs, bonds_of(critical.failure)
+        )
     )
 
 

@@ -1,20 +1,24 @@
 """What a reader must know of many blocks: notices of their limit, of how it was found and of what it leaves out."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from slopekit.core.errors import Notice
 from slopekit.findings import Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene
-from slopekit.notices import SQUARE, common_notices, headless_notices, mesh_notices, undrawn_notice
+from slopekit.notices import (
+    SQUARE,
+    Bonds,
+    bond_notices,
+    common_notices,
+    headless_notices,
+    mesh_notices,
+    undrawn_notice,
+)
 from slopekit.preie.blocks import Basis, BlocksLimit
 from slopekit.preie.loads_last import STRONGER
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import (
-    Part,
-    Ravelling,
-)
+from slopekit.preie.ravelling import Failure, Part, Ravelling
 
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
@@ -29,7 +33,6 @@ def notices_of(
     if not mechanisms:
         return
     first, limit = mechanisms[0], ravelling.failures[0].limit
-    limit = replace(limit, bond=limit.bond[ravelling.failures[0].parts[0].model.joint_pairs])
     yield from headless_notices(design)
     if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
         yield undrawn_notice()
@@ -63,22 +66,21 @@ def notices_of(
         more = (first.static_bound / first.fos - 1.0) * 100.0
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
-    if (limit.bond == 0.0).any():
-        share = float(1.0 - limit.bond.mean())
-        before = f"; with all of it the first motion begins at {limit.bonded:.4f}" if limit.bonded else ""
-        yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened, have "
-                     f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
-                     f"that happens{before}")  # fmt: skip
-    if limit.kept and first.fos:
-        without = f" (without it blocks would move at {limit.unbonded:.4f})" if limit.unbonded else ""
-        yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
-                     f"{limit.kept} contact{'s' if limit.kept > 1 else ''}: what it would do there, "
-                     f"{limit.kept_share * 100:.2g} % of the work, is left out of the factor")  # fmt: skip
-    if limit.unsettled and first.fos:
-        less = f", less {limit.kept_share * 100:.2g} % of the work" if limit.kept_share and not limit.kept else ""
-        yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
-                     f"{limit.unsettled:.4f}): the factor is that without it{less}, and which other contacts that "
-                     "motion would have opened is not known")  # fmt: skip
+    yield from said_of_bonds(ravelling.failures[0])
+
+
+def said_of_bonds(failure: Failure) -> Iterator[Notice]:
+    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W494."""
+    yield from bond_notices(bonds_of(failure), "{:.4f}".format, "factor of safety")
+
+
+def bonds_of(failure: Failure) -> Bonds:
+    """What the limit of a mechanism says of cohesion; without a factor what is lost alone."""
+    limit, joints = failure.limit, failure.parts[0].model.joint_pairs
+    lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
+    if not limit.factor:
+        return Bonds(lost, limit.bonded)
+    return Bonds(lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner)
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:

@@ -5,11 +5,13 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import GeometryError
+from slopekit.core.codec import NO_JSON
+from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reader import Reader
+from slopekit.notices import Bonds
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -53,6 +55,7 @@ class Factors:
     difference, agree : of the two on the same assumptions, None where they are not compared
     moments_govern : the limit lies below what the forces alone give
     settled : whether the passes settled to the design's `stop_when`
+    notes : of many blocks, what the limit has to do with their cohesion: W307, W484, W486
     """
 
     status: str
@@ -63,6 +66,7 @@ class Factors:
     agree: bool | None
     moments_govern: bool
     settled: bool
+    notes: tuple[Notice, ...] = field(default=(), kw_only=True, metadata=NO_JSON)
 
     @property
     def factor(self) -> float | None:
@@ -79,11 +83,13 @@ class AtLoad:
     multiplier : of the limit state, or of the last state at rest where the motion did not settle
     status : how the blocks move there
     runs : in that case the first multiplier at which they run, None otherwise
+    bonds : what it has to do with cohesion, in multipliers; None where it is that of a jump of the factor
     """
 
     multiplier: float
     status: str
     runs: float | None
+    bonds: Bonds | None = None
 
 
 @dataclass(frozen=True, slots=True)

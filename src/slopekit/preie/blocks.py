@@ -2,8 +2,8 @@
 
     S   the static bound of all blocks (`preie.bounds`): what exceeds it is no factor
     F   the limit of the elastic path (`preie.path`) from the strength 2/S downwards
-    B   a flat contact that the limit's motion opens anywhere touches along a line at most: all its cohesion goes, and
-        the path starts again. Only a settled motion breaks a bond
+    B   a contact that does not touch at the limit, and a flat one that the limit's motion opens anywhere, which touches
+        along a line at most, lose all their cohesion, and the path starts again (`preie.bonds`)
     M   [lowest, highest]: what the same mechanism can have under any admissible forces
 
 Where the blocks come to rest at no strength with all loads on at once, or where their motion does not settle, the loads
@@ -47,6 +47,7 @@ _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more 
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
 _BITS = 40  # of a strength in parts of the largest: 12 digits
+_SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
@@ -84,6 +85,8 @@ class BlocksLimit:
         motions without those bonds
     kept_share : the part of the motion's work that cohesion would do which it opens, and that the factor leaves out
     unsettled : the factor of a motion that broke bonds before it had settled
+    sooner : of all rounds of bonds the least factor at which a motion would begin, where that is less than the factor;
+        `lowest` is no more
     rounds : what the rounds of bonds came to, for other node pairs of the same contacts
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost
@@ -120,6 +123,7 @@ class BlocksLimit:
     kept_share: float = 0.0
     unbonded: float | None = None
     unsettled: float | None = None
+    sooner: float | None = None
     rounds: Rounds | None = None
 
 
@@ -178,6 +182,7 @@ def _limit_within(
         by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
         tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
         unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
+        sooner=_times(limit.sooner, unit),
     )  # fmt: skip
 
 
@@ -264,8 +269,20 @@ def _limit_of(
     bond = ended.bond
     limit = _limit(model, ended.limit, bond, bound, steps, loads)
     limit = _with_evidence(limit, ended)
-    if limit.factor is None or not ranged or model.lines is not None:
-        return limit  # where laws are curved other forces mean other tractions, and other lines
+    if limit.factor is None:
+        return limit
+    if ranged and model.lines is None:  # where laws are curved other forces mean other tractions, and other lines
+        limit = _with_range(model, limit, unit, bond, proposal)
+    if limit.sooner is None:
+        return limit
+    return replace(limit, lowest=limit.sooner if limit.lowest is None else min(limit.lowest, limit.sooner))
+
+
+def _with_range(
+    model: AssemblyModel, limit: BlocksLimit, unit: float, bond: Floats, proposal: Proposal | None
+) -> BlocksLimit:
+    """The limit with the range of its mechanism, where that is found."""
+    assert limit.factor is not None
     try:
         span = _span(model, limit, unit, bond, proposal)
     except EffortSpentError:
@@ -343,6 +360,8 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
     if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
         limit = replace(limit, bonded=1.0 / ended.whole)
+    if limit.factor is not None and ended.soonest and 1.0 / ended.soonest < limit.factor * (1.0 - _SOONER):
+        limit = replace(limit, sooner=1.0 / ended.soonest)
     if not ended.share or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
@@ -393,7 +412,8 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     """The multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
 
     The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
-    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ.
+    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ; `bonded`, `unbonded`,
+    `unsettled` and `sooner` are multipliers.
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
@@ -417,10 +437,14 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     path_end, bond = ended.limit, ended.bond
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK
+    basis = Basis.SETTLED if ended.share and basis is Basis.LIMIT else basis
+    farther = (bond == 0.0).any() and (ended.whole or 0.0) > (path_end.parameter or math.inf)
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
         frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,
-        path_end.factorisations, 0,
+        path_end.factorisations, 0, bonded=ended.whole if farther else None, kept=ended.kept, kept_share=ended.share,
+        unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
+        sooner=ended.soonest if (ended.soonest or math.inf) < (path_end.parameter or 0.0) * (1.0 - _SOONER) else None,
     )  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 """Which contacts of many blocks have lost their cohesion where they fail: rounds of limits, and of their motions.
 
+A contact that no node pair touches where the blocks are at their limit has opened on the way there, by elastic movement
+alone: its cohesion is gone before any motion begins, though the mechanism may well leave it as it is.
 A flat contact that a motion opens anywhere touches along a line at most: all its cohesion goes, and the limit is looked
 for again. A motion begins at its own factor and breaks nothing before. So where a lesser motion, at a lower factor,
 slides on a closed contact whose cohesion an earlier one has opened, settled or not, it is not there: strength that
@@ -26,11 +28,12 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.path_limit import PathLimit, PathOutcome
-from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
+from slopekit.preie.tolerances import FLOWS, LIMIT_BALANCED, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact, keeps it or gives it back
 _LITTLE = 0.02  # of the work of a motion that does not settle: what cohesion that opens does of it is taken off
 _HALVINGS = 7  # between the factors at which a bond that is kept breaks and does not
+_TOUCHES = 1e-6  # of the deepest that a pair is pressed in: pairs that are no farther apart touch
 _JUST = 0.98  # of the way to a limit: there contacts that its motion opens are open all over if they are before it
 
 Search = Callable[[Floats, bool], tuple[PathLimit, bool]]
@@ -53,6 +56,7 @@ class Bonded:
     kept : contacts whose bond the motion opens and that keep it
     share : part of the motion's work that their cohesion did, and that of what it opens without having settled
     unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
+    soonest : of all rounds, whatever bonds they had, the parameter at which a motion would begin first
     rounds : what the rounds have come to: others between the same contacts, of other node pairs, can begin with it
     """
 
@@ -63,6 +67,7 @@ class Bonded:
     kept: int = 0
     share: float = 0.0
     unsettled: float | None = None
+    soonest: float | None = None
     rounds: "Rounds | None" = None
 
 
@@ -74,18 +79,22 @@ class Rounds:
         self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
         self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
         self.times = np.zeros(contacts, dtype=np.int64)
-        self.gone = np.zeros(contacts, dtype=bool)  # for good
+        self.gone = np.zeros(contacts, dtype=bool)  # for good, before a motion begins
         self.late = np.zeros(contacts, dtype=bool)  # opened by a motion that does not settle once more
         self.broke = np.zeros(contacts)  # the parameter of the motion that opened it
         self.whole: float | None = None
         self.least: float | None = None
         self.unsettled: float | None = None
+        self.soonest: float | None = None
+        self.first: tuple[PathLimit, Bools, Bools] | None = (
+            None  # that broke bonds and had settled; lost; what it breaks
+        )
         self.stood: Bools | None = None  # what was lost where all blocks stood up to `least`
 
     def on(self, model: AssemblyModel) -> "Rounds":
         """The same between other node pairs of the same contacts."""
         other = copy(self)
-        other.model, other.broke = model, self.broke.copy()
+        other.model, other.broke, other.first = model, self.broke.copy(), None
         return other
 
     @property
@@ -94,9 +103,28 @@ class Rounds:
         left: Floats = np.where(self.lost[self.model.pair_contact], 0.0, 1.0)
         return left
 
+    def open_before(self, path_end: PathLimit, all_rest: bool) -> bool:
+        """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does."""
+        assert path_end.parameter is not None
+        self.whole = path_end.parameter if self.whole is None else self.whole
+        sooner = min if self.load_grows else max
+        self.soonest = sooner(path_end.parameter, path_end.parameter if self.soonest is None else self.soonest)
+        bonded = self.bonded & ~self.lost
+        if not all_rest or not bonded.any():
+            return False
+        apart, _ = self.model.opening_and_slip(path_end.displacement)
+        touches = (path_end.normal > 0.0) | (apart <= _TOUCHES * abs(float(apart.min())))
+        opens, _ = _moves(self.model, path_end)
+        gone = bonded & ~opens & (np.bincount(self.model.pair_contact, touches, len(opens)) == 0)
+        if not gone.any():
+            return False
+        self.lost, self.gone, self.kept = self.lost | gone, self.gone | gone, self.kept & ~gone
+        left = np.where(gone[self.model.group_contact][:, None], 0.0, path_end.friction)
+        held = self.model.unbalanced(path_end.normal, path_end.friction) - self.model.unbalanced(path_end.normal, left)
+        return float(np.abs(held).max()) > LIMIT_BALANCED  # else the limit is the same without them
+
     def after(self, path_end: PathLimit, all_rest: bool) -> bool:
         """Whether bonds break, are kept or come back after a round."""
-        self.whole = path_end.parameter if self.whole is None else self.whole
         opens, slips = _moves(self.model, path_end)
         self.late = np.zeros_like(self.lost)
         breaks = opens & self.bonded & ~self.lost & ~self.kept
@@ -107,6 +135,8 @@ class Rounds:
                 self.late = breaks
                 return False
         if breaks.any():
+            if self.first is None and all_rest and path_end.found:
+                self.first = path_end, self.lost, breaks
             self.lost, self.times = self.lost | breaks, self.times + breaks
             self.broke[breaks] = path_end.parameter
             if not path_end.found and self.unsettled is None:
@@ -136,12 +166,33 @@ class Rounds:
         return bool(gone.any())
 
     def ended(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
-        """The limit less the work of the cohesion that is kept and opens, and no further than it is pressed at rest."""
+        """The limit of the last round, or that of the first motion of all blocks where that begins sooner.
+
+        Strength that falls slowly comes to the first motion with all bonds that had not opened by themselves. Of those
+        that it opens the work is left out.
+        """
+        last = self._last(path_end, pressed)
+        if self.first is None or last.limit.parameter is None:
+            return last
+        first, lost, opens = self.first
+        assert first.parameter is not None
+        if (first.parameter - last.limit.parameter) * (
+            -1.0 if self.load_grows else 1.0
+        ) <= SAME_FACTOR * first.parameter:
+            return last
+        less = self._less(first, opens)
+        share = 1.0 - (less / first.parameter if self.load_grows else first.parameter / less)
+        self.lost, self.kept = lost, opens
+        limit = replace(first, parameter=less)
+        return Bonded(limit, self.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest, None)
+
+    def _last(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
+        """That of the last round less the work of what is kept and opens, no further than that is pressed at rest."""
         least = self.least
         opens, _ = _moves(self.model, path_end)
         opens &= self.kept | self.late
         if path_end.parameter is None or not opens.any():
-            return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled, rounds=self)
+            return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled, soonest=self.soonest, rounds=self)
         parameter = path_end.parameter
         less = self._less(path_end, opens)
         if least is not None and (least < parameter) == self.load_grows:
@@ -151,7 +202,7 @@ class Rounds:
                 less = self._pressed_to(less, least, opens & self.kept, pressed)
         share = 1.0 - (less / parameter if self.load_grows else parameter / less)
         limit, kept = replace(path_end, parameter=less), int((opens & self.kept).sum())
-        return Bonded(limit, self.bond, self.whole, least, kept, share, self.unsettled, self)
+        return Bonded(limit, self.bond, self.whole, least, kept, share, self.unsettled, self.soonest, self)
 
     def _less(self, path_end: PathLimit, opens: Bools) -> float:
         """Its parameter without the work that the cohesion of contacts (k,) does."""
@@ -201,6 +252,7 @@ def with_bonds(
         if (
             path_end.found
             and all_rest
+            and not rounds.open_before(path_end, all_rest)
             and not rounds.after(path_end, all_rest)
             and not rounds.refused(path_end, pressed)
         ):
@@ -211,8 +263,12 @@ def with_bonds(
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
         if not runs or not rounds.bonded.any():
             whole = rounds.whole or path_end.parameter
-            return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled)
-        changed = rounds.after(path_end, all_rest) or (all_rest and rounds.refused(path_end, pressed))
+            return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled, soonest=rounds.soonest)
+        changed = (
+            rounds.open_before(path_end, all_rest)
+            or rounds.after(path_end, all_rest)
+            or (all_rest and rounds.refused(path_end, pressed))
+        )
         if all_rest and not changed:
             return rounds.ended(path_end, pressed)
         vouched = not changed

@@ -78,13 +78,13 @@ class Groups:
         if known is None:
             return None
         small, own = known
-        key = group.tobytes() + bond.tobytes()
-        if key == self.solved[0]:
-            return self.solved[1]
         broken, lost = np.zeros(len(self.scene.assembly.patches), dtype=bool), self.model.pair_contact[bond == 0.0]
         broken[self.patch[lost[lost < len(self.patch)]]] = True  # bolts are contacts beyond them
         opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
         own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
+        key = group.tobytes() + own_bond.tobytes()
+        if key == self.solved[0]:
+            return self.solved[1]
         try:
             with effort.part(_OF_GROUP):
                 limit = first_limit(small, own_bond, self._bound(group, small))

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from slopekit.core.codec import record_of
-from slopekit.core.errors import DesignError, Fault, SlopekitError
+from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
@@ -20,7 +20,7 @@ from slopekit.studies.running import Record
 Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
-_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors))
+_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name != "notes")
 #: The record of a task that kills every worker that takes it.
 GIVEN_UP: Record = [_BUG, "its worker died, three times"]
 
@@ -50,12 +50,18 @@ class Point:
 
     def to_record(self) -> Record:
         """As JSON values, for a journal and for the way between processes."""
-        return [self.code, self.message] if self.factors is None else list(astuple(self.factors))
+        if self.factors is None:
+            return [self.code, self.message]
+        *numbers, _ = astuple(self.factors)
+        return [*numbers, [[note.code, note.message] for note in self.factors.notes]]
 
     @classmethod
     def from_record(cls, record: Record) -> "Point":
         """Back from JSON values."""
-        return cls(None, *record) if len(record) == 2 else cls(Factors(*record))
+        if len(record) == 2:
+            return cls(None, *record)
+        *numbers, notes = record if len(record) == len(_NO_FACTORS) + 1 else (*record, ())  # a journal has none
+        return cls(Factors(*numbers, notes=tuple(Notice(*note) for note in notes)))
 
 
 def factor_at(point: Point, method: Method) -> float | None:

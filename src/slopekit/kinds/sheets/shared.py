@@ -117,7 +117,10 @@ def leading(result: Result) -> list[Factor]:
     if result.leading is None:
         return []
     name, value = result.leading
-    what = "lowest of the same mechanism, whatever forces are locked in" if name == "lowest" else JUDGED[name]
+    lowest = "lowest of the same mechanism, whatever forces are locked in"
+    if hangs_on_bonds(result):
+        lowest = "lowest of the same mechanism under other forces, and of others with other cohesion left (W494)"
+    what = lowest if name == "lowest" else JUDGED[name]
     return [Factor(value, f"{what}: the factor that ACCEPT hangs on")]
 
 
@@ -146,7 +149,15 @@ def locked_in(result: Result) -> Factor:
     fos, findings = result.fos, result.findings
     peak = findings is not None and bool(findings.mechanisms) and findings.mechanisms[0].basis == "peak"
     what = "other ways to this peak, and its" if peak else "same"
-    return Factor(fos.lowest, f"{what} mechanism, whatever forces are locked in", to=fos.highest)
+    said = f"{what} mechanism, whatever forces are locked in"
+    if hangs_on_bonds(result):
+        said = f"{what} mechanism under other forces, or others with other cohesion left (W494)"
+    return Factor(fos.lowest, said, to=fos.highest)
+
+
+def hangs_on_bonds(result: Result) -> bool:
+    """Whether the lowest factor may be that of a motion that begins with other cohesion left."""
+    return any(notice.code == "W494" for notice in result.warnings)
 
 
 def residual(result: Result) -> list[Factor]:
@@ -271,6 +282,8 @@ def _judgement(result: Result, rule: Rule) -> str:
     if result.judged(rule):
         lowest = result.fos.lowest
         if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
+            if hangs_on_bonds(result):
+                return f"MET, but not with any forces locked in or other cohesion left (W494: down to {lowest:.4g})"
             return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
         return "MET"
     if result.without_basal is not None and not result.without_basal.meets(rule):

@@ -479,6 +479,7 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
         notes.append(Notice("W469", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
                             f"state at rest, at {shown_k(ours.runs)} the blocks run"))  # fmt: skip
     notes += one_history(ours.not_compared, f"k_y {shown_k(ours.coefficient)}")
+    notes += ours.notes
     if ours.coefficient is None:
         notes.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]

@@ -8,12 +8,13 @@ has the inertia of its own motion, and κ is that of the block that goes farthes
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import DesignError, Fault, SlopekitError
+from slopekit.core.codec import NO_JSON
+from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
@@ -57,6 +58,7 @@ class Yield:
     runs : where the coefficient is that of the last state at rest, the first at which the blocks run
     not_compared : of many blocks, why the other of the two histories of the shaking says nothing of the coefficient
     beyond : where no k up to 2 moves them, that at which they fail as the shaking comes on last
+    notes : of many blocks, what the coefficient has to do with their cohesion: W307, W484, W486
     before : the factor of safety without an earthquake; inf where nothing drives
     agree : whether the methods agree there on the same assumptions; None where that is not judged
     """
@@ -74,6 +76,7 @@ class Yield:
     runs: float | None = None
     not_compared: str = ""
     beyond: float | None = None
+    notes: tuple[Notice, ...] = field(default=(), metadata=NO_JSON)
 
     @property
     def jumps(self) -> bool:
@@ -141,7 +144,9 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     if yields and yields[0].method == "pre_ie":
         why = "" if solution.answer is None else solution.answer.not_compared
         beyond = solution.load_last_beyond if yields[0].coefficient is None else None
-        yields[0] = replace(yields[0], not_compared=why, beyond=beyond)
+        at_answer = solution.answer is not None and solution.answer.value == yields[0].coefficient
+        notes = solution.answer.notes if solution.answer is not None and at_answer else ()
+        yields[0] = replace(yields[0], not_compared=why, beyond=beyond, notes=notes)
     if len(yields) > 1 and yields[1].coefficient is None and yields[0].coefficient is not None:
         at = point_of(static, {KEY: yields[0].coefficient})
         advance(1)

@@ -15,6 +15,7 @@ from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
+from slopekit.notices import bond_notices
 from slopekit.preie import effort
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import Evaluation, Method, Point, checked_target, factor_at, status_of
@@ -412,19 +413,25 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
     known = asked.points.get(at.multiplier)
     last = None if known is None else factor_at(known, "pre_ie")
     evaluations = 1 + len(asked.points)
+    notes = () if at.bonds is None else tuple(bond_notices(at.bonds, partial(asked.key.shown, digits=4), "load"))
+    if known is not None and known.factors is not None:  # of the factor there, what the path in the load does not say
+        said = {notice.code for notice in notes}
+        notes += tuple(notice for notice in known.factors.notes if notice.code not in said)
     if last is not None and at.runs is None and abs(last - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
         assert known is not None
         here = at.multiplier, last
         root = SolvedValue(
-            "root", at.multiplier, last, at.status, (here, here), False, known, load_last=(at.multiplier, None)
-        )
+            "root", at.multiplier, last, at.status, (here, here), False, known, load_last=(at.multiplier, None),
+            notes=notes,
+        )  # fmt: skip
     else:
         point = Point(Factors(at.status, asked.target, None, None, None, None, False, True))
         here = (at.multiplier, asked.target)
         beyond = here if at.runs is None else (at.runs, math.nan)
         root = SolvedValue(
-            "root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last, jumps=jumps
-        )
+            "root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last, jumps=jumps,
+            notes=notes,
+        )  # fmt: skip
     return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
 
 
@@ -472,7 +479,10 @@ def _found(method: Method, asked: _FactorRequest, crossing: Crossing[Point]) -> 
     best = crossing.best
     ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
     factor = factor_at(best.found, method) or 0.0
-    return SolvedValue(crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found)
+    notes = best.found.factors.notes if method == "pre_ie" and best.found.factors is not None else ()
+    return SolvedValue(
+        crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found, notes=notes
+    )
 
 
 def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:

@@ -47,6 +47,7 @@ class SolvedValue:
     jumps : whether the factor, put back, was seen to fall past the target at once there
     not_compared : of a load on many blocks, why the other of its two histories says nothing of the value; empty where
         both do
+    notes : of many blocks, what the value has to do with their cohesion: W307, W484, W486
     """
 
     how: Literal["root", "jump", "gap"]
@@ -61,6 +62,7 @@ class SolvedValue:
     load_last: tuple[float, float | None] | None = None
     jumps: bool = False
     not_compared: str = ""
+    notes: tuple[Notice, ...] = ()
 
     @property
     def from_path(self) -> bool:
@@ -294,7 +296,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, and of the inputs."""
+    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, of cohesion, and of inputs."""
     key, target, answer = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -308,6 +310,8 @@ def notices(solution: Solution) -> Iterator[Notice]:
         why = "with moments there is no such value" if point.factors else f"there {point.code} {point.message}"
         yield Notice("W355", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
     yield from _of_paths(solution)
+    if answer is not None:
+        yield from answer.notes
     if len(solution.pre_ie.roots) > 1:
         further = [f"{key.shown(one.value)} ({one.status})" for one in solution.pre_ie.roots[1:]]
         others = ", ".join(further[:_MOST_LISTED]) + (", …" if len(further) > _MOST_LISTED else "")
