@@ -16,7 +16,7 @@ from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
 
 J1, J2, FACE, UPPER, CRACK = range(5)
-_COULD_OVERHANG = 45.0  # dip from which a face written by its other side is an overhang, not a slip of 180°
+_COULD_OVERHANG = 70.0  # dip from which a face written by its other side is an overhang, not a slip of 180°
 PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
 
 
