@@ -16,6 +16,7 @@ from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
 
 J1, J2, FACE, UPPER, CRACK = range(5)
+_COULD_OVERHANG = 70.0  # dip from which a face written by its other side is an overhang, not a slip of 180°
 PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
 
 
@@ -147,16 +148,13 @@ def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats
             f"the line of intersection plunges {down.plunge_deg:.1f}° toward {down.trend_deg:05.1f}, into the slope "
             f"(the face dips toward {of_face.trend_deg:05.1f}): it does not daylight"
         )
-        raise GeometryError(
-            [
-                Fault(
-                    "E204",
-                    message,
-                    "",
-                    f"It trends {math.degrees(math.acos(math.cos(apart))):.1f}° from the face's dip direction.{near}",
-                )
-            ]
-        )
+        trends = f"It trends {math.degrees(math.acos(math.cos(apart))):.1f}° from the face's dip direction."
+        if of_face.plunge_deg >= _COULD_OVERHANG:
+            trends += (
+                f" A face that overhangs toward {(of_face.trend_deg + 180.0) % 360.0:05.1f} cuts no wedge here; "
+                "blocks below one are meshes of kind: blocks."
+            )
+        raise GeometryError([Fault("E204", message, "", trends + near)])
     apparent_face = math.degrees(math.atan(math.tan(math.radians(of_face.plunge_deg)) * math.cos(apart)))
     if down.plunge_deg >= apparent_face - 1e-9:
         steeper = f"the face ({of_face.plunge_deg:.4g}°)"

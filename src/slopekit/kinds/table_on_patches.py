@@ -4,7 +4,7 @@ Free faces need no outlines of their own: they are the whole surface of a block 
 the whole of a closed surface with γ_w times what lies under water, upward.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -22,6 +22,7 @@ from slopekit.loads import PointForce
 
 _NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
 _IN_PLANE = 1e-6  # of the size of a block: its faces nearer than that lie in the upper slope
+_OPEN = 1e-2  # of the water that a block displaces: what presses by less is a table drawn along a face
 _SLOPING = 1e-9  # of an area: a smaller plan is that of an upright face
 
 
@@ -69,6 +70,8 @@ def with_water(
         _refuse_over_highest(replace(water, pond=None), scene)
     means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))
     notices = scene.notices
+    if outside is None and table:
+        notices = (*notices, *_open_water(water, scene, means))
     if water.pond is not None and not (pond := _on_free_faces(Pressure((), water.pond, water.unit_weight), scene)):
         told = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
         notices = (*notices, Notice("W419", told))
@@ -89,14 +92,51 @@ def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
         raise GeometryError([Fault("E456", message, "", "Give a table at or below the ground.")])
 
 
+def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterator[Notice]:
+    """W499 where a table stands above faces of moving blocks that touch nothing: it presses on contacts alone.
+
+    Parameters
+    ----------
+    means : (k,) kPa on the patches
+    """
+    assembly = scene.assembly
+    patches, pond = assembly.patches, Pressure((), water.pond, water.unit_weight)
+    worst, left = -1, _OPEN * water.unit_weight
+    for block in np.flatnonzero(~assembly.fixed).tolist():
+        whole = sum(water.on(polygon)[0] - pond.on(polygon)[0] for polygon, _ in _surface(scene, block))
+        touching = [k for k, _ in _of_block(assembly, block)]
+        if whole <= left * float(assembly.volumes[block]):
+            continue
+        polygons = _polygons(assembly, touching)
+        of_contacts = sum(
+            means[k] * patches.areas[k] - pond.on(polygon)[0] for k, polygon in zip(touching, polygons, strict=True)
+        )
+        over = (whole - of_contacts) / float(assembly.volumes[block])
+        if over > left:
+            worst, left = block, over
+    if worst >= 0:
+        push = left * float(assembly.volumes[worst])
+        yield Notice("W499", f"the water table stands above faces of {scene.names[worst]} that touch nothing, where "
+                     f"{push:.4g} kN of water would press: a table presses on contacts alone, open water is a pond",
+                     )  # fmt: skip
+
+
+def _polygons(assembly: Assembly, wanted: Iterable[int]) -> Iterator[Floats]:
+    """The patches with those numbers; of a section the length of each, square to it the thickness."""
+    patches = assembly.patches
+    for k in wanted:
+        polygon = patches.corners[patches.first[k] : patches.first[k + 1]]
+        if len(polygon) == 2:
+            polygon = _wide(polygon[0], polygon[1], patches.areas[k] / float(np.linalg.norm(polygon[1] - polygon[0])))
+        yield polygon
+
+
 def _on_patches(water: Pressure, assembly: Assembly, wanted: Bools) -> tuple[Floats, Floats]:
     """Mean pressures (k,) kPa and the points (k, 3) they act through, of the patches that are wanted (k,)."""
     patches = assembly.patches
     means, points = np.zeros(len(patches)), patches.centroids.copy()
-    for k in np.flatnonzero(wanted).tolist():
-        polygon = patches.corners[patches.first[k] : patches.first[k + 1]]
-        if len(polygon) == 2:  # of a section: its length, square to it the thickness
-            polygon = _wide(polygon[0], polygon[1], patches.areas[k] / float(np.linalg.norm(polygon[1] - polygon[0])))
+    those = np.flatnonzero(wanted).tolist()
+    for k, polygon in zip(those, _polygons(assembly, those), strict=True):
         thrust, at = water.on(polygon)
         if thrust:
             means[k], points[k] = thrust / patches.areas[k], at

@@ -33,6 +33,7 @@ from slopekit.preie.tolerances import (
     LEAST_REDUCTION,
     LIFTED_BALANCED,
     LIFTED_SHED,
+    LIGHTEST,
     NEAR,
     PARALLEL,
     REACHES,
@@ -44,6 +45,7 @@ _STEPS, _STEPS_OF_MANY = 150, 80  # of the interior-point method; it settles in 
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
+_HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
 
 def static_bound(model: AssemblyModel) -> StaticBound:
@@ -62,6 +64,9 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE, most)
     at, steps = at_once.at, at_once.steps
     if _is_lifted(at_once):
+        normal = held_by_normals(model, model.load.ravel())
+        if normal is not None:  # flat wedges in slots: their forces are many times the load
+            return StaticBound(None, False, True, at.velocity, normal, steps)
         return StaticBound(None, True, False, program.release(), at.normal, steps)
     if at_once.settled and at_once.unbalanced < BOUND_BALANCED:
         locked = at.load_factor < LEAST_REDUCTION
@@ -82,12 +87,37 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         frozen = line(program.cohesion, model.tan_friction, summed)
         dilating = Strengths(model.tan_friction, frozen, -model.tan_friction * summed)
         lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, most))
+    normal = held_by_normals(model, model.load.ravel())
+    if normal is not None:
+        return StaticBound(None, False, True, at.velocity, normal, steps)
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 
 
 def _is_lifted(solution: ProgramResult) -> bool:
     """Whether no strength however high balances the loads."""
     return solution.at.shed > LIFTED_SHED and solution.unbalanced < LIFTED_BALANCED
+
+
+def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
+    """Normal forces (m,) that balance a load (N,) without friction, cohesion or bolts; None where there are none.
+
+    Where there are any nothing moves at any strength: no motion in which no contact closes has work of the load,
+
+        P·v = -N·(B_n v) <= 0    as    B_n v >= 0.
+
+    Not looked for where the blocks are many.
+    """
+    if len(load) > _HELD:
+        return None
+    pairs, joints = len(model.control_area), model.joint_pairs.stop
+    by_normals = model.statics[:, :joints].toarray()
+    least = LIGHTEST * float(np.abs(load).max())
+    own = np.maximum(np.abs(load.reshape(model.load.shape)).max(axis=1), least)
+    parts = 1.0 / np.repeat(own, model.unknowns)
+    found, left = bounded_least_squares(parts[:, None] * by_normals, -parts * load, np.full(joints, np.inf))
+    if float(np.abs(left).max(initial=0.0)) > BOUND_PROVED:
+        return None
+    return np.concatenate([found, np.zeros(pairs - joints)])
 
 
 def _falls_off(model: AssemblyModel) -> bool:

@@ -21,6 +21,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
 from slopekit.preie.bed import Bed
+from slopekit.preie.bounds import held_by_normals
 from slopekit.preie.effort import EffortSpentError
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
@@ -58,9 +59,19 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     """
     rested: list[float] = []
     try:
-        return _followed(bed, start, brief, rested)
+        ended = _followed(bed, start, brief, rested)
     except EffortSpentError:
         raise EffortSpentError(1.0 / rested[-1] if rested and bed.drive.ramp is None else None) from None
+    if ended.found or ended.outcome is PathOutcome.STANDS or bed.drive.ramp is not None:
+        return ended
+    normal = held_by_normals(bed.model, bed.drive.load)
+    if normal is None:
+        return ended
+    # a wedge in a slot settles so far on elastic joints that it seemed to run
+    friction, still = np.zeros_like(ended.friction), np.zeros_like(ended.motion)
+    return replace(
+        ended, outcome=PathOutcome.STANDS, parameter=None, peak=None, motion=still, normal=normal, friction=friction
+    )
 
 
 def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathLimit:
