@@ -73,6 +73,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
     at, begun, first = flow.at, parameter, flow.at
     rested.append(parameter)
     runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
+    failed: Flow | None = None  # the last flow whose forces did not settle
     ratio = _STRIDE
     brackets = (_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2])
     nearest, snaps = iter(brackets), 0 if strength else _SNAPS
@@ -90,7 +91,8 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
             if flow.ended != "runs":
                 flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), runs_at=RUNS)
             if flow.ended != "rest":
-                ended = _run(bed, flow, bad)
+                ended = None if flow is failed else _run(bed, flow, bad)
+                failed = flow  # the same again ends the same
                 if ended is None and traces:
                     ended, traces = traced(bed, (first, begun), (at, parameter), bad), False
                 if ended is not None:
