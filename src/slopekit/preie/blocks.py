@@ -156,12 +156,11 @@ def limit_of_blocks(
     begun : what the rounds of bonds came to with other node pairs of the same contacts
     """
     with allowed(MOST):
-        return _limit_within(model, ranged, ratio, proposal, begun)
+        limit = _limit_within(model, ratio, proposal, begun)
+        return with_range(model, limit, proposal) if ranged else limit
 
 
-def _limit_within(
-    model: AssemblyModel, ranged: bool, ratio: float, proposal: Proposal | None, begun: Rounds | None
-) -> BlocksLimit:
+def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None, begun: Rounds | None) -> BlocksLimit:
     """The limit with the work that is allowed."""
     model, unit = _in_unit_strength(model)
     strong = unit > 0.0
@@ -170,7 +169,7 @@ def _limit_within(
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
-    limit = _limit_of(model, unit, bound, ranged, ratio, proposal, begun)
+    limit = _limit_of(model, unit, bound, ratio, proposal, begun)
     return replace(
         limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
         lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), bonded=_times(limit.bonded, unit),
@@ -215,7 +214,7 @@ def _rounded(values: Floats) -> Floats:
 
 
 def _limit_of(
-    model: AssemblyModel, unit: float, bound: StaticBound, ranged: bool, ratio: float, proposal: Proposal | None,
+    model: AssemblyModel, unit: float, bound: StaticBound, ratio: float, proposal: Proposal | None,
     begun: Rounds | None,
 ) -> BlocksLimit:  # fmt: skip
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
@@ -262,12 +261,20 @@ def _limit_of(
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
         return replace(unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None)
     bond = ended.bond
-    limit = _limit(model, ended.limit, bond, bound, steps, loads)
-    limit = _with_evidence(limit, ended)
-    if limit.factor is None or not ranged or model.lines is not None:
+    return _with_evidence(_limit(model, ended.limit, bond, bound, steps, loads), ended)
+
+
+def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None = None) -> BlocksLimit:
+    """The limit of an assembly with the range of its mechanism's factors, where that does not take too long.
+
+    Parameters
+    ----------
+    proposal : the one that the limit was found with
+    """
+    if limit.factor is None or model.lines is not None:
         return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
-        span = _span(model, limit, unit, bond, proposal)
+        span = _span(model, limit, proposal)
     except EffortSpentError:
         span = None
     if span is None:
@@ -278,23 +285,20 @@ def _limit_of(
     return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, reached))
 
 
-def _span(
-    model: AssemblyModel, limit: BlocksLimit, unit: float, bond: Floats, proposal: Proposal | None
-) -> Span | None:
+def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -> Span | None:
     """The range of the mechanism of a limit; None where it takes too long.
 
     Of a limit without the work of cohesion that is kept, that of the limit with it, as much lower.
     """
     assert limit.factor is not None
-    less = 1.0 - limit.kept_share
+    span, times = None, 1.0 - limit.kept_share
     if limit.group and proposal is not None:
         span = proposal.span()
-        return None if span is None else (_times(span[0], less / unit), _times(span[1], less / unit))
-    if model.unknowns == 3 or len(model.load) <= _RANGED:
-        forces = limit.normal_force, limit.friction
-        span = mechanism_range(model, limit.velocity.ravel(), limit.factor / less, bond, forces)
-        return None if span is None else (_times(span[0], less), _times(span[1], less))
-    return None
+    elif model.unknowns == 3 or len(model.load) <= _RANGED:
+        model, unit = _in_unit_strength(model)
+        factor, forces = limit.factor / unit / times, (limit.normal_force, limit.friction)
+        span, times = mechanism_range(model, limit.velocity.ravel(), factor, limit.bond, forces), times * unit
+    return None if span is None else (_times(span[0], times), _times(span[1], times))
 
 
 def _limit(

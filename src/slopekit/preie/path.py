@@ -34,6 +34,7 @@ _OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _FAILS = 7
+_BORDERED_AS_WELL = 200  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _SNAPS, _FARTHER, _SLOWLY = (
     20,
     1e3,
@@ -234,12 +235,15 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         viscous = forces.residual / bed.load_size
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
-        if viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE) and bed.size <= BORDERED:
+        far = work > 1e3 * bed.elastic_work
+        settled = same and viscous < STEADY and (changed < 1e-2 * STEADY or (changed < STEADY and far))
+        small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
+        tried = small and viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE)
+        if tried or (settled and bed.size <= BORDERED):
             exact = limit_state(bed, at, moved, parameter)
             if exact is not None:
                 return exact
-        far = work > 1e3 * bed.elastic_work
-        if same and viscous < STEADY and (changed < 1e-2 * STEADY or (changed < STEADY and far)):
+        if settled:
             return result_of(bed, PathOutcome.SETTLED, parameter, None, at, moved, forces)
         if work > FARTHEST * bed.elastic_work:
             break
