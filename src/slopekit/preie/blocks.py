@@ -433,16 +433,20 @@ def unit_bound(model: AssemblyModel) -> StaticBound:
     return static_bound(_in_unit_strength(model)[0])
 
 
-def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound) -> PathLimit | None:
+def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound, at_once: bool = True) -> PathLimit | None:
     """The limit of some blocks with bonds (m,) as they are, and their `unit_bound`; None where there is none.
 
     A peak is that of one way to it: nobody asks how sure it is.
+
+    Parameters
+    ----------
+    at_once : whether a limit is proposed before the path, or where it ends in a peak
     """
     model, unit = _in_unit_strength(model)
     if bound.lifted:
         return None
     with told_times(unit or 1.0, "divided by"):
-        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, peaks=False)
+        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, peaks=False, at_once=at_once)
     return _weaker(path_end, unit or 1.0) if path_end.parameter else None
 
 
@@ -463,20 +467,22 @@ def _times(factor: float | None, by: float) -> float | None:
 
 
 def _on_path(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True
-) -> tuple[PathLimit, LoadsOn, int]:
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True,
+    at_once: bool = True,
+) -> tuple[PathLimit, LoadsOn, int]:  # fmt: skip
     """The path with some bonds, how the loads beside weight came on, and the work.
 
     The model is in unit strength: the design's is `unit` times that. Where loads that come on last end in no limit
-    state, and tip nothing, they come on at once again, at more strength. With `peaks` other ways to a peak are tried.
+    state, and tip nothing, they come on at once again, at more strength. With `peaks` other ways to a peak are tried,
+    with `at_once` a limit without the path.
     """
     start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    path_end = _at_once(bed, bond, ratio) if bed.size > _PROPOSED else None
+    path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED else None
     path_end = path_end or follow(bed, start, brief=live and bed.tangents == 1)
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1
-    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
+    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= _PROPOSED:
         path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
     if path_end.found or path_end.outcome is PathOutcome.STANDS:
         return path_end, LoadsOn(), bed.factorisations

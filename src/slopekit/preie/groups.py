@@ -41,6 +41,7 @@ class Groups:
         self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
         self.solved: tuple[bytes, tuple[AssemblyModel, PathLimit, Floats] | None] = b"", None  # the last, and its bonds
         self.snapped: PathLimit | None = None  # the peak of a group, as one of all
+        self.snaps = False  # whether the path of a group has ended in a peak: with fewer bonds it does so again
         self.near = self.group  # and that which is solved alone in between
 
     def _known(self, group: Ints) -> tuple[AssemblyModel, Ints] | None:
@@ -87,9 +88,10 @@ class Groups:
         own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
         try:
             with effort.part(_OF_GROUP):
-                limit = first_limit(small, own_bond, self._bound(group, small))
+                limit = first_limit(small, own_bond, self._bound(group, small), at_once=not self.snaps)
         except effort.EffortSpentError:
             return None
+        self.snaps |= limit is not None and limit.outcome is PathOutcome.BRACKET
         solution = None if limit is None or limit.parameter is None else (small, limit, own_bond)
         self.solved = key, solution
         return solution
