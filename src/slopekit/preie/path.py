@@ -20,7 +20,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
-from slopekit.preie.bed import Bed
+from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.effort import EffortSpentError
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
@@ -34,7 +34,8 @@ _OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _FAILS = 7
-_BORDERED_AS_WELL = 200  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
+_BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
+_CHEAPLY = 100  # and up to which it is tried with the same modes again
 _SNAPS, _FARTHER, _SLOWLY = (
     20,
     1e3,
@@ -221,6 +222,7 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     if gained == 0.0 or work == 0.0:
         return None
     eases, grows, steps, fails = EASES, 1.5, 0, 0
+    failed: BedForces | None = None  # the modes that stage L was tried with last
     while steps < 60 and fails < _FAILS:
         more = work * (grows - 1.0)
         thinner = eases * viscosity * gained / more
@@ -238,11 +240,14 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         far = work > 1e3 * bed.elastic_work
         settled = same and viscous < STEADY and (changed < 1e-2 * STEADY or (changed < STEADY and far))
         small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
-        tried = small and viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE)
-        if tried or (settled and bed.size <= BORDERED):
+        tries = small and viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE)
+        if failed is not None and forces.same_modes(failed):
+            tries = tries and (bed.tangents == 1 or bed.size <= _CHEAPLY)
+        if tries or (settled and bed.size <= BORDERED):
             exact = limit_state(bed, at, moved, parameter)
             if exact is not None:
                 return exact
+            failed = forces
         if settled:
             return result_of(bed, PathOutcome.SETTLED, parameter, None, at, moved, forces)
         if work > FARTHEST * bed.elastic_work:
