@@ -76,8 +76,8 @@ def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> N
     whole = groups.first_limit
     seen = []
 
-    def lower(*group):
-        found = whole(*group)
+    def lower(*group, **options):
+        found = whole(*group, **options)
         return replace(found, parameter=found.parameter / 0.8)
 
     def judged(*args):

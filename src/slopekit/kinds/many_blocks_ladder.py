@@ -71,7 +71,7 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
         if level and len(model.control_area) > MOST_PAIRS:
             break
         say(f"ladder, parts split {often(level)}", head=True)
-        (_, limit), seconds = timed(partial(component_limit, model, False))
+        (_, limit), seconds = timed(partial(component_limit, model))
         setting = f"parts split {often(level)}" if _refines(solution) else "as analysed"
         yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
 

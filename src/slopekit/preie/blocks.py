@@ -130,8 +130,11 @@ class BlocksLimit:
 class Proposal(Protocol):
     """Another way than the path to the limit of all blocks."""
 
-    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
-        """The limit with some bonds (m,), at most `top`, or with `peaks` a peak; None where the way leads nowhere."""
+    def limit(self, bond: Floats, top: float, there: Floats, peaks: bool = False) -> PathLimit | None:
+        """The limit with some bonds (m,), at most `top`, and with `peaks` a peak; None where the way leads nowhere.
+
+        `there` is the motion (N,) at `top`.
+        """
 
     def limit_alone(self, bond: Floats) -> PathLimit | None:
         """That of the blocks which failed last, all others held; None where there is none."""
@@ -160,12 +163,11 @@ def limit_of_blocks(
     begun : what the rounds of bonds came to with other node pairs of the same contacts
     """
     with allowed(MOST):
-        return _limit_within(model, ranged, ratio, proposal, begun)
+        limit = _limit_within(model, ratio, proposal, begun)
+        return with_range(model, limit, proposal) if ranged else limit
 
 
-def _limit_within(
-    model: AssemblyModel, ranged: bool, ratio: float, proposal: Proposal | None, begun: Rounds | None
-) -> BlocksLimit:
+def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None, begun: Rounds | None) -> BlocksLimit:
     """The limit with the work that is allowed."""
     model, unit = _in_unit_strength(model)
     strong = unit > 0.0
@@ -174,7 +176,7 @@ def _limit_within(
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
-    limit = _limit_of(model, unit, bound, ranged, ratio, proposal, begun)
+    limit = _limit_of(model, unit, bound, ratio, proposal, begun)
     return replace(
         limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
         lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), bonded=_times(limit.bonded, unit),
@@ -220,7 +222,7 @@ def _rounded(values: Floats) -> Floats:
 
 
 def _limit_of(
-    model: AssemblyModel, unit: float, bound: StaticBound, ranged: bool, ratio: float, proposal: Proposal | None,
+    model: AssemblyModel, unit: float, bound: StaticBound, ratio: float, proposal: Proposal | None,
     begun: Rounds | None,
 ) -> BlocksLimit:  # fmt: skip
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
@@ -239,7 +241,8 @@ def _limit_of(
                 return _weaker(own, 1.0 / unit), False
         try:
             if proposal is not None:
-                settled = proposal.limit(bond, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
+                top, again = unit * (bound.factor or math.inf), bond.tobytes() in snapped
+                settled = proposal.limit(bond, top, bound.velocity.ravel(), again)
         except EffortSpentError as spent:
             raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
@@ -267,24 +270,20 @@ def _limit_of(
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
         return replace(unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None)
     bond = ended.bond
-    limit = _limit(model, ended.limit, bond, bound, steps, loads)
-    limit = _with_evidence(limit, ended)
-    if limit.factor is None:
-        return limit
-    if ranged and model.lines is None:  # where laws are curved other forces mean other tractions, and other lines
-        limit = _with_range(model, limit, unit, bond, proposal)
-    if limit.sooner is None:
-        return limit
-    return replace(limit, lowest=limit.sooner if limit.lowest is None else min(limit.lowest, limit.sooner))
+    return _with_evidence(_limit(model, ended.limit, bond, bound, steps, loads), ended)
 
 
-def _with_range(
-    model: AssemblyModel, limit: BlocksLimit, unit: float, bond: Floats, proposal: Proposal | None
-) -> BlocksLimit:
-    """The limit with the range of its mechanism, where that is found."""
-    assert limit.factor is not None
+def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None = None) -> BlocksLimit:
+    """The limit of an assembly with the range of its mechanism's factors, where that does not take too long.
+
+    Parameters
+    ----------
+    proposal : the one that the limit was found with
+    """
+    if limit.factor is None or model.lines is not None:
+        return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
-        span = _span(model, limit, unit, bond, proposal)
+        span = _span(model, limit, proposal)
     except EffortSpentError:
         span = None
     if span is None:
@@ -292,26 +291,24 @@ def _with_range(
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or limit.factor
-    return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, reached))
+    lowest = min(low or 0.0, limit.factor, limit.sooner or math.inf)
+    return replace(limit, lowest=lowest, highest=None if top is None else max(top, reached))
 
 
-def _span(
-    model: AssemblyModel, limit: BlocksLimit, unit: float, bond: Floats, proposal: Proposal | None
-) -> Span | None:
+def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -> Span | None:
     """The range of the mechanism of a limit; None where it takes too long.
 
     Of a limit without the work of cohesion that is kept, that of the limit with it, as much lower.
     """
     assert limit.factor is not None
-    less = 1.0 - limit.kept_share
+    span, times = None, 1.0 - limit.kept_share
     if limit.group and proposal is not None:
         span = proposal.span()
-        return None if span is None else (_times(span[0], less / unit), _times(span[1], less / unit))
-    if model.unknowns == 3 or len(model.load) <= _RANGED:
-        forces = limit.normal_force, limit.friction
-        span = mechanism_range(model, limit.velocity.ravel(), limit.factor / less, bond, forces)
-        return None if span is None else (_times(span[0], less), _times(span[1], less))
-    return None
+    elif model.unknowns == 3 or len(model.load) <= _RANGED:
+        model, unit = _in_unit_strength(model)
+        factor, forces = limit.factor / unit / times, (limit.normal_force, limit.friction)
+        span, times = mechanism_range(model, limit.velocity.ravel(), factor, limit.bond, forces), times * unit
+    return None if span is None else (_times(span[0], times), _times(span[1], times))
 
 
 def _limit(
@@ -361,7 +358,8 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
         limit = replace(limit, bonded=1.0 / ended.whole)
     if limit.factor is not None and ended.soonest and 1.0 / ended.soonest < limit.factor * (1.0 - _SOONER):
-        limit = replace(limit, sooner=1.0 / ended.soonest)
+        sooner = 1.0 / ended.soonest
+        limit = replace(limit, sooner=sooner, lowest=sooner if limit.lowest is None else min(limit.lowest, sooner))
     if not ended.share or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
@@ -453,16 +451,20 @@ def unit_bound(model: AssemblyModel) -> StaticBound:
     return static_bound(_in_unit_strength(model)[0])
 
 
-def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound) -> PathLimit | None:
+def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound, at_once: bool = True) -> PathLimit | None:
     """The limit of some blocks with bonds (m,) as they are, and their `unit_bound`; None where there is none.
 
     A peak is that of one way to it: nobody asks how sure it is.
+
+    Parameters
+    ----------
+    at_once : whether a limit is proposed before the path, or where it ends in a peak
     """
     model, unit = _in_unit_strength(model)
     if bound.lifted:
         return None
     with told_times(unit or 1.0, "divided by"):
-        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, peaks=False)
+        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, peaks=False, at_once=at_once)
     return _weaker(path_end, unit or 1.0) if path_end.parameter else None
 
 
@@ -483,20 +485,22 @@ def _times(factor: float | None, by: float) -> float | None:
 
 
 def _on_path(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True
-) -> tuple[PathLimit, LoadsOn, int]:
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True,
+    at_once: bool = True,
+) -> tuple[PathLimit, LoadsOn, int]:  # fmt: skip
     """The path with some bonds, how the loads beside weight came on, and the work.
 
     The model is in unit strength: the design's is `unit` times that. Where loads that come on last end in no limit
-    state, and tip nothing, they come on at once again, at more strength. With `peaks` other ways to a peak are tried.
+    state, and tip nothing, they come on at once again, at more strength. With `peaks` other ways to a peak are tried,
+    with `at_once` a limit without the path.
     """
     start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    path_end = _at_once(bed, bond, ratio) if bed.size > _PROPOSED else None
+    path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED else None
     path_end = path_end or follow(bed, start, brief=live and bed.tangents == 1)
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1
-    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
+    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= _PROPOSED:
         path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
     if path_end.found or path_end.outcome is PathOutcome.STANDS:
         return path_end, LoadsOn(), bed.factorisations

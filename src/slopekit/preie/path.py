@@ -20,7 +20,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
-from slopekit.preie.bed import Bed
+from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.bounds import held_by_normals
 from slopekit.preie.effort import EffortSpentError
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
@@ -35,6 +35,8 @@ _OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _FAILS = 7
+_BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
+_CHEAPLY = 100  # and up to which it is tried with the same modes again
 _SNAPS, _FARTHER, _SLOWLY = (
     20,
     1e3,
@@ -84,6 +86,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
     at, begun, first = flow.at, parameter, flow.at
     rested.append(parameter)
     runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
+    failed: Flow | None = None  # the last flow whose forces did not settle
     ratio = _STRIDE
     brackets = (_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2])
     nearest, snaps = iter(brackets), 0 if strength else _SNAPS
@@ -101,7 +104,8 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
             if flow.ended != "runs":
                 flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), runs_at=RUNS)
             if flow.ended != "rest":
-                ended = _run(bed, flow, bad)
+                ended = None if flow is failed else _run(bed, flow, bad)
+                failed = flow  # the same again ends the same
                 if ended is None and traces:
                     ended, traces = traced(bed, (first, begun), (at, parameter), bad), False
                 if ended is not None:
@@ -229,6 +233,7 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     if gained == 0.0 or work == 0.0:
         return None
     eases, grows, steps, fails = EASES, 1.5, 0, 0
+    failed: BedForces | None = None  # the modes that stage L was tried with last
     while steps < 60 and fails < _FAILS:
         more = work * (grows - 1.0)
         thinner = eases * viscosity * gained / more
@@ -243,12 +248,18 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         viscous = forces.residual / bed.load_size
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
-        if viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE) and bed.size <= BORDERED:
+        far = work > 1e3 * bed.elastic_work
+        settled = same and viscous < STEADY and (changed < 1e-2 * STEADY or (changed < STEADY and far))
+        small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
+        tries = small and viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE)
+        if failed is not None and forces.same_modes(failed):
+            tries = tries and (bed.tangents == 1 or bed.size <= _CHEAPLY)
+        if tries or (settled and bed.size <= BORDERED):
             exact = limit_state(bed, at, moved, parameter)
             if exact is not None:
                 return exact
-        far = work > 1e3 * bed.elastic_work
-        if same and viscous < STEADY and (changed < 1e-2 * STEADY or (changed < STEADY and far)):
+            failed = forces
+        if settled:
             return result_of(bed, PathOutcome.SETTLED, parameter, None, at, moved, forces)
         if work > FARTHEST * bed.elastic_work:
             break

@@ -7,7 +7,7 @@ what is left of that component is solved anew. Contacts in space that twist get 
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import field, replace
 
 import numpy as np
 from scipy import sparse
@@ -19,7 +19,7 @@ from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
+from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit, with_range
 from slopekit.preie.bonds import Rounds
 from slopekit.preie.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.groups import Groups
@@ -42,6 +42,7 @@ class Part:
     patch : (k,) the assembly's patch of each contact of the model
     refined : (p,) how often the triangles of each patch of the assembly were split, None where none was
     mesh_change : what the last split did to the factor, in parts of it, None where none was made
+    groups : what its limit was found with, as long as the range of its mechanism may be asked for
     """
 
     model: AssemblyModel
@@ -50,6 +51,7 @@ class Part:
     patch: Ints
     refined: Ints | None = None
     mesh_change: float | None = None
+    groups: Groups | None = field(default=None, repr=False)
 
     @property
     def rank(self) -> float:
@@ -126,6 +128,8 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
             ended = "stands" if parts else "gone"
             break
         together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_RANK]
+        with effort.allowed(effort.MOST):
+            together = [_ranged(scene, part) for part in together]
         moved = [_moving(part, size) for part in together]
         blocks = np.concatenate([fallen for fallen, _ in moved])
         failures.append(Failure(tuple(together), blocks, np.concatenate([motion for _, motion in moved])))
@@ -145,7 +149,7 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
             for part in together:
                 left += _solved(scene, there, part.blocks[there[part.blocks]])
         parts = left
-    return Ravelling(tuple(failures), tuple(first), there, ended)
+    return Ravelling(tuple(failures), tuple(replace(part, groups=None) for part in first), there, ended)
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,18 +224,27 @@ def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
             model, patch = model_patch
             large = model.unknowns == 6 and len(blocks) > _LARGE and model.lines is None
             groups = Groups(scene, there, blocks, model, patch) if large else None
-            yield Part(*component_limit(model, scene.ranged, groups), blocks, patch)
+            yield Part(*component_limit(model, groups), blocks, patch, groups=groups)
 
 
 def component_limit(
-    model: AssemblyModel, ranged: bool, proposal: Groups | None = None, begun: Rounds | None = None
+    model: AssemblyModel, proposal: Groups | None = None, begun: Rounds | None = None
 ) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
-    """The limit of a component, and its model: where laws are curved with the lines that the limit settled on."""
+    """The limit of a component, and its model: where laws are curved with the lines that the limit settled on.
+
+    The range of its mechanism comes later, of those that fail first.
+    """
     if model.lines is None:
-        return model, limit_of_blocks(model, ranged, proposal=proposal, begun=begun)
+        return model, limit_of_blocks(model, False, proposal=proposal, begun=begun)
     from slopekit.preie.strength_lines import settled_blocks  # only curved laws pay for it
 
     return settled_blocks(model, limit_of_blocks)
+
+
+def _ranged(scene: WholeAssembly, part: Part) -> Part:
+    """A part with the range of its mechanism, where that is wanted."""
+    limit = with_range(part.model, part.limit, part.groups) if scene.ranged else part.limit
+    return replace(part, limit=limit, groups=None)
 
 
 def finer_model(
@@ -267,11 +280,13 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         model_patch = model_of(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model, limit = component_limit(model_patch[0], scene.ranged, begun=part.limit.rounds)
+        model, limit = component_limit(model_patch[0], begun=part.limit.rounds)
         if not limit.factor or not part.limit.factor:
             break
         change = abs(limit.factor / part.limit.factor - 1.0)
-        part = replace(part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change)
+        part = replace(
+            part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
+        )
         if change < MESH_CHANGE:
             break
     return part

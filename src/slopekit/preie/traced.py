@@ -31,6 +31,7 @@ _TRACED, _FARTHER, _RESTS = 250, 150, 300  # factorisations to get there, and fa
 _TIMES = 3.0  # so much farther: `SAME_FARTHER`
 _FOLLOWED, _SHARPENED = 1000, 150  # factorisations from one mark to the next, and of making joints sharp
 _HALVED = 12  # bisections between two points of the rounded path
+_MANY = 100  # unknowns from which a rounding that does not get to the first mark is the last
 _GOES = 5  # shorter steps before Newton's method is said not to go on
 
 
@@ -48,7 +49,11 @@ def traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], ru
         if not curve.begin(at, parameter):
             continue
         for mark in _MARKS:
-            if not curve.onto(mark, _TRACED) or curve.reduction < LEAST_STRENGTH * parameter:
+            if not curve.onto(mark, _TRACED):
+                if mark == _MARKS[0] and bed.size > _MANY:
+                    return None  # of many blocks no other rounding gets there either
+                break
+            if curve.reduction < LEAST_STRENGTH * parameter:
                 break
             sharp = curve.sharpened(_TRACED)
             if sharp is None:

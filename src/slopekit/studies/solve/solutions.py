@@ -296,7 +296,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, of cohesion, and of inputs."""
+    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, cohesion, inputs."""
     key, target, answer = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
