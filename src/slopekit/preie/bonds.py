@@ -104,13 +104,16 @@ class Rounds:
         return left
 
     def open_before(self, path_end: PathLimit, all_rest: bool) -> bool:
-        """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does."""
+        """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does.
+
+        Not asked of the peak of a group of blocks: it would be another peak, after rounds of many groups.
+        """
         assert path_end.parameter is not None
         self.whole = path_end.parameter if self.whole is None else self.whole
         sooner = min if self.load_grows else max
         self.soonest = sooner(path_end.parameter, path_end.parameter if self.soonest is None else self.soonest)
         bonded = self.bonded & ~self.lost
-        if not all_rest or not bonded.any():
+        if not all_rest or not bonded.any() or (path_end.group and not path_end.found):
             return False
         apart, _ = self.model.opening_and_slip(path_end.displacement)
         touches = (path_end.normal > 0.0) | (apart <= _TOUCHES * abs(float(apart.min())))
