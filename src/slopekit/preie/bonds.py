@@ -104,13 +104,16 @@ class Rounds:
         return left
 
     def open_before(self, path_end: PathLimit, all_rest: bool) -> bool:
-        """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does."""
+        """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does.
+
+        Not asked of the peak of a group of blocks: it would be another peak, after rounds of many groups.
+        """
         assert path_end.parameter is not None
         self.whole = path_end.parameter if self.whole is None else self.whole
         sooner = min if self.load_grows else max
         self.soonest = sooner(path_end.parameter, path_end.parameter if self.soonest is None else self.soonest)
         bonded = self.bonded & ~self.lost
-        if not all_rest or not bonded.any():
+        if not all_rest or not bonded.any() or (path_end.group and not path_end.found):
             return False
         apart, _ = self.model.opening_and_slip(path_end.displacement)
         touches = (path_end.normal > 0.0) | (apart <= _TOUCHES * abs(float(apart.min())))
@@ -165,29 +168,37 @@ class Rounds:
         self.kept, self.lost, self.gone = self.kept & ~gone, self.lost | gone, self.gone | gone
         return bool(gone.any())
 
-    def ended(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
-        """The limit of the last round, or that of the first motion of all blocks where that begins sooner.
+    def begun_sooner(self, last: Bonded, pressed: Pressed) -> "Rounds | Bonded | None":
+        """Where the first motion begins before the last: its limit, or the rounds with what is open even before it.
 
-        Strength that falls slowly comes to the first motion with all bonds that had not opened by themselves. Of those
-        that it opens the work is left out.
+        Strength that falls slowly comes to it with all bonds of contacts that still touch. The work of those that it
+        opens is left out. None where the last motion begins first, or nobody knows.
         """
-        last = self._last(path_end, pressed)
         if self.first is None or last.limit.parameter is None:
-            return last
+            return None
         first, lost, opens = self.first
         assert first.parameter is not None
-        if (first.parameter - last.limit.parameter) * (
-            -1.0 if self.load_grows else 1.0
-        ) <= SAME_FACTOR * first.parameter:
-            return last
+        before = (last.limit.parameter - first.parameter) * (1.0 if self.load_grows else -1.0)
+        if before <= SAME_FACTOR * first.parameter:
+            return None
+        just = first.parameter * _JUST if self.load_grows else first.parameter / _JUST
+        somewhere = pressed(np.where(lost[self.model.pair_contact], 0.0, 1.0), just)
+        if somewhere is None:
+            return None
+        other = Rounds(self.model, self.working, self.load_grows)
+        other.whole, other.soonest, other.unsettled = self.whole, self.soonest, self.unsettled
+        if (opens & ~somewhere).any():
+            other.lost = lost | (opens & ~somewhere)
+            other.gone = other.lost.copy()
+            return other
+        other.lost = lost
         less = self._less(first, opens)
         share = 1.0 - (less / first.parameter if self.load_grows else first.parameter / less)
-        self.lost, self.kept = lost, opens
         limit = replace(first, parameter=less)
-        return Bonded(limit, self.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest, None)
+        return Bonded(limit, other.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest)
 
-    def _last(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
-        """That of the last round less the work of what is kept and opens, no further than that is pressed at rest."""
+    def ended(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
+        """The limit less the work of what is kept and opens, and no further than its contacts are pressed at rest."""
         least = self.least
         opens, _ = _moves(self.model, path_end)
         opens &= self.kept | self.late
@@ -270,7 +281,11 @@ def with_bonds(
             or (all_rest and rounds.refused(path_end, pressed))
         )
         if all_rest and not changed:
-            return rounds.ended(path_end, pressed)
+            last = rounds.ended(path_end, pressed)
+            sooner = rounds.begun_sooner(last, pressed)
+            if not isinstance(sooner, Rounds):
+                return sooner or last
+            rounds, changed = sooner, True
         vouched = not changed
     while not all_rest:  # forces of a group alone are none of all blocks
         path_end, all_rest = once(rounds.bond, True)
