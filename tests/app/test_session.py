@@ -25,8 +25,12 @@ def wedge():
 def test_every_kind_says_when_it_is_answered():
     """As docs/app.md says, by what an analysis takes: hundredths of a second, half a second, many seconds."""
     said = {name: kind_named(name).answered for name in KINDS}
+    assert set(said.values()) == {"drag", "release", "button"}
     dragged, let_go = ("wedge", "plane", "footing"), ("topple", "blocks", "surface")
-    assert said == dict.fromkeys(dragged, "drag") | dict.fromkeys(let_go, "release") | {"bench": "button"}
+    assert (
+        said.items()
+        >= (dict.fromkeys(dragged, "drag") | dict.fromkeys(let_go, "release") | {"bench": "button"}).items()
+    )
 
 
 def test_a_change_is_what_set_makes_of_the_file(wedge):
