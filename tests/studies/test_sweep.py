@@ -11,7 +11,8 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.studies.points import Point
+from slopekit.kinds.protocol import Factors
+from slopekit.studies.points import Point, factor_at, status_of
 from slopekit.studies.protocol import Workplace
 from slopekit.studies.sweep import sweep
 
@@ -341,3 +342,14 @@ def test_a_count_that_was_meant_as_a_step_is_asked_about(given, written) -> None
     swept = sweep(sk.load(WEDGE), {"slope.height": given}, methods="closed-form")
     asked = [notice.message for notice in swept.warnings if notice.code == "W432"]
     assert [message.rpartition(" ")[2] for message in asked] == ([written] if written else [])
+
+
+def test_what_did_not_settle_is_no_slope_that_nothing_holds() -> None:
+    """Many blocks whose motion did not settle have no factor in a study; without strength theirs is 0."""
+    unsettled, loose = (
+        Point(Factors("slides", None, None, None, None, None, False, settled)) for settled in (False, True)
+    )
+    assert factor_at(unsettled, "pre_ie") is None
+    assert status_of(unsettled, "pre_ie") == "not_converged"
+    assert factor_at(loose, "pre_ie") == 0.0
+    assert status_of(loose, "pre_ie") == "slides"

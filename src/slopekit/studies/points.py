@@ -65,7 +65,10 @@ class Point:
 
 
 def factor_at(point: Point, method: Method) -> float | None:
-    """The factor by one method: infinite where nothing drives, 0 where nothing holds, None where there is no block."""
+    """The factor by one method: infinite where nothing drives, 0 where nothing holds.
+
+    None where there is no block, and where PRE-IE did not settle: that is no slope that nothing holds.
+    """
     factors = point.factors
     if factors is None:
         return None
@@ -74,14 +77,20 @@ def factor_at(point: Point, method: Method) -> float | None:
         status, factor = factors.closed_status or "", factors.closed_form
     if factor is not None:
         return factor
-    return math.inf if status == "no_driving_force" else None if status in ("not_converged", "") else 0.0
+    if status == "no_driving_force":
+        return math.inf
+    open_ = status in ("not_converged", "") or (method == "pre_ie" and not factors.settled)
+    return None if open_ else 0.0
 
 
 def status_of(point: Point, method: Method) -> str:
     """The status of a point by one method, or the code of why there is no block."""
     if point.factors is None:
         return point.code
-    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
+    if method == "closed_form":
+        return point.factors.closed_status or ""
+    unsettled = point.factors.limit is None and not point.factors.settled
+    return "not_converged" if unsettled else point.factors.status
 
 
 def point_from_record(record: Mapping[str, Any]) -> Point:
