@@ -170,3 +170,5 @@ def test_the_bracket_of_a_wall_encloses_its_limit(monkeypatch: pytest.MonkeyPatc
     assert not found.gave_up
     assert exact * (1.0 - 2e-4) < low < exact * (1.0 + 1e-6)
     assert exact * (1.0 - 1e-4) < high < exact * (1.0 + 3e-4)
+    assert high < low * (1.0 + 2.6e-5)  # of many blocks a quarter as wide as of one
+    assert low == pytest.approx(exact, rel=2.5e-5)

@@ -38,6 +38,7 @@ _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more 
 _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
 _LET_GO = 0.5  # pairs in more than this part of the worst tension part together
 _CROWD, _WORST = 100, 0.25  # of many blocks: where more pairs than that are in tension, so many of them part at least
+_FINER = 0.25  # of the width of a bracket: many blocks, which rest near their limit from nearby alone
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
 
@@ -115,7 +116,7 @@ class RestSearch:
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
-        self.releases = _RELEASES
+        self.releases, self.patient = _RELEASES, True
         if not model.is_dense:
             self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
             self.releases *= _MORE
@@ -173,17 +174,20 @@ class RestSearch:
     def bracket(self, here: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float, bool]:
         """The last state at rest, a factor not farther on than `within` at which there is none, and if it gave up.
 
-        A factor at which there is no rest from far away is tried again from nearer. Where the steps that are allowed do
-        not suffice it gave up: the factor is one that was not decided then.
+        A factor at which there is no rest from far away is tried again from nearer, of many blocks with strides at most
+        twice the last that led to rest. Where the steps that are allowed do not suffice it gave up: the factor is one
+        that was not decided then.
         """
-        low, high = here, math.inf
+        within *= 1.0 if self.model.is_dense else _FINER
+        low, high, reach = here, math.inf, math.inf
         self.most = self.steps + int(min(_MOST_OF_BRACKET, _WORK_OF_BRACKET / self.model.rows.shape[0]))
         target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
         while True:
             started = low.factor
+            self.patient = target <= started * (1.0 + within)  # elsewhere it is tried again from nearer
             trial = self.settled(low, target)
             if trial.stands:
-                low = trial
+                low, reach = trial, 2.0 * (target / started - 1.0)
             elif self.spent:
                 return low, target, True
             elif target <= started * (1.0 + within):
@@ -199,6 +203,8 @@ class RestSearch:
                 target = math.sqrt(low.factor * high)
             else:
                 target = high
+            if not self.model.is_dense:
+                target = min(target, low.factor * (1.0 + max(reach, within)))
 
     # -- one factor ---------------------------------------------------------------------------------------------------
 
@@ -302,7 +308,9 @@ class RestSearch:
             if best.size <= BALANCED or self.spent or (2 * k >= _ROUNDS and least > _FLOWS):
                 break
             here = self._state(self._slipped(here if best is began else best, given), given)
-        return best if best.size <= BALANCED else self._lightened(best, given, _FAR * np.abs(first.at.relative).max())
+        if best.size <= BALANCED or not self.patient:
+            return best
+        return self._lightened(best, given, _FAR * np.abs(first.at.relative).max())
 
     def _lightened(self, best: "_RestState", given: JointStiffness, far: float) -> "_RestState":
         """More rounds, as long as they bring something and nothing has gone farther than `far`, which flows."""
