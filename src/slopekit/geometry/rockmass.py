@@ -16,6 +16,8 @@ from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
 
 J1, J2, FACE, UPPER, CRACK = range(5)
+#: Why a face and the slope above it hold no wedge.
+NO_CREST = Fault("E209", "face and upper slope have the same orientation: there is no crest")
 PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
 
 
@@ -97,7 +99,7 @@ def traces_of(
         raise GeometryError([_parallel("E201", "J1 and J2", "they never meet in a line", sine)])
     crest_edge = cross(face, upper)
     if math.sqrt(float(crest_edge @ crest_edge)) < SAME_DIRECTION:
-        raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
+        raise GeometryError([NO_CREST])
     traces = [cross(joint, face) for joint in joints]
     for k, trace in enumerate(traces):
         if math.sqrt(float(trace @ trace)) < SAME_DIRECTION:
