@@ -26,7 +26,7 @@ from slopekit.core.records import dataclass, names_of
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, plane_of
-from slopekit.geometry.rockmass import NO_CREST
+from slopekit.geometry.rockmass import no_crest
 from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import scale_within
@@ -109,7 +109,7 @@ def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
     """
     edge = np.cross(face.normal(), upper.normal())
     if math.sqrt(float(edge @ edge)) < SAME_DIRECTION:
-        raise GeometryError([NO_CREST])
+        raise no_crest()
     offset = float(upper.normal() @ _crest_point(face, height_m))
     if not offset > SAME_DIRECTION * height_m or math.hypot(edge[0], edge[1]) < SAME_DIRECTION:
         message = f"the upper slope ({upper}) climbs as fast as the face ({face}): they make no crest above the toe"
