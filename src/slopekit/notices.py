@@ -224,8 +224,47 @@ def unlikely_values(design: Design, strengths: Sequence[Strength]) -> Iterator[N
 
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """The notices of one analysed block, in the order of their weight for the reader."""
-    analysis, model, block = facts.analysis, facts.model, facts.block
+    analysis, limit = facts.analysis, facts.analysis.governing
     yield from _read_notices(design)
+    yield from _of_the_limit(design, facts)
+    yield from _of_lost_cohesion(interfaces, facts)
+    yield from _of_shaking(facts)
+    strengths = [interface.strength for interface in interfaces]
+    yield from _judged_notices(design, strengths)
+    if facts.status == "slides_up":
+        yield Notice("W318", f"the loads drive the {facts.block} upward: the factor is against sliding up, not down")
+    if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
+        drawn = -facts.model.bolt_rows @ limit.velocity_of(facts.model)
+        if not (drawn > SQUARE).any():
+            yield undrawn_notice()
+    yield from _intact_notices(strengths)
+    if not len(facts.model.bolt_capacity) and not any(
+        strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
+    ):
+        yield Notice(
+            "W308", f"the joints have no strength: nothing holds the {facts.block}, there is no factor of safety"
+        )
+    if facts.why_not and any(strength.dilation_deg for strength in strengths):
+        yield Notice("W310", facts.why_not)
+    yield from headless_notices(design)
+    if not facts.bound_is_proved:
+        yield Notice("W309", "the static bound was not found")
+    if analysis.moments_govern and limit.factor and facts.mesh_change is None:
+        yield Notice(
+            "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
+        )
+    yield from mesh_notices(facts.mesh_change or 0.0)
+    if facts.unsettled:
+        yield Notice(
+            "W313",
+            "on an elastic bed no equilibrium was found at full strength (pairs that open "
+            "there lose their cohesion): no displacements",
+        )
+
+
+def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
+    """How the limit was found, and what it rests on: moments, paths, rules on cohesion, passes, pairs without force."""
+    analysis, block = facts.analysis, facts.block
     alone, limit = analysis.forces_only, analysis.governing
     if facts.status == "topples":
         opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"
@@ -255,13 +294,18 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
         yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
     if limit.factor and not analysis.moments_govern:
-        idle = _idle_share(limit, model)
+        idle = _idle_share(limit, facts.model)
         if idle > 0.005:
             yield Notice("W306", f"{idle * 100:.0f} % of the joint area in contact carries no normal force at the "
                          "limit on an elastic bed; its cohesion is counted because nothing opens there")  # fmt: skip
+
+
+def _of_lost_cohesion(interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
+    """W307: interfaces that the movement opens."""
+    limit, area = facts.analysis.governing, facts.model.control_area
     for interface in interfaces:
         on = facts.pairs.interface == interface.key
-        lost = float(model.control_area[on & (limit.bond == 0.0)].sum() / model.control_area[on].sum())
+        lost = float(area[on & (limit.bond == 0.0)].sum() / area[on].sum())
         if limit.factor is None or not interface.strength.cohesion_kpa > 0.0 or lost == 0.0:
             continue
         what = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
@@ -271,6 +315,11 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
             yield Notice("W307", f"{interface.name} opens in part and loses all of its cohesion{jump}")
         else:
             yield Notice("W307", f"{interface.name} {what} and loses its cohesion there{jump}")
+
+
+def _of_shaking(facts: Facts) -> Iterator[Notice]:
+    """W328: a seismic load that does not drive the movement."""
+    limit, model = facts.analysis.governing, facts.model
     if facts.seismic is not None and limit.factor is not None:
         along = float(facts.seismic @ model.moved(limit.velocity_of(model))[0])
         size = float(np.linalg.norm(facts.seismic) * np.linalg.norm(model.moved(limit.velocity_of(model))[0]))
@@ -279,35 +328,6 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         elif along < _ACROSS * size:
             off = math.degrees(math.acos(along / size))
             yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")
-    strengths = [interface.strength for interface in interfaces]
-    yield from _judged_notices(design, strengths)
-    if facts.status == "slides_up":
-        yield Notice("W318", f"the loads drive the {block} upward: the factor is against sliding up, not down")
-    if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
-        drawn = -model.bolt_rows @ limit.velocity_of(model)
-        if not (drawn > SQUARE).any():
-            yield undrawn_notice()
-    yield from _intact_notices(strengths)
-    if not len(model.bolt_capacity) and not any(
-        strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
-    ):
-        yield Notice("W308", f"the joints have no strength: nothing holds the {block}, there is no factor of safety")
-    if facts.why_not and any(strength.dilation_deg for strength in strengths):
-        yield Notice("W310", facts.why_not)
-    yield from headless_notices(design)
-    if not facts.bound_is_proved:
-        yield Notice("W309", "the static bound was not found")
-    if analysis.moments_govern and limit.factor and facts.mesh_change is None:
-        yield Notice(
-            "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
-        )
-    yield from mesh_notices(facts.mesh_change or 0.0)
-    if facts.unsettled:
-        yield Notice(
-            "W313",
-            "on an elastic bed no equilibrium was found at full strength (pairs that open "
-            "there lose their cohesion): no displacements",
-        )
 
 
 def _idle_share(limit: Limit, model: Model) -> float:

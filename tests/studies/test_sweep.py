@@ -61,7 +61,7 @@ def test_a_grid_is_run_at_every_point(grid) -> None:
     same_as_run(grid, WEDGE)
     assert grid.places[:4] == [(20.0, 0.0), (60.0, 0.0), (40.0, 0.0), (20.0, 0.5)]
     assert [len(points) for _, points in grid.lines()] == [3, 3, 3]
-    assert [value for value, _ in next(grid.lines())[1]] == [20.0, 40.0, 60.0]  # neighbours are neighbours in value
+    assert [value for value, _ in grid.lines()[0][1]] == [20.0, 40.0, 60.0]  # neighbours are neighbours in value
 
 
 def test_a_level_that_only_the_second_key_passes_is_said() -> None:

@@ -32,7 +32,8 @@ _BARE = {
     "length": "m", "volume": "m3", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN",
     "angle": "degrees", "stiffness": "kN/m3", "acceleration": "m/s2", "ratio": "no unit",
 }  # fmt: skip
-_LARGEST = 1e18
+#: A larger number is no quantity of anything on Earth.
+LARGEST = 1e18
 _SPELLED = {
     "kpa": "kPa", "pa": "Pa", "mpa": "MPa", "gpa": "GPa",
     "kn/m2": "kN/m2", "kn/m3": "kN/m3", "n/m3": "N/m3", "mn/m3": "MN/m3",
@@ -68,7 +69,7 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
         advice = f"Decimals take a point: {text.replace(',', '.')}" if comma else ""
         raise DesignError([Fault("E106", f"{name} is {text!r}, a number is needed", where, advice)])
     result = float(match.group(1)) * _factor(match.group(2), kind, name, where)
-    if abs(result) > _LARGEST and math.isfinite(result):
+    if abs(result) > LARGEST and math.isfinite(result):
         raise DesignError([Fault("E105", f"{name} is {text.strip()}, larger than anything on Earth", where)])
     if not math.isfinite(result):
         raise DesignError([Fault("E105", f"{name} is {text.strip()}, not a finite number", where)])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, parse_plane
-from slopekit.core.units import is_unit_of, quantity, unit_of
+from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, every_field, field_at, fields_of
@@ -26,7 +26,6 @@ T = TypeVar("T")
 P = ParamSpec("P")
 D = TypeVar("D", bound=Design)
 _BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$"  # a text: compiled when first used
-_LARGEST = 1e18
 _DRAWN = (
     "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
 )  # fmt: skip
@@ -205,7 +204,7 @@ class Reader:
         written, name = node.text, name or field.in_words
         if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
             bare_number = float(written)  # most numbers of ten thousand blocks are this
-            if abs(bare_number) <= _LARGEST and field.takes(bare_number) and field.check is None:
+            if abs(bare_number) <= LARGEST and field.takes(bare_number) and field.check is None:
                 return int(bare_number) if field.whole else bare_number
         value = self.value(node)
         if value is None:

@@ -98,7 +98,7 @@ def traces_of(
         raise GeometryError([_parallel("E201", "J1 and J2", "they never meet in a line", sine)])
     crest_edge = cross(face, upper)
     if math.sqrt(float(crest_edge @ crest_edge)) < SAME_DIRECTION:
-        raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
+        raise no_crest()
     traces = [cross(joint, face) for joint in joints]
     for k, trace in enumerate(traces):
         if math.sqrt(float(trace @ trace)) < SAME_DIRECTION:
@@ -125,6 +125,11 @@ def traces_of(
 
 def _into(line: Floats, face: Floats) -> Floats:
     return -line if face @ line > 0.0 else line
+
+
+def no_crest() -> GeometryError:
+    """Of a face and an upper slope that are one plane: there is nothing for a wedge to stand out of."""
+    return GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
 
 
 def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats, sine: float) -> None:

@@ -23,6 +23,8 @@ Normals = Literal["true", "smoothed", "facet"]
 
 #: barycentric points of a triangle and their shares of its area: exact to degree two (METHOD.md §5)
 _POINTS = (((1.0, 0.0, 0.0), 1 / 12), ((0.0, 1.0, 0.0), 1 / 12), ((0.0, 0.0, 1.0), 1 / 12), ((1 / 3,) * 3, 3 / 4))
+#: What to do with a mesh that bounds no body.
+CLOSE_IT = "Close its holes (every edge belongs to two triangles) and save it again."
 _FIRST_LEVEL, _LAST_LEVEL = 3, 6
 _PLENTY = 1500  # triangles on the slip surface that need no refining unless it is asked for
 _FEWEST = 120  # triangles on the slip surface before it is refined
@@ -224,8 +226,7 @@ def _manifold(cutter: Cutter, ids: Ints, name: str) -> Manifold:
     made = Manifold(mesh)
     if made.status() != Error.NoError or made.is_empty():
         reason = str(made.status()).rpartition(".")[2]
-        advice = "Close its holes (every edge belongs to two triangles) and save it again."
-        raise GeometryError([Fault("E216", f"the mesh of {name} is not a closed body ({reason})", "", advice)])
+        raise GeometryError([Fault("E216", f"the mesh of {name} is not a closed body ({reason})", "", CLOSE_IT)])
     if made.volume() < 0.0:
         raise GeometryError([Fault("E216", f"the mesh of {name} is inside out", "", "Turn its triangles round.")])
     return made

@@ -31,6 +31,7 @@ from slopekit.preie.kernels import compiled
 from slopekit.preie.key_blocks import sliding_factors
 from slopekit.preie.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
 from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD, TINY
+from slopekit.strength.mohr_coulomb import line
 
 _MANY = 150  # blocks of which parts come first
 _PARTS, _LAYERS, _LARGEST = 6, 3, 0.7  # at most; contacts about what moves; the largest, in parts of all blocks
@@ -95,7 +96,7 @@ class _Shortfall(BlockProgram):
 
     def falls(self, at: Iterate) -> float:
         """ds/dλ."""
-        strength = self.cohesion + self.model.tan_friction * self.model.by_group(at.normal)
+        strength = line(self.cohesion, self.model.tan_friction, self.model.by_group(at.normal))
         return float(self.pulls @ at.velocity) - float(strength @ at.slip[:, 0])
 
     def worth(self, at: Iterate, off: Residuals) -> float:

@@ -113,7 +113,7 @@ def _run_passes(
             normal_force = mechanism.normal_force / factor
         # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
         rest = np.maximum(model.tan_friction - factor * tan_dilation, 0.0)
-        excess = bond * model.cohesion + rest * normal_force - friction
+        excess = line(bond * model.cohesion, rest, normal_force) - friction
         change = float(np.abs(excess).sum()) / total
         moved = abs(factor - factor_before) / factor if factor > 0.0 else 0.0
         calm += 1

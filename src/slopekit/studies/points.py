@@ -1,9 +1,9 @@
 """One point of a study: a design with some of its values changed, and what both methods say of it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple, fields
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
 
 Method = Literal["closed_form", "pre_ie"]
+Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 _NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name != "notes")
@@ -62,6 +63,32 @@ class Point:
             return cls(None, *record)
         *numbers, notes = record if len(record) == len(_NO_FACTORS) + 1 else (*record, ())  # a journal has none
         return cls(Factors(*numbers, notes=tuple(Notice(*note) for note in notes)))
+
+
+#: The points of a sweep along its first key, by the value of the second, None without one.
+Line: TypeAlias = "tuple[float | None, list[tuple[float, Point]]]"
+
+
+def lines_of(points: Sequence[Point], first: Sequence[float], second: Sequence[float] = ()) -> list[Line]:
+    """The points of a sweep in rising order of its first key, for each value of the second.
+
+    Parameters
+    ----------
+    points : for each value of the second key those of the first
+    """
+    count = len(first)
+    return [
+        (other, sorted(zip(first, points[k * count : (k + 1) * count], strict=True), key=lambda pair: pair[0]))
+        for k, other in enumerate(second or (None,))
+    ]
+
+
+def asked_of(methods: str, points: Sequence[Point]) -> tuple[Method, ...]:
+    """The methods of a choice that said something at some points, the one that counts first."""
+    if methods == "closed-form":
+        return ("closed_form",)
+    both = methods == "both" and any(point.has_closed_form for point in points)
+    return ("pre_ie", "closed_form") if both else ("pre_ie",)
 
 
 def factor_at(point: Point, method: Method) -> float | None:

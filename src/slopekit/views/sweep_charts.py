@@ -10,7 +10,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
-from slopekit.studies.points import Method, Point, factor_at, point_from_record
+from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, point_from_record
 from slopekit.studies.words import METHODS, cell
 from slopekit.views.drawing import (
     BLUE,
@@ -86,28 +86,13 @@ class _Swept:
     def levels(self) -> list[tuple[float, str]]:
         return [(level["fos"], level["what"]) for level in self.document["levels"]]
 
-    def lines(self) -> list[tuple[float | None, list[tuple[float, Point]]]]:
+    def lines(self) -> list[Line]:
         """For each value of the second key (None without one) the points by the first, in rising order."""
-        first = self.keys[0]["values"]
-        others = self.keys[1]["values"] if len(self.keys) > 1 else [None]
-        if len(self.points) != len(first) * len(others):
-            raise Damaged(f"has {len(self.points)} points for {len(first) * len(others)} values")
-        return [
-            (other, sorted(zip(first, self.points[k * len(first) : (k + 1) * len(first)], strict=True),
-                           key=lambda pair: pair[0]))
-            for k, other in enumerate(others)
-        ]  # fmt: skip
-
-
-def asked_of(methods: str, points: Sequence[Point]) -> tuple[Method, ...]:
-    """The methods that were asked and are there, the one that counts first."""
-    if methods == "closed-form":
-        return ("closed_form",)
-    both = methods == "both" and any(
-        point.factors is not None and (point.factors.closed_form is not None or point.factors.closed_status)
-        for point in points
-    )
-    return ("pre_ie", "closed_form") if both else ("pre_ie",)
+        values = [key["values"] for key in self.keys]
+        needed = math.prod(map(len, values))
+        if len(self.points) != needed:
+            raise Damaged(f"has {len(self.points)} points for {needed} values")
+        return lines_of(self.points, *values)
 
 
 @needs(_SWEEP)

@@ -24,7 +24,15 @@ from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.meshes import outward, read_mesh
 from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
-from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
+from slopekit.geometry.sliding_mass import (
+    CLOSE_IT,
+    SlidingMass,
+    analytic_mass,
+    cut_mass,
+    facet_pairs,
+    halvings,
+    through,
+)
 from slopekit.kinds.one_block import DILATES, Cut, Solved, block_status, forces_of, limit_alone, result, solve
 from slopekit.kinds.one_block_states import ContactModel
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
@@ -167,8 +175,7 @@ def _cut(design: SurfaceDesign) -> _Mass:
         ground_mesh = _read(design.ground_mesh, turned)
         if not ground_mesh[2]:
             name = design.ground_mesh.name
-            advice = "Close its holes (every edge belongs to two triangles) and save it again."
-            raise GeometryError([Fault("E216", f"the mesh {name} of the slope is not closed", "", advice)])
+            raise GeometryError([Fault("E216", f"the mesh {name} of the slope is not closed", "", CLOSE_IT)])
     if slip.mesh is not None:
         slip_mesh = _read(slip.mesh, turned)
     if slip_mesh is None:

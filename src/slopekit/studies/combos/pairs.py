@@ -26,11 +26,12 @@ from slopekit.core.records import dataclass, names_of
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, plane_of
+from slopekit.geometry.rockmass import no_crest
+from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import scale_within
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
-_PARALLEL = 1e-6  # as in geometry.rockmass
 HEIGHT_M = 15.0
 TOP, ALL = 10, "all"
 _SLOPE = (
@@ -107,10 +108,10 @@ def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
         E209 face and upper slope make no crest above the toe.
     """
     edge = np.cross(face.normal(), upper.normal())
-    if math.sqrt(float(edge @ edge)) < _PARALLEL:
-        raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
+    if math.sqrt(float(edge @ edge)) < SAME_DIRECTION:
+        raise no_crest()
     offset = float(upper.normal() @ _crest_point(face, height_m))
-    if not offset > _PARALLEL * height_m or math.hypot(edge[0], edge[1]) < _PARALLEL:
+    if not offset > SAME_DIRECTION * height_m or math.hypot(edge[0], edge[1]) < SAME_DIRECTION:
         message = f"the upper slope ({upper}) climbs as fast as the face ({face}): they make no crest above the toe"
         raise GeometryError([Fault("E209", message)])
     return offset
@@ -134,7 +135,7 @@ def pair_shapes(
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         traces = np.cross(joints.normals(), face.normal())
         climb = traces @ upper.normal()
-        flat = (np.abs(climb) < _PARALLEL) | (np.abs(traces[:, 2]) < _PARALLEL)
+        flat = (np.abs(climb) < SAME_DIRECTION) | (np.abs(traces[:, 2]) < SAME_DIRECTION)
         heights = (traces * np.where(flat, 0.0, offset / climb)[:, None])[:, 2]
     swap = (heights[first] <= 0.0) & (heights[second] > 0.0)
     one, two = np.where(swap, second, first), np.where(swap, first, second)

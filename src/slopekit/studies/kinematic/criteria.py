@@ -38,6 +38,7 @@ from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.orientation import Plane, normals
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
+from slopekit.geometry.tolerances import SAME_DIRECTION
 
 #: Wedges by how they would slide: primary on both joints or on one, secondary.
 NO_WEDGE, PRIMARY_BOTH, PRIMARY_ONE, SECONDARY = range(4)
@@ -50,7 +51,6 @@ OF_JOINTS = ("planar", "planar_without_limits", "flexural", "base_sliding", "bas
 OF_LINES = ("wedge", "wedge_primary", "wedge_secondary", "wedge_on_both", "wedge_by_friction", "direct", "oblique")
 _ANGLE = 1e-9  # degrees
 _TOUCHES = 1e-12  # cosine, as in geometry.rockmass
-_PARALLEL = 1e-6  # sine, likewise
 
 Words = NDArray[np.int8]
 
@@ -133,7 +133,7 @@ def lines_of(joints: "JointList | Planes") -> Lines:
     a, b = normals[first], normals[second]
     line = np.cross(a, b)
     sine = np.sqrt(np.einsum("ij,ij->i", line, line))
-    crossing = sine >= _PARALLEL
+    crossing = sine >= SAME_DIRECTION
     first, second, line = first[crossing], second[crossing], line[crossing] / sine[crossing, None]
     turn = np.where(line[:, 2] > 0.0, -1.0, 1.0)
     line *= turn[:, None]
@@ -204,7 +204,7 @@ def _wedges(
     plunge = lines.plunge_deg[daylight]
     # the wedge lies on the side of each joint on which the trace of the other climbs up the face
     climb, turn = np.cross(normals, out)[:, 2], lines.turn[daylight]
-    climb = np.where(np.abs(climb) < _PARALLEL, 0.0, np.sign(climb))
+    climb = np.where(np.abs(climb) < SAME_DIRECTION, 0.0, np.sign(climb))
     side1, side2 = turn * climb[second], -turn * climb[first]
     up1, up2, cosine = normals[first, 2], normals[second, 2], lines.cosine[daylight]
     # a joint that strikes with the face ends nowhere: the other only releases one end, and the block may part from it

@@ -43,6 +43,8 @@ from slopekit.studies.support.records import (
     written,
 )
 from slopekit.studies.support.search import (
+    AIM,
+    WITHIN,
     Answer,
     SearchResult,
     Site,
@@ -55,8 +57,6 @@ from slopekit.studies.support.search import (
 if TYPE_CHECKING:
     from slopekit.studies.support.crest import PlaneCrest
 
-_AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves none below it
-_WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
 _ROUGH = 1e-3  # on coarse node pairs
 _NEAR = 0.02  # of the target: a first answer so near is as good as a rough search
 _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where moments govern the search begins there
@@ -174,21 +174,21 @@ class _SupportSearch:
         self.site, self.options, self.bare, self.bare_limit = site, options, bare, bare_limit
         self.target = options.target
         self.dilates = dilates(site.design)
-        self.aim = self.target * (1.0 + _AIM)
+        self.aim = self.target * (1.0 + AIM)
         self.factor = self.aim  # that the forces alone have to reach
         # what the forces alone need where they have the target already
         self.as_it_is = Need(0.0, bare.factor, bare.status) if bare.level >= self.target else None
         if self.as_it_is is not None:
             # they have it already, PRE-IE has not: ask them for as much more as it lacks, for a direction
             lacks = self.aim / bare_limit.level if bare_limit.level > 0.0 else 2.0
-            self.factor = (bare.level if math.isfinite(bare.level) else self.aim) * max(lacks, 1.0 + _AIM)
+            self.factor = (bare.level if math.isfinite(bare.level) else self.aim) * max(lacks, 1.0 + AIM)
 
     def cases(self) -> list[BoltCase]:
         """Every case that was asked for."""
         every_case = []
         for acts in self.options.acts:
             ways = BoltDirections(self.site, self.factor, acts == "passive")
-            goal = self.factor / (1.0 + _AIM)
+            goal = self.factor / (1.0 + AIM)
             if self.options.toward is not None:
                 way = ways.along(self.site.axes @ self.options.toward.vector(), goal, self.bare)
                 every_case.append(self._case(ways, "given", way, None))
@@ -270,19 +270,19 @@ class _SupportSearch:
     # -- PRE-IE ---------------------------------------------------------------------------------------------
 
     def _least(
-        self, ask: "_Answers", guess: float, most: float, slope: float | None = None, within: float = _WITHIN
+        self, ask: "_Answers", guess: float, most: float, slope: float | None = None, within: float = WITHIN
     ) -> SearchResult:
         at_zero = self.bare_limit.level
         if at_zero >= self.target:
             return SearchResult(0.0, self.bare_limit, 0.0, None, None)
-        within = min(within, 4e-7 / self.target) if within == _WITHIN else within
+        within = min(within, 4e-7 / self.target) if within == WITHIN else within
         if slope is None:
             guess = min(guess * self._with_moments(), most)
             first = ask(guess).level
             near = self.bare_limit.moments_govern and abs(first / self.target - 1.0) < _NEAR
             if near and first > at_zero:
                 slope = (first - at_zero) / guess
-            elif not first >= self.target * (1.0 - _WITHIN):
+            elif not first >= self.target * (1.0 - WITHIN):
                 # moments govern, and each answer takes long: look on coarse node pairs first
                 rough_target = max(self.target * (1.0 - _ROUGH), 0.5 * (at_zero + self.target))
                 rough = least_force(ask.coarsely, rough_target, _ROUGH, guess, at_zero, most)
@@ -334,9 +334,9 @@ class _SupportSearch:
                     asked = heads, counts, _Answers(self._with_heads(ways, line, direction, heads, counts))
                 ask = asked[2]
                 first = ask(force).level if first is None else first
-                within = _ROUGH if most != at_once[-1] and ask(guess).moments_govern else _WITHIN
+                within = _ROUGH if most != at_once[-1] and ask(guess).moments_govern else WITHIN
                 root = self._least(ask, guess, math.inf, slope, within)
-                if root.force is not None and within != _WITHIN and not root.answer.moments_govern:
+                if root.force is not None and within != WITHIN and not root.answer.moments_govern:
                     root = self._least(ask, root.force, math.inf, root.slope)
                 if root.force is None:
                     break
@@ -418,7 +418,7 @@ class _SupportSearch:
             return
         for acts in self.options.acts:
             ways = BoltDirections(self.site, self.factor, acts == "passive")
-            goal, limits = self.factor / (1.0 + _AIM), (crest.low, crest.high)
+            goal, limits = self.factor / (1.0 + AIM), (crest.low, crest.high)
             if self.options.toward is not None:
                 direction = self.site.axes @ self.options.toward.vector()
                 crosses = crest.low <= crest.plunge(direction) <= crest.high
@@ -482,7 +482,7 @@ class _SupportSearch:
         """An even pressure on the face."""
         site, area = self.site, self.site.area
         ways = BoltDirections(site, self.factor, passive=False)
-        way = ways.along(site.inward, self.factor / (1.0 + _AIM), self.bare)
+        way = ways.along(site.inward, self.factor / (1.0 + AIM), self.bare)
         middle = centre_of(site.face)
         place = site.place(middle)
         line = site.line(site.inward)

@@ -23,6 +23,10 @@ from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
 from slopekit.studies.support.forces import BoltedBlock
 
+#: Forces aim above the target by this part, so that rounding leaves none below it ...
+AIM = 2e-8
+#: ... and the root of PRE-IE lies above it by at most twice this part.
+WITHIN = 1.5e-7
 _OUTCOMES = {
     Outcome.NO_DRIVING_FORCE: "no_driving_force", Outcome.LIFTED: "lifted", Outcome.NOT_CONVERGED: "not_converged",
 }  # fmt: skip

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from itertools import pairwise, product
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, get_args
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
@@ -24,7 +24,19 @@ from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
 from slopekit.kinds import kind_of, notices_of_inputs
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, checked_target, factor_at, status_of
+from slopekit.studies.points import (
+    GIVEN_UP,
+    Evaluation,
+    Line,
+    Method,
+    Methods,
+    Point,
+    asked_of,
+    checked_target,
+    factor_at,
+    lines_of,
+    status_of,
+)
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -40,7 +52,6 @@ from slopekit.studies.protocol import (
 from slopekit.studies.ranges import MOST, how_written, meant_in_steps, parse_values
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 
-Methods = Literal["both", "closed-form", "pre-ie"]
 _SAME = 1e-9  # factors that differ by less do not rise or fall
 
 
@@ -116,12 +127,9 @@ class Sweep(StudyOutcome):
         """The status of a point by the method that counts, or the code of why there is no block."""
         return status_of(point, self.asked[0])
 
-    def lines(self) -> Iterator[tuple[float | None, list[tuple[float, Point]]]]:
+    def lines(self) -> list[Line]:
         """For each value of the second key (None without one) the points by the first, in rising order."""
-        first, others = self.values[0], self.values[1] if len(self.values) > 1 else (None,)
-        for k, other in enumerate(others):
-            own = self.points[k * len(first) : (k + 1) * len(first)]
-            yield other, sorted(zip(first, own, strict=True), key=lambda pair: pair[0])
+        return lines_of(self.points, *self.values)
 
     @property
     def margin(self) -> float | None:
@@ -344,14 +352,6 @@ def evaluated(
     journal.remove()
     points = [Point.from_record(record) for record in records]
     return points if methods != "pre-ie" else [_by_pre_ie(point) for point in points]
-
-
-def asked_of(methods: Methods, points: Sequence[Point]) -> tuple[Method, ...]:
-    """The methods of a choice that said something at some points, the one that counts first."""
-    if methods == "closed-form":
-        return ("closed_form",)
-    both = methods == "both" and any(point.has_closed_form for point in points)
-    return ("pre_ie", "closed_form") if both else ("pre_ie",)
 
 
 def one_or_two(keys: Mapping[str, object]) -> None:

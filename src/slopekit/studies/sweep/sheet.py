@@ -84,7 +84,7 @@ class _PointOfCurve:
 
 
 def _curve(swept: Sweep) -> Table[_PointOfCurve]:
-    key, (_, points) = swept.keys[0], next(iter(swept.lines()))
+    key, (_, points) = swept.keys[0], swept.lines()[0]
     statuses = [swept.status(point) for _, point in points]
     kept = _thinned(statuses)
     rows = [
@@ -148,7 +148,7 @@ def _grid(swept: Sweep) -> list[Entry]:
     """Factors by the method that counts; columns are the first key, rows the second."""
     first, second = swept.keys
     method = swept.asked[0]
-    lines = list(swept.lines())
+    lines = swept.lines()
     across = [value for value, _ in lines[0][1]]
     rows = sorted(lines, key=lambda line: line[0] or 0.0)
     many = (WIDTH - LABEL - 14) // _CELL

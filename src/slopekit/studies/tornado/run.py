@@ -22,11 +22,11 @@ from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
 from slopekit.kinds import kind_of, notices_of_inputs
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import Method, Point, factor_at, status_of
+from slopekit.studies.points import Method, Methods, Point, asked_of, factor_at, status_of
 from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, asked_of, check_methods, evaluated
+from slopekit.studies.sweep.run import KEYS, MethodsAsked, check_methods, evaluated
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (

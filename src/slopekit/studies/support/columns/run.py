@@ -16,15 +16,13 @@ from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line
 from slopekit.design.parts import Bolt
 from slopekit.kinds import factors_of, kind_of, slips_of_size
-from slopekit.kinds.topple import ToppleDesign, column_slope, cut, why_no_table
+from slopekit.kinds.topple import ToppleDesign, column_slope, cut, not_taken, why_no_table
 from slopekit.notices import common_notices
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce, Where
 from slopekit.studies.support.records import Acts, Need, SupportOptions, written
-from slopekit.studies.support.search import Answer, least_force, pre_ie
+from slopekit.studies.support.search import AIM, WITHIN, Answer, least_force, pre_ie
 
 INTO_SLOPE = Line(90.0, 0.0)  # columns fall toward -x: level, into the slope
-_WITHIN = 1.5e-7  # PRE-IE's root lies above the target by at most twice this part
-_AIM = 2e-8  # the table's force aims above the target by this part
 _IN_SECTION = 1e-9
 _ALL = 24  # of more columns the table is not asked for every one
 _ALMOST_ALL = 1e3  # times the weight of the row: a force as good as endless
@@ -81,7 +79,7 @@ class _RowSearch:
             try:
                 self.slope = column_slope(design)
             except DesignError as error:
-                self.why_not = f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
+                self.why_not = not_taken(error)
         if self.slope is not None:
             closed = toppling_factor_of_safety(self.slope)
             self.closed = Answer(closed.factor, "no_driving_force" if closed.factor is None else closed.status)
@@ -140,7 +138,7 @@ class _RowSearch:
         return self._columns
 
     def force_on(self, slope: ColumnSlope, column: int) -> float:
-        return anchor_force_required(self.pulled(slope, column), self.target * (1.0 + _AIM))
+        return anchor_force_required(self.pulled(slope, column), self.target * (1.0 + AIM))
 
     def by_table(self, column: int, acts: Acts) -> tuple[Need | None, tuple[Notice, ...]]:
         """What the table asks of a column, put back; the pull of a passive anchor is divided by the factor."""
@@ -200,7 +198,7 @@ class _RowSearch:
         def ask(force: float) -> Answer:
             return pre_ie(replace(design, bolts=(*design.bolts, self.bolt(acts, column, force))))
 
-        within = min(_WITHIN, 4e-7 / self.target)
+        within = min(WITHIN, 4e-7 / self.target)
         start = guess or 0.1 * weight
         at_zero = self.bare.level if math.isfinite(self.bare.level) else 0.0
         upward = None if guess else [start * factor for factor in (3.0, 10.0, 100.0)]
