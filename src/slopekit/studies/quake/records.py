@@ -47,6 +47,7 @@ _STEPS = (
     re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eE+-]+)", re.IGNORECASE),
     re.compile(r"^\s*(\d+)\s+([\d.eE+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
+_PULSES = "rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz  sine:0.5g,1Hz,5 (cycles)"
 _LIKE_PULSE = r"(rectangular|sine|triangular)\b|[a-z]+:[^,/\\\\]+,"
 _PULSE = re.compile(r"(rectangular|sine|triangular):([^,:]+),([^,:]+)(?:,([^,:]+))?", re.IGNORECASE)
 
@@ -241,6 +242,9 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     text = os.fspath(path)
     if re.match(_LIKE_PULSE, text, re.IGNORECASE) and not Path(path).exists():
         return _pulse(text)
+    number_alone = _NUMBER.match(text)
+    if number_alone and text[number_alone.end() :].strip() in ("", *_UNITS) and not Path(path).exists():
+        raise DesignError([Fault("E517", f"{text} is a number, no record", text, _PULSES)])
     name = Path(path).name
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
     if not any(line.strip() for line in lines):
@@ -444,7 +448,7 @@ def _pulse(text: str) -> Record:
         E517.
     """
     match = _PULSE.fullmatch(text.replace(" ", ""))
-    advice = "rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz  sine:0.5g,1Hz,5 (cycles)"
+    advice = _PULSES
     if match is None:
         raise DesignError([Fault("E517", f"{text} is no pulse, nor a file", text, advice)])
     shape = match[1].lower()
