@@ -78,3 +78,11 @@ def test_what_stands_for_nothing_longer_is_refused_still() -> None:
         with pytest.raises(DesignError) as caught:
             with_values(load(WEDGE | {"slope": {"height": "10 m"}, "title": "T"}), {path: 1})
         assert caught.value.codes == ("E161",)
+
+
+def test_a_strength_that_is_none_of_the_files_is_a_slip() -> None:
+    """`--set` makes it a new one, which nothing uses: the advice is the name that is there, not to use it."""
+    strength = {"weak": {"c": 0, "phi": 20}}
+    with pytest.raises(DesignError) as caught:
+        load(WEDGE | {"strength": strength}, (("strength.week.phi", 20), ("strength.week.c", 0)))
+    assert [(fault.code, fault.advice) for fault in caught.value.faults] == [("E195", "Did you mean weak?")]

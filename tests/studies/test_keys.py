@@ -145,7 +145,8 @@ def test_values_as_users_write_them(given, values) -> None:
 @pytest.mark.parametrize(
     ("given", "code"),
     [("60:80", "E312"), ("60:80:1", "E312"), ("60:80:x", "E312"), ("60:60:3", "E312"), ("60,60", "E312"), ([], "E312"),
-     ("", "E106"), ("60,x", "E106"), ("10m:20m:3", "E107"), ("60:80:1000000", "E312"), ("::", "E312")],
+     ("", "E106"), ("60,x", "E106"), ("10m:20m:3", "E107"), ("60:80:1000000", "E312"), ("::", "E312"),
+     ("60-80", "E312"), ("60..80", "E312"), ("60 to 80", "E312")],
 )  # fmt: skip
 def test_values_that_are_none(given, code) -> None:
     with pytest.raises(sk.DesignError) as caught:

@@ -362,3 +362,37 @@ def test_a_box_pushed_off_its_middle(tmp_path: Path, wide, deep, off) -> None:
     design = {"slopekit": 1, "kind": "blocks", "blocks": blocks, "rock": {"unit_weight": 25}}
     found = sk.run(design | {"strength": {"joint": {"c": 0, "phi": 30}}, "loads": {"forces": [force]}})
     assert found.fos.limit == pytest.approx(held(place)[0] / push, rel=1e-3)
+
+
+# -- blocks that lean out over each other -----------------------------------------------------------------------------
+
+
+def stack(part: float) -> dict[str, Any]:
+    """Six blocks 2 m long, each out by a part of what it may be: 2 m / 2n for n blocks above and with it."""
+    out, ends = 0.0, [0.0]
+    for n in range(1, 6):
+        out += part * 2.0 / (2 * n)
+        ends.append(out)
+    moving = {f"B{n}": box(out - end, out - end + 2.0, 0.5 * (5 - n), 0.5 * (6 - n)) for n, end in enumerate(ends)}
+    return section(moving, {"base": box(-3, 2, -1, 0)}, 35, loads=pushed(0.0))
+
+
+@pytest.mark.parametrize("part", [0.9, 0.999])
+def test_a_stack_that_leans_out_stands(part) -> None:
+    """The harmonic series: it tips at k where the weight above a joint, 1/4 m or more high, reaches the edge.
+
+    The n highest lie (1 - part) m within it and are n/2 m high: k n/4 = 1 - part, first over all six but the lowest.
+    """
+    assert sk.run(stack(part)).status == "no_driving_force"
+    found = sk.solve(sk.load(stack(part)), "loads.seismic.k", fos=1.0)
+    assert found.answer is not None
+    assert found.answer.value == pytest.approx((1.0 - part) / 1.25, rel=1e-6)
+
+
+def test_a_stack_that_leans_out_too_far_topples() -> None:
+    """At any friction, and a solve on that says so."""
+    assert sk.run(stack(1.001)).status == "topples"
+    found = sk.solve(sk.load(stack(1.001)), "strength.joint.phi", fos=1.5)
+    assert found.answer is None
+    assert found.reason.code == "E316"
+    assert "slopekit run says how" in found.reason.advice

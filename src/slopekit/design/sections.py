@@ -213,7 +213,14 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
     strengths = reader.at("strength")
     if strengths is None or not users:
         return [None] * len(users)
-    names = [name for name, _ in strengths.items()]
+    named = {wanted.text for _, wanted, _ in users if wanted is not None}
+    slips = [name for name, node in strengths.items() if str(node.key_place).startswith("--set") and name not in named]
+    names = [name for name, _ in strengths.items() if name not in slips] or slips
+    if names is not slips:  # no strengths of the file: names that were typed beside its own
+        for name, node in strengths.items():
+            if name in slips:
+                message = f"the strength {name} is used by no interface"
+                reader.fault("E195", message, node, reader.nearest(name, names))
     assigned: list[str | None] = []
     for user, wanted, own in users:
         if wanted is not None and wanted.text is not None:
@@ -230,7 +237,7 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
             assigned.append(names[0] if names else None)
     if len(names) > 1 and None not in assigned:
         for name, node in strengths.items():
-            if name not in assigned:
+            if name in names and name not in assigned:
                 reader.fault("E195", f"the strength {name} is used by no interface", node, "Use it or take it out.")
     return assigned
 

@@ -15,6 +15,7 @@ Within: TypeAlias = str | Sequence[float | str]
 MOST = 100_000
 _LISTED = 7  # values in a notice
 _MEANT = 30  # values in steps that somebody may have meant
+_DASHED = re.compile(r"\d[\d.]*\s*(-|–|\.\.\.?|to)\s*\d[\d.]*")  # 50-80
 _LAST = 1e-9  # of a step: so near its end the last value is the end
 
 
@@ -38,6 +39,9 @@ def parse_values(key: Key, given: object, most: int = MOST) -> tuple[float, ...]
     if isinstance(given, str) and ":" in given:
         values = _evenly(key, given, most)
     else:
+        if isinstance(given, str) and _DASHED.fullmatch(given.strip()):
+            message = f"{key.path}: {given} is no range, ends are separated by a colon"
+            raise DesignError([Fault("E312", message, f"{key.path}={given}", how_written(key.path))])
         parts = _parts(given)
         _one_spelling(key, parts, given)
         values = tuple(key.read(part) for part in parts)

@@ -56,6 +56,7 @@ _LIKE_PULSE = (
     r"(rect|rectangular|rectangle|square|half[-_ ]?sine|sine|sin|tri|triangular|triangle)(?![\w.-])"
     r"|[a-z][a-z_ -]+:[^/\\]*$"
 )
+_PULSES = "rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz  sine:0.5g,1Hz,5 (cycles)"
 _PULSE = re.compile(r"(rectangular|sine|triangular):([^,:]+),([^,:]+)(?:,([^,:]+))?", re.IGNORECASE)
 
 
@@ -251,6 +252,9 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
         return _pulse(text)
     if not text.strip():
         raise DesignError([Fault("E510", "a record without a name is given", "RECORD")])
+    number_alone = _NUMBER.match(text)
+    if number_alone and text[number_alone.end() :].strip() in ("", *_UNITS) and not Path(path).exists():
+        raise DesignError([Fault("E517", f"{text} is a number, no record", text, _PULSES)])
     name = Path(path).name
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
     if not any(line.strip() for line in lines):
@@ -500,7 +504,7 @@ def _pulse(text: str) -> Record:
         E517.
     """
     match = _PULSE.fullmatch(text.replace(" ", ""))
-    advice = "rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz  sine:0.5g,1Hz,5 (cycles)"
+    advice = _PULSES
     if match is None:
         message = f"{text} is no pulse (rectangular, triangular or sine), nor a file"
         raise DesignError([Fault("E517", message, text, advice)])

@@ -236,7 +236,7 @@ def reason_of(
     low, high = least[1], most[1]
     if high - low <= ALIKE * max(low, 1.0) if math.isfinite(high) else low == high:
         text = f"the factor of safety does not depend on {key.path}: it is {shown(low)} {span}"
-        return Fault("E316", text, "", _unused(key))
+        return Fault("E316", text, "", _without_factor(low) or _unused(key))
     jumps = [one for one in others if one.how == "jump"]
     if jumps:
         (a, at_a), (b, at_b) = jumps[0].bracket
@@ -276,6 +276,13 @@ def end_advice(key: Key, value: float, within: tuple[float, float]) -> str:
     """What to try where the nearest is reached at an end of the range that could be moved on."""
     further = key.kind in ("length", "force", "pressure") or key.low < value < key.high
     return f"That is the end of the range: try {key.path}=lo:hi." if value in within and further else ""
+
+
+def _without_factor(factor: float) -> str:
+    """What to do where there is a factor at no value: 0 nothing holds it, infinite nothing drives it."""
+    if factor == 0.0:
+        return "What tips, falls or is lifted there does so at any such value: slopekit run says how it moves."
+    return "Nothing moves it at any of these values." if math.isinf(factor) else ""
 
 
 def _unused(key: Key) -> str:
