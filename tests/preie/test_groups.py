@@ -99,6 +99,39 @@ def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> N
     assert [one.found for one in made] == [None]  # what was refused has no range to give
 
 
+@pytest.fixture
+def search(monkeypatch) -> groups.Groups:
+    """That of a bench of 41 moving blocks, once it has ended."""
+    made = []
+
+    class Kept(groups.Groups):
+        def __init__(self, *scene):
+            super().__init__(*scene)
+            made.append(self)
+
+    monkeypatch.setattr(ravelling, "Groups", Kept)
+    key_part()
+    return made[-1]
+
+
+def test_a_limit_is_proposed_at_once_until_a_group_has_ended_in_a_peak(search, monkeypatch) -> None:
+    _, found, _ = search.found
+    at_once = []
+
+    def peak(*_, **options):
+        at_once.append(options["at_once"])
+        return replace(found, outcome=PathOutcome.BRACKET) if len(at_once) == 2 else found
+
+    search.solved = b"", None
+    monkeypatch.setattr(groups, "first_limit", peak)
+    bond = np.ones(len(search.model.control_area))
+    first = search._first()
+    more = groups._with_neighbours(search.scene.assembly, first, search.blocks)
+    for group in (first, more, first, more):
+        assert search._of_group(group, bond) is not None
+    assert at_once == [True, True, False, False]
+
+
 @pytest.mark.parametrize(("proposal", "factor", "basis"), [
     (0.905, 0.905, Basis.LIMIT),
     (0.95, 0.9, Basis.PEAK),  # the blocks ran at 0.91

@@ -3,19 +3,22 @@
 import math
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
+import slopekit as sk
 from benchmarks import populations
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
-from slopekit.preie import proposal
+from slopekit.preie import blocks, path, proposal
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, BedForces, Drive, NewtonStep
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
+from slopekit.preie.flow import Flow
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
@@ -445,6 +448,73 @@ def test_a_square_block_in_torsion() -> None:
     off = np.abs(np.array(found) / 2.2956 - 1.0)
     assert off[2] < 2e-3
     assert off[2] < off[1] < off[0]
+
+
+# -- work that is not done twice --------------------------------------------------------------------------------------
+
+
+def test_a_flow_that_did_not_settle_is_not_tried_again(monkeypatch) -> None:
+    """The bracket gets narrower from the side at rest: what runs is the same flow as before."""
+    model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
+    flows: list[Flow] = []
+    monkeypatch.setattr(path, "_run", lambda _, flow, __: flows.append(flow))
+    monkeypatch.setattr(path, "traced", lambda *_: None)
+    found = follow(Bed(model, Drive(model.load.ravel())), 2.0 / static_bound(model).factor)
+    assert found.outcome is PathOutcome.BRACKET
+    assert len(flows) == len({id(flow) for flow in flows}) == 2
+    assert 1.0 - found.peak[1] / found.peak[0] < 3e-4
+
+
+def modes_tried(monkeypatch, model: AssemblyModel, refuses: bool = False) -> tuple[list[BedForces], BlocksLimit]:
+    """The modes with which a limit state is looked for on the path of a model, and its limit."""
+    tried: list[BedForces] = []
+    whole = path.limit_state
+
+    def watched(bed, at, moved, parameter):
+        tried.append(bed.forces(at, parameter))
+        return None if refuses else whole(bed, at, moved, parameter)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(path, "limit_state", watched)
+        return tried, limit_of_blocks(model, ranged=False)
+
+
+def test_a_limit_state_is_not_looked_for_with_the_same_modes_in_space(monkeypatch) -> None:
+    """But once more where the path has settled."""
+    model = boxes_in_space((3, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
+    often, found = modes_tried(monkeypatch, model, refuses=True)
+    monkeypatch.setattr(path, "_CHEAPLY", model.load.size - 1)
+    seldom, again = modes_tried(monkeypatch, model, refuses=True)
+    assert any(a.same_modes(b) for a, b in pairwise(often[:-1]))
+    assert not any(a.same_modes(b) for a, b in pairwise(seldom[:-1]))
+    assert len(often) > len(seldom) > 1
+    assert (again.factor, again.basis) == (found.factor, Basis.SETTLED)
+
+
+def test_a_limit_state_of_many_modes_is_looked_for_where_the_path_has_settled(monkeypatch) -> None:
+    model = boxes_in_space((3, 1, 3), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
+    often, found = modes_tried(monkeypatch, model)
+    monkeypatch.setattr(path, "_BORDERED_AS_WELL", model.load.size - 1)
+    once, again = modes_tried(monkeypatch, model)
+    assert (len(often), len(once)) == (3, 1)
+    assert again.factor == pytest.approx(found.factor, rel=1e-9)
+    assert again.basis is found.basis is Basis.LIMIT
+
+
+def test_the_range_is_that_of_the_part_that_fails_first_alone(monkeypatch) -> None:
+    """Not of other components, nor with node pairs that are too coarse for its twist."""
+    ranges, whole = [], blocks.mechanism_range
+
+    def watched(*mechanism):
+        ranges.append(whole(*mechanism))
+        return ranges[-1]
+
+    monkeypatch.setattr(blocks, "mechanism_range", watched)
+    result = sk.run(sk.load(populations.bench(9)))
+    assert len(ranges) == 1
+    (low, high), fos = ranges[0], result.fos  # in unit strength
+    assert fos.lowest < fos.limit < fos.highest
+    assert fos.highest / fos.lowest == pytest.approx(high / low, rel=1e-9)
 
 
 # -- dilation ---------------------------------------------------------------------------------------------------------

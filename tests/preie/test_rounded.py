@@ -209,3 +209,32 @@ def reordered(model: AssemblyModel) -> AssemblyModel:
         live=model.live[order], kinematics=model.kinematics[:, columns].tocsr(),
         statics=model.statics[columns].tocsr(),
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("size", "reached", "tried"), [(99, False, 4), (100, False, 4), (101, False, 1), (101, True, 4)]
+)
+def test_of_many_blocks_no_other_rounding_is_tried_where_the_least_gets_nowhere(
+    size, reached, tried, monkeypatch
+) -> None:
+    begun = []
+
+    class Curve:
+        reduction = 1.0
+
+        def __init__(self, bed, rounding):
+            begun.append(rounding)
+
+        def begin(self, at, parameter):
+            return True
+
+        def onto(self, mark, most):
+            return reached
+
+        def sharpened(self, most):
+            return None
+
+    monkeypatch.setattr(traced_room, "RoundedPath", Curve)
+    rest = (np.zeros(6), 1.0)
+    assert traced_room.traced(SimpleNamespace(size=size), rest, rest, 0.9) is None
+    assert len(begun) == tried

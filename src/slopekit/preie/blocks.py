@@ -130,11 +130,8 @@ class BlocksLimit:
 class Proposal(Protocol):
     """Another way than the path to the limit of all blocks."""
 
-    def limit(self, bond: Floats, top: float, there: Floats, peaks: bool = False) -> PathLimit | None:
-        """The limit with some bonds (m,), at most `top`, and with `peaks` a peak; None where the way leads nowhere.
-
-        `there` is the motion (N,) at `top`.
-        """
+    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+        """The limit with some bonds (m,), at most `top`, or with `peaks` a peak; None where the way leads nowhere."""
 
     def limit_alone(self, bond: Floats) -> PathLimit | None:
         """That of the blocks which failed last, all others held; None where there is none."""
@@ -241,8 +238,7 @@ def _limit_of(
                 return _weaker(own, 1.0 / unit), False
         try:
             if proposal is not None:
-                top, again = unit * (bound.factor or math.inf), bond.tobytes() in snapped
-                settled = proposal.limit(bond, top, bound.velocity.ravel(), again)
+                settled = proposal.limit(bond, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
         except EffortSpentError as spent:
             raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:

@@ -29,7 +29,6 @@ class Groups:
     The first group is the single block that slides out most easily, with its neighbours. All blocks together, none
     held, then come to rest at just a little more strength than the group's limit, or flow: who flows is the next
     group. Where they rest just before it, their strength along its motion used up or running beyond, it is that of all.
-    Of many blocks those that move at the static bound are the next where the limit of the first is above that.
     """
 
     def __init__(self, scene: WholeAssembly, there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
@@ -135,12 +134,11 @@ class Groups:
         movers: Ints = self.model.moving[speed > FLOWS * float(speed.max())]
         return movers
 
-    def limit(self, bond: Floats, top: float, there: Floats, peaks: bool = False) -> PathLimit | None:
+    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
         """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere.
 
         Parameters
         ----------
-        there : (N,) the motion at `top`: where the path of all takes long, its blocks follow a group with a limit above
         peaks : the peak of a group proposes as well
         """
         scene, model, blocks = self.scene, self.model, self.blocks
@@ -148,7 +146,7 @@ class Groups:
         if not len(self.alone):
             return None
         bed = Bed(model, Drive(model.load.ravel()), bond)
-        group, work, above = self._first(), 0, False
+        group, work = self._first(), 0
         for _ in range(_MOST_GROUPS):
             solution = self._of_group(group, bond)
             if solution is None:
@@ -160,9 +158,6 @@ class Groups:
                 return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
-            if factor > top * (1.0 + BOUND_ACCURACY) and len(blocks) > _LONG and not above:
-                group, above = _with_neighbours(scene.assembly, self._movers(there), blocks), True
-                continue
             below = min(factor, top)
             flow, gap = rests_before(bed, below, RESTS_NEAR)
             if flow.ended == "rest":
