@@ -9,6 +9,7 @@ from slopekit.preie import rests, undilated
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive, NewtonStep
 from slopekit.preie.bounds import static_bound
+from slopekit.preie.effort import EffortSpentError
 from slopekit.preie.flow import Flow, relaxed
 from slopekit.preie.rests import JUST, rests_before
 from slopekit.preie.undilated import rest_from, rest_of_hundreds, rest_without_dilation
@@ -148,6 +149,52 @@ def test_hundreds_of_blocks_come_to_rest_without_viscous_flow(monkeypatch) -> No
     for name in ("relaxed", "stepped", "rest_without_dilation"):
         monkeypatch.setattr(rests, name, lambda *_, **__: pytest.fail("another way"))
     flow, gap = rests_before(bed, LIMIT)
+    assert flow.ended == "rest"
+    assert gap <= JUST
+
+
+def watched_rests(monkeypatch, first=None) -> list[float]:
+    """The strengths at which a rest of hundreds is looked for; `first` is called with the first that is found."""
+    strengths: list[float] = []
+
+    def looked_for(bed, at, parameter):
+        strengths.append(parameter)
+        found = rest_of_hundreds(bed, at, parameter)
+        return found if first is None or len(strengths) > 1 else first(found)
+
+    monkeypatch.setattr(rests, "rest_of_hundreds", looked_for)
+    monkeypatch.setattr(rests, "_AT_ONCE", 0)
+    return strengths
+
+
+def test_of_a_thousand_blocks_and_more_the_last_rest_is_looked_for_at_once(monkeypatch) -> None:
+    """It is the one that the first rest and a leap from it lead to."""
+    model = model_of_bench(monkeypatch, 1.2)
+    by_leap, _ = rests_before(bed_of(model), LIMIT)
+    strengths = watched_rests(monkeypatch)
+    at_once, gap = rests_before(bed_of(model), LIMIT)
+    assert strengths == [1.0 / (LIMIT * (1.0 - JUST))]
+    assert gap == JUST
+    forces = at_once.forces
+    admissible(model, LIMIT * (1.0 - JUST), forces.normal, forces.friction, forces.strength)
+    size = float(np.abs(by_leap.at).max())
+    assert at_once.at == pytest.approx(by_leap.at, abs=1e-3 * size)
+
+
+def far_away(found: Flow) -> Flow:
+    return replace(found, at=4.0 * found.at)
+
+
+def too_long(found: Flow) -> None:
+    raise EffortSpentError
+
+
+@pytest.mark.parametrize("first", [far_away, too_long, lambda _: None])
+def test_a_last_rest_not_found_at_once_is_led_to_by_the_first(monkeypatch, first) -> None:
+    """One with five times the work of the joints that stick is another; and the search may take a part of all work."""
+    strengths = watched_rests(monkeypatch, first)
+    flow, gap = rests_before(bed_of(model_of_bench(monkeypatch, 1.2)), LIMIT)
+    assert strengths[:3] == pytest.approx([1.0 / (LIMIT * (1.0 - gap)) for gap in (JUST, 0.1, JUST)])
     assert flow.ended == "rest"
     assert gap <= JUST
 

@@ -23,6 +23,10 @@ _LEAP, _LEAP_OF_HUNDREDS, _CLOSER = (
 )  # from one to the next in parts of it, and where they come to rest at none so near
 _HUNDREDS = 600  # unknowns in space from which on that first rest is looked for with a viscosity of each block, ...
 _THOUSANDS = 4000  # ... and, where it is not found, by way of joints that dilate
+#: Unknowns from which, and up to which, the last rest is looked for at once: of 1,987 blocks that takes half as long as
+#: the first rest and a leap from it, of 939 hardly less; of 7,251 it is not found so.
+_AT_ONCE, _MOST_AT_ONCE = 6000, 24000
+_OF_AT_ONCE = 0.4  # of the work that is left, for that
 _OF_NEAR = 0.8  # of how near a rest has to be to be an answer, where one of its own is looked for
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
@@ -64,6 +68,10 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     strong = 1.0 / (factor * (1.0 - gap))
     many = bed.size > _THOUSANDS
     hundreds = bed.tangents > 1 and bed.size > _HUNDREDS
+    last = _last_at_once(bed, factor) if hundreds and _AT_ONCE < bed.size < _MOST_AT_ONCE else None
+    if last is not None:
+        yield last, JUST
+        return
     at_once = rest_of_hundreds(bed, bed.elastic_displacement, strong) if hundreds else None
     at_once = at_once or (rest_without_dilation(bed, strong) if many else None)
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
@@ -100,6 +108,17 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
         yield flow, gap
+
+
+def _last_at_once(bed: Bed, factor: float) -> Flow | None:
+    """The rest just before a factor from joints that stick; None where it is not found, or is far away from them."""
+    try:
+        with part(_OF_AT_ONCE):
+            last = rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - JUST)))
+    except EffortSpentError:
+        return None
+    far = last is None or abs(float(bed.working @ last.at)) >= _FAR * bed.elastic_work
+    return None if far else last
 
 
 def _near(bed: Bed, flow: Flow, other: Flow) -> bool:
