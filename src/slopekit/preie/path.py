@@ -5,7 +5,7 @@ Joints are elastic without tension (`preie.bed`). Gravity comes on at a strength
     R   in a section of many blocks first: joints with rounded corners, whose path is one curve, made sharp far down it;
     A   the strength goes down, λ x 0.85 a step, until the blocks run: implicit viscous flow shows that they do;
     C   while they run, viscosity is taken away and λ set free, the work of the load prescribed and raised;
-    L   in a section, once the modes of the contacts have settled, Newton on them and λ: the limit state, exact.
+    L   once the modes of the contacts have settled, Newton on them and λ: the limit state, exact.
 
 That limit is the factor. Where C or L do not get there the path starts again nearer to the last state at rest; where
 nothing helps the elastic peak, the factor at which the blocks were last at rest, stands for it, and says so.

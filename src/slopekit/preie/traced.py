@@ -41,7 +41,8 @@ def traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], ru
     Far along it the joints are made sharp, and Newton's method goes on; where it does not, sharp states at ever more
     work have to agree. The blocks have to be at rest, in sharp joints, at a little more strength. Much rounding, from
     the first state at rest, may lead to another motion than little, from the last: a limit found with it is none where
-    it is above the factor at which the blocks have run.
+    it is above the factor at which the blocks have run. Of many blocks more rounding than the least that begins is not
+    tried where that does not get to the first mark.
     """
     for rounding in _ROUNDINGS:
         curve = RoundedPath(bed, rounding)
