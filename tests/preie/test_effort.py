@@ -9,6 +9,7 @@ import pytest
 import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
+from slopekit.preie import groups
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.effort import EffortSpentError, allowed, factorisation, part, spend
 from slopekit.preie.passes import Outcome
@@ -89,6 +90,22 @@ def test_the_sheet_says_what_is_known(units: float, bound: float | None, known: 
     assert result.fos.static_bound == (None if bound is None else pytest.approx(bound, rel=1e-5))
     assert "W309" not in said
     assert all(one in said["W360"] for one in known)
+    assert "held where they are" not in said["W360"]
+
+
+def no_rest(*_: object) -> None:
+    raise EffortSpentError
+
+
+def test_the_limit_of_the_blocks_that_slide_first_is_said_where_all_come_to_no_rest(monkeypatch) -> None:
+    """What slides out by itself has its closed form, tan 35° / tan 45°."""
+    monkeypatch.setattr(groups, "rests_before", no_rest)
+    result = sk.run(bench(1.9))
+    said = {notice.code: notice.message for notice in result.warnings}["W360"]
+    assert (result.status, result.fos.limit) == ("not_converged", None)
+    assert (
+        "; 4 blocks with all others held where they are have their limit at 0.7002, which is no number of all" in said
+    )
 
 
 def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
@@ -98,6 +115,7 @@ def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
     said = {notice.code: notice.message for notice in result.warnings}
     assert result.status == "not_converged"
     assert "divided by" not in said["W360"]
+    assert "held where they are" not in said["W360"]
     assert result.fos.static_bound == pytest.approx(1.24858, rel=1e-4)
     assert "beyond 1.249, the static bound" in said["W360"]
 

@@ -94,8 +94,15 @@ def _unsettled(limit: BlocksLimit) -> Notice:
     above = ", and no static bound was found"
     if limit.static_bound is not None:
         above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
+    alone = ""
+    if limit.held is not None:
+        factor, blocks = limit.held
+        alone = (
+            f"; {'one block' if blocks == 1 else f'{blocks} blocks'} with all others held where they are have their "
+            f"limit at {factor:.4g}, which is no number of all: theirs may be lower"
+        )
     return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
-                  f"counted, not timed: every machine ends here): {rests}{above}")  # fmt: skip
+                  f"counted, not timed: every machine ends here): {rests}{above}{alone}")  # fmt: skip
 
 
 def _given_up(limit: BlocksLimit) -> Notice:

@@ -92,6 +92,7 @@ class BlocksLimit:
     bonded : the factor with all bonds, where some are lost
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
         at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
+    held : where it is spent, the factor of the group that was solved last, all others held, and how many blocks it has
     by_turns : of a search that gave up, the factors between which loads that come last fit on and do not by turns
     group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
     """
@@ -116,6 +117,7 @@ class BlocksLimit:
     bonded: float | None = None
     spent: bool = False
     rested: float | None = None
+    held: tuple[float, int] | None = None
     by_turns: tuple[float, float] | None = None
     tips: tuple[float, float] | None = None
     begun: float | None = None
@@ -138,6 +140,9 @@ class Proposal(Protocol):
 
     def peak(self) -> PathLimit | None:
         """The peak of proposed blocks with which no limit was found last, where the path of all takes long."""
+
+    def held(self) -> tuple[float, int] | None:
+        """The factor of the blocks that were solved last, all others held, and how many they are; None where none."""
 
     def begins_with(self, motion: Floats) -> None:
         """Blocks that move in a motion (N,) of all, and their neighbours, are proposed first from now on."""
@@ -178,6 +183,7 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
         lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), bonded=_times(limit.bonded, unit),
         rested=_times(limit.rested, unit),
+        held=None if limit.held is None else (unit * limit.held[0], limit.held[1]),
         by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
         tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
         unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
@@ -264,7 +270,11 @@ def _limit_of(
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
-        return replace(unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None)
+        held = proposal.held() if whole and proposal is not None else None
+        return replace(
+            unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None,
+            held=None if held is None else (held[0] / unit, held[1]),
+        )  # fmt: skip
     bond = ended.bond
     return _with_evidence(_limit(model, ended.limit, bond, bound, steps, loads), ended)
 

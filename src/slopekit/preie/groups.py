@@ -112,6 +112,13 @@ class Groups:
         small, limit, _ = solution
         return replace(self._of_all(small, limit), group=len(self.near))
 
+    def held(self) -> tuple[float, int] | None:
+        """The factor of the group that was solved last, all others held, and its blocks; None where none was found."""
+        solution = self.solved[1]
+        if solution is None or not solution[1].found or not solution[1].parameter:
+            return None
+        return 1.0 / solution[1].parameter, len(solution[0].load)
+
     def peak(self) -> PathLimit | None:
         """The peak of the group that the last limit of all was not found with; None of few blocks."""
         return self.snapped if len(self.blocks) > _LONG else None
