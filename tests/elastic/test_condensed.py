@@ -165,6 +165,8 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     assert "was not found; rigid" in shown
     assert "without strength" not in shown
     assert found.to_dict()["elastic"]["limit"] is None
+    checked = sk.check(sk.load(wall(cohesion=1.0)), elastic=True)
+    assert "elastic blocks none: see NOTE" in " ".join(str(checked).split())
 
 
 def test_a_bracket_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
