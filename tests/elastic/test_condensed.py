@@ -150,6 +150,25 @@ def test_work_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "pulled open" in said
 
 
+def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The work for it may run out: the state stays, the sheet says that the limit was not found."""
+
+    def without_limit(*given):
+        return replace(_many_blocks(*given), limit_without=lambda parted: None)
+
+    monkeypatch.setattr("slopekit.kinds.elastic._many_blocks", without_limit)
+    found = sk.run(wall(cohesion=1.0), elastic_bracket=True)
+    assert found.elastic.limit is None
+    assert found.elastic.bracket is None
+    assert "W360" in [one.code for one in found.warnings]
+    shown = " ".join(str(found).split())
+    assert "was not found; rigid" in shown
+    assert "without strength" not in shown
+    assert found.to_dict()["elastic"]["limit"] is None
+    checked = sk.check(sk.load(wall(cohesion=1.0)), elastic=True)
+    assert "elastic blocks none: see NOTE" in " ".join(str(checked).split())
+
+
 def test_a_bracket_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rest, "_WORK_OF_BRACKET", 1e3)
     plane = {

@@ -101,6 +101,9 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         ends, at_bracket = (low.factor, high), scene.limit_without(low.opened(scene.model))
     answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
+    if not stands and limit is None:
+        notes.append(Notice("W360", "no limit under ELASTIC: without the cohesion that is pulled open it "
+                            "was not settled within the effort of one analysis"))  # fmt: skip
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))

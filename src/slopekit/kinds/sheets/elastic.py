@@ -19,6 +19,9 @@ def elastic_entries(result: Result) -> list[Entry]:
 
 
 def _limit(blocks: ElasticBlocks) -> str:
+    if blocks.limit is None and blocks.rigid_limit is not None:
+        lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open"
+        return f"no limit: that {lost} at F = {blocks.factor:.4g}, was not found; rigid {blocks.rigid_limit:.4f}"
     if blocks.limit is None:
         return "no limit: the blocks stand without strength"
     factor, rigid = factor_text(blocks.limit).strip(), factor_text(blocks.rigid_limit).strip()

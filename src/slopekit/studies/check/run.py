@@ -374,9 +374,8 @@ def _elastic(result: Result) -> Finding:
     """
     name, elastic = "elastic blocks", result.elastic
     if elastic is None or elastic.limit is None or elastic.rigid_limit is None:
-        return Finding(
-            name, None, None, None, "none: see NOTE" if elastic is None else "no limit: they stand as they are"
-        )
+        stands = elastic is not None and elastic.rigid_limit is None
+        return Finding(name, None, None, None, "no limit: they stand as they are" if stands else "none: see NOTE")
     less, lost = 1.0 - elastic.limit / elastic.rigid_limit, 100.0 * elastic.lost_share
     same = "the same" if less < _ALIKE else f"{100.0 * less:.2g} % less, the cohesion of {lost:.2g} % that opens"
     words = f"limit {elastic.limit:.4f}, rigid {elastic.rigid_limit:.4f}: {same}"
