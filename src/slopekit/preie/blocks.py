@@ -25,9 +25,9 @@ from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.bonds import Bonded, Rounds, with_bonds
+from slopekit.preie.bound import StaticBound
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
-from slopekit.preie.distance import StaticBound
 from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
 from slopekit.preie.flow import relaxed
 from slopekit.preie.loads_last import FIRST_LOAD, LoadsOn, loads_last

@@ -22,10 +22,10 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bound import StaticBound
 from slopekit.preie.cone_steps import ConeEquations
 from slopekit.preie.cone_steps import residuals as cone_residuals
 from slopekit.preie.cones import determinant
-from slopekit.preie.distance import StaticBound
 from slopekit.preie.iterates import Iterate, IterateStep
 from slopekit.preie.kernels import compiled
 from slopekit.preie.key_blocks import sliding_factors

@@ -20,8 +20,9 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bound import StaticBound
 from slopekit.preie.bound_of_many import bound_in_one_run
-from slopekit.preie.distance import Distance, StaticBound, bound_by_programs
+from slopekit.preie.distance import Distance, bound_by_programs
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 from slopekit.preie.tolerances import (

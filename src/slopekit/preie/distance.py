@@ -17,7 +17,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.bound import StaticBound as StaticBound
+from slopekit.preie.bound import StaticBound
 from slopekit.preie.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
     CLOSE,

@@ -10,9 +10,9 @@ from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Span, first_limit, unit_bound
+from slopekit.preie.bound import StaticBound
 from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.components import WholeAssembly, model_of
-from slopekit.preie.distance import StaticBound
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.rests import JUST, at_their_limit, rests_before

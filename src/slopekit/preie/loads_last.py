@@ -14,7 +14,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.distance import StaticBound
+from slopekit.preie.bound import StaticBound
 from slopekit.preie.flow import relaxed
 from slopekit.preie.path import follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
