@@ -1,5 +1,6 @@
 """Bonds of many blocks: rounds of limits against histories in which bonds break, and what the rounds do by hand."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -60,6 +61,27 @@ def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bond
     assert "MET, but not with any forces locked in or other cohesion left (W494: down to 2.21" in said
     assert "W494 with other cohesion left than at the limit a motion would begin at 2.21" in said
     assert "or others with other cohesion left (W494)" in said
+
+
+def test_the_lowest_factor_knows_of_blocks_that_do_not_fail_first() -> None:
+    """Section 18 has 0.7177 and 0.6911 with other bonds; a block far off that slides at 0.7044 must not hide it."""
+    design = populations.section(18)
+    alone = sk.run(sk.load(design)).fos
+    slope = math.radians(30.0)
+    base, block = (
+        [[1e4 + x * math.cos(slope) - z * math.sin(slope), x * math.sin(slope) + z * math.cos(slope)] for x, z in box]
+        for box in ([(-20, -5), (20, -5), (20, 0), (-20, 0)], [(0, 0), (4, 0), (4, 1), (0, 1)])
+    )
+    factor = 0.5 * (alone.lowest + alone.limit)
+    design["blocks"] |= {"far base": {"polygon": base, "fixed": True}, "far": {"polygon": block}}
+    design["strength"]["far"] = {"c": 0, "phi": math.degrees(math.atan(factor * math.tan(slope)))}
+    design["interfaces"]["far base/far"] = "far"
+    found = sk.run(sk.load(design | {"acceptance": {"rules": [f"fos.lowest >= {0.99 * factor}"]}}))
+    assert found.fos.limit == pytest.approx(factor, rel=1e-9)
+    assert alone.lowest < 0.985 * factor
+    assert found.fos.lowest == pytest.approx(alone.lowest, rel=1e-6)
+    assert found.accepted is False
+    assert "W494" in [notice.code for notice in found.warnings]
 
 
 def test_no_range_is_claimed_where_other_forces_were_not_looked_at(monkeypatch) -> None:

@@ -6,7 +6,7 @@ what is left of that component is solved anew. Contacts in space that twist get 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 
 import numpy as np
@@ -128,6 +128,7 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
             ended = "stands" if parts else "gone"
             break
         together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_RANK]
+        together[0] = _no_later(together[0], parts)
         with effort.allowed(effort.MOST):
             together = [_ranged(scene, part) for part in together]
         moved = [_moving(part, size) for part in together]
@@ -239,6 +240,16 @@ def component_limit(
     from slopekit.preie.strength_lines import settled_blocks  # only curved laws pay for it
 
     return settled_blocks(model, limit_of_blocks)
+
+
+def _no_later(part: Part, parts: Iterable[Part]) -> Part:
+    """The part that fails first, which says as well where blocks of others would move first with other bonds."""
+    soonest = min((one.limit.sooner for one in parts if one.limit.sooner), default=math.inf)
+    limit = part.limit
+    if not limit.factor or soonest >= min(limit.factor, limit.sooner or math.inf):
+        return part
+    lowest = soonest if limit.lowest is None else min(limit.lowest, soonest)
+    return replace(part, limit=replace(limit, sooner=soonest, lowest=lowest))
 
 
 def _ranged(scene: WholeAssembly, part: Part) -> Part:
