@@ -100,9 +100,9 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
     """
     if bonds.lost > 0.0:
         before = f"; with all of it the first motion begins at {shown(bonds.begins)}" if bonds.begins else ""
-        yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened, have "
-                     f"lost their cohesion ({bonds.lost * 100:.2g} % of the node pairs): the {of} jumps where "
-                     f"that happens{before}")  # fmt: skip
+        yield Notice("W307", "contacts that are open before blocks move, or that the mechanism or motions on the way "
+                     f"to it open, have lost their cohesion ({bonds.lost * 100:.2g} % of the node pairs): the {of} "
+                     f"jumps where that happens{before}")  # fmt: skip
     if bonds.kept:
         without = f" (without it blocks would move at {shown(bonds.without)})" if bonds.without is not None else ""
         yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "

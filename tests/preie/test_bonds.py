@@ -62,6 +62,22 @@ def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bond
     assert "or others with other cohesion left (W494)" in said
 
 
+def test_no_range_is_claimed_where_other_forces_were_not_looked_at(monkeypatch) -> None:
+    """As in space beyond 120 blocks: the lowest factor is that of other cohesion alone."""
+    monkeypatch.setattr(blocks, "mechanism_range", lambda *_: None)
+    design = populations.bench(67) | {"acceptance": {"rules": ["fos >= 2.3", "fos.lowest >= 2.3"]}}
+    found = sk.run(sk.load(design))
+    assert found.fos.lowest == pytest.approx(2.2145, rel=2e-4)
+    assert found.fos.highest is None
+    for shown in (str(found), str(sk.check(sk.load(design)))):
+        said = " ".join(shown.split())
+        assert "same mechanism" not in said
+        assert "locked in" not in said
+        assert "2.2145 lowest with other cohesion left (W494): the factor that ACCEPT hangs on" in said
+        assert "2.2145 where a motion begins with other cohesion left (W494); other forces were not looked at" in said
+        assert "MET, but not with other cohesion left (W494: down to 2.21" in said
+
+
 @pytest.mark.parametrize(("number", "factor", "lesser"), [
     (27, 2.1134, 1.9246), (67, 2.5057, 2.2145), (87, 1.9460, 0.7598), (113, 3.7388, 3.7388),
 ])  # fmt: skip

@@ -15,7 +15,7 @@ from slopekit.strength.bridged import Bridged
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.power import PowerCurve
 from slopekit.strength.protocol import StrengthLaw, secant, tangent
-from slopekit.strength.registry import LAWS
+from slopekit.strength.registry import LAWS, _by_name
 from slopekit.strength.waviness import Wavy
 
 EVERY = [
@@ -132,3 +132,11 @@ def test_straight_laws_among_the_curved() -> None:
 def test_the_registry_names_every_law() -> None:
     """UX.md: the names that design files write."""
     assert list(LAWS) == ["mohr-coulomb", "barton-bandis", "bilinear", "bridged", "power"]
+
+
+def test_a_copy_of_a_law_beside_it_is_refused() -> None:
+    """`power_old.py` beside `power.py`, as editors and hurried hands leave it, would have been taken in its place."""
+    copied = type("PowerCurve", (), {"name": PowerCurve.name, "__module__": "slopekit.strength.power_old"})
+    with pytest.raises(ValueError, match=r"power stands in slopekit\.strength\.power and in .*power_old"):
+        _by_name([PowerCurve, copied])
+    assert _by_name([PowerCurve, PowerCurve]) == {"power": PowerCurve}

@@ -112,6 +112,12 @@ def test_a_file_whose_name_is_like_a_pulse_is_a_file(tmp_path, monkeypatch) -> N
         read_records([""])
 
 
+def test_a_name_longer_than_disks_take_is_a_fault_too() -> None:
+    with pytest.raises(sk.DesignError) as caught:
+        read_records(["x" * 300, "sine:" + "y" * 300])
+    assert caught.value.codes == ("E148", "E517")
+
+
 def test_a_folder_is_read_and_every_bad_file_is_said(tmp_path) -> None:
     folder = tmp_path / "records"
     folder.mkdir()

@@ -96,10 +96,10 @@ def _unsettled(limit: BlocksLimit) -> Notice:
         above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
     alone = ""
     if limit.held is not None:
-        factor, blocks = limit.held
+        factor, count = limit.held
+        few = "one block has its" if count == 1 else f"{count} blocks have their"
         alone = (
-            f"; {'one block' if blocks == 1 else f'{blocks} blocks'} with all others held where they are have their "
-            f"limit at {factor:.4g}, which is no number of all: theirs may be lower"
+            f"; with all others held where they are {few} limit at {factor:.4g}, no number of all: theirs may be lower"
         )
     return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
                   f"counted, not timed: every machine ends here): {rests}{above}{alone}")  # fmt: skip

@@ -1,6 +1,6 @@
 """The strength laws by the names that design files write: the files of this folder. A new law is its file."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
@@ -21,4 +21,14 @@ def _laws() -> Iterator[Any]:
                 yield one
 
 
-LAWS: Mapping[str, Any] = {law.name: law for law in (MohrCoulomb, *_laws())}
+def _by_name(laws: Iterable[Any]) -> Mapping[str, Any]:
+    """The laws by their names; a copy of a file beside it (`power_old.py`) is refused, not taken in its place."""
+    named: dict[str, Any] = {}
+    for law in laws:
+        first = named.setdefault(law.name, law)
+        if first is not law:
+            raise ValueError(f"the strength law {law.name} stands in {first.__module__} and in {law.__module__}")
+    return named
+
+
+LAWS: Mapping[str, Any] = _by_name((MohrCoulomb, *_laws()))

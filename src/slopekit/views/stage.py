@@ -156,7 +156,10 @@ class Stage:
         parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} ({said})")
         known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
         bonds = any(notice.get("code") == "W494" for notice in self.document.get("warnings") or ())
-        parts += [] if known else [f"{'other cohesion left, down to' if bonds else 'same mechanism from'} {lowest:.4f}"]
+        of = "same mechanism from"
+        if bonds:
+            of = "other cohesion, from" if fos.get("highest") is None else "other forces or cohesion, from"
+        parts += [] if known else [f"{of} {lowest:.4f}"]
         searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
         parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
         parts += [] if closed is None else [f"closed form {closed:.4f}"]

@@ -119,7 +119,9 @@ def leading(result: Result) -> list[Factor]:
     name, value = result.leading
     lowest = "lowest of the same mechanism, whatever forces are locked in"
     if hangs_on_bonds(result):
-        lowest = "lowest of the same mechanism under other forces, and of others with other cohesion left (W494)"
+        lowest = "lowest with other cohesion left (W494)"
+        if has_range(result):
+            lowest = "lowest of the same mechanism under other forces, and of others with other cohesion left (W494)"
     what = lowest if name == "lowest" else JUDGED[name]
     return [Factor(value, f"{what}: the factor that ACCEPT hangs on")]
 
@@ -150,7 +152,9 @@ def locked_in(result: Result) -> Factor:
     peak = findings is not None and bool(findings.mechanisms) and findings.mechanisms[0].basis == "peak"
     what = "other ways to this peak, and its" if peak else "same"
     said = f"{what} mechanism, whatever forces are locked in"
-    if hangs_on_bonds(result):
+    if hangs_on_bonds(result) and not has_range(result):
+        said = "where a motion begins with other cohesion left (W494); other forces were not looked at"
+    elif hangs_on_bonds(result):
         said = f"{what} mechanism under other forces, or others with other cohesion left (W494)"
     return Factor(fos.lowest, said, to=fos.highest)
 
@@ -158,6 +162,11 @@ def locked_in(result: Result) -> Factor:
 def hangs_on_bonds(result: Result) -> bool:
     """Whether the lowest factor may be that of a motion that begins with other cohesion left."""
     return any(notice.code == "W494" for notice in result.warnings)
+
+
+def has_range(result: Result) -> bool:
+    """Whether the same mechanism was looked at under other forces: of many blocks in space that takes too long."""
+    return result.fos.highest is not None
 
 
 def residual(result: Result) -> list[Factor]:
@@ -283,7 +292,8 @@ def _judgement(result: Result, rule: Rule) -> str:
         lowest = result.fos.lowest
         if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
             if hangs_on_bonds(result):
-                return f"MET, but not with any forces locked in or other cohesion left (W494: down to {lowest:.4g})"
+                forces = "any forces locked in or " if has_range(result) else ""
+                return f"MET, but not with {forces}other cohesion left (W494: down to {lowest:.4g})"
             return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
         return "MET"
     if result.without_basal is not None and not result.without_basal.meets(rule):

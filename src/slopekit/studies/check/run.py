@@ -355,7 +355,7 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
     off = max((abs(rung.factor / limit - 1.0) for rung in rungs if rung.factor), default=0.0)
     if off > _STIFFNESS:
         low, high = ("none" if end is None else f"{end:.4g}" for end in (result.fos.lowest, result.fos.highest))
-        ranged = "" if low == high == "none" else f", judge by the range of its mechanism, {low} .. {high}"
+        ranged = "" if high == "none" else f", judge by the range of its mechanism, {low} .. {high}"
         words = f"{shown}: the limit hangs on the stiffness of the joints{ranged} (W364)"
         yield Finding(name, off, _STIFFNESS, False, words, "W364")
     elif all(rung.factor for rung in rungs):

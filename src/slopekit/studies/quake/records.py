@@ -192,7 +192,7 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     faults = Faults()
     paths: list[Any] = []
     for one in given:
-        if isinstance(one, str | os.PathLike) and os.fspath(one).strip() and Path(one).is_dir():
+        if isinstance(one, str | os.PathLike) and os.fspath(one).strip() and os.path.isdir(one):
             inside = sorted(path for path in Path(one).iterdir() if path.suffix.lower() in _ENDINGS)
             if not inside:
                 faults.append(
@@ -248,12 +248,12 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
         advice = "Give a path, the name of a pulse, or record_of(name, times, accelerations, unit)."
         raise DesignError([Fault("E510", f"{str(path)[:40]!r} is no record", "", advice)])
     text = os.fspath(path)
-    if re.match(_LIKE_PULSE, text, re.IGNORECASE) and not Path(path).exists():
+    if re.match(_LIKE_PULSE, text, re.IGNORECASE) and not os.path.exists(path):
         return _pulse(text)
     if not text.strip():
         raise DesignError([Fault("E510", "a record without a name is given", "RECORD")])
     number_alone = _NUMBER.match(text)
-    if number_alone and text[number_alone.end() :].strip() in ("", *_UNITS) and not Path(path).exists():
+    if number_alone and text[number_alone.end() :].strip() in ("", *_UNITS) and not os.path.exists(path):
         raise DesignError([Fault("E517", f"{text} is a number, no record", text, _PULSES)])
     name = Path(path).name
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()

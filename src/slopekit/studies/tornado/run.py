@@ -67,6 +67,7 @@ class Tornado(StudyOutcome):
     base : the design as it is
     bars : the one that does most first, by the method that counts
     left_out : (key, why) of numbers that were not changed
+    of_inputs : what is said of the design: means taken by all bars but their own, likely slips
     """
 
     name: ClassVar[str] = "tornado"
@@ -76,6 +77,7 @@ class Tornado(StudyOutcome):
     left_out: tuple[tuple[str, str], ...]
     methods: Methods
     seconds: float = field(default=0.0, compare=False)
+    of_inputs: tuple[Notice, ...] = ()
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -106,8 +108,7 @@ class Tornado(StudyOutcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: ends without a number, means taken by all bars but its own, likely slips."""
-        of_inputs = notices_of_inputs(self.design)
+        """What a reader must know: ends without a number, and what is said of the inputs."""
         method = self.asked[0]
         bare = [
             f"{bar.key.path} at {bar.key.shown(value, 6)} ({status_of(point, method)})"
@@ -116,9 +117,9 @@ class Tornado(StudyOutcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         if not bare:
-            return of_inputs
+            return self.of_inputs
         ends = "end has" if len(bare) == 1 else "ends have"
-        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *of_inputs)
+        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *self.of_inputs)
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
@@ -199,7 +200,7 @@ def tornado(
     tasks: list[dict[str, object]] = [{}]
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
     points = evaluated(design, "tornado", tasks, methods, crew, desk)
-    study = Tornado(design, points[0], (), tuple(left_out), methods)
+    study = Tornado(design, points[0], (), tuple(left_out), methods, of_inputs=notices_of_inputs(design))
     bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
     bars.sort(key=lambda made: (-made.swings[first], made.key.path))
