@@ -154,7 +154,7 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     """The work for it may run out: the state stays, the sheet says that the limit was not found."""
 
     def without_limit(*given):
-        return replace(_many_blocks(*given), limit_without=lambda parted: None)
+        return replace(_many_blocks(*given), limit_without=lambda parted: (None, True))
 
     monkeypatch.setattr("slopekit.kinds.elastic._many_blocks", without_limit)
     found = sk.run(wall(cohesion=1.0), elastic_bracket=True)
@@ -167,6 +167,24 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     assert found.to_dict()["elastic"]["limit"] is None
     checked = sk.check(sk.load(wall(cohesion=1.0)), elastic=True)
     assert "elastic blocks none: see NOTE" in " ".join(str(checked).split())
+
+
+def test_a_limit_that_nothing_holds_without_the_cohesion_is_not_for_want_of_work() -> None:
+    """Three slabs between two walls, held by cohesion that pulls open by half: with what is left they do not rest."""
+    slabs = {
+        f"B{k}": {"polygon": [[0.5 * k, 0], [0.5 * k + 0.5, 0], [0.5 * k + 0.5, 3], [0.5 * k, 3]]} for k in range(3)
+    }
+    left, right = [[-3, -1], [0, -1], [0, 4], [-3, 4]], [[1.5, -1], [4.5, -1], [4.5, 4], [1.5, 4]]
+    found = sk.run({
+        "slopekit": 1, "kind": "blocks", "section": {"thickness": "1 m"},
+        "blocks": {"L": {"polygon": left, "fixed": True}, "R": {"polygon": right, "fixed": True}} | slabs,
+        "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 150, "phi": 30}},
+        "rock": {"unit_weight": 26, "modulus": "5 GPa", "poisson": 0.25},
+    }, elastic=True)  # fmt: skip
+    said = {one.code: one.message for one in found.warnings}
+    assert found.elastic.limit is None
+    assert "W360" not in said
+    assert "none was found, and not for want of work" in said["W371"]
 
 
 def test_a_bracket_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -87,10 +87,11 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
     _, rigid = _at_rest(scene, scene.model.rigid(), factor)
-    limit = rigid_limit = scene.rigid_limit
+    limit, spent = scene.rigid_limit, False
+    rigid_limit = limit
     if not stands:
-        limit = scene.limit_without(rest.opened(scene.model))
-        without = scene.limit_without(rigid.opened(scene.model)) if rigid.stands else None
+        limit, spent = scene.limit_without(rest.opened(scene.model))
+        without = scene.limit_without(rigid.opened(scene.model))[0] if rigid.stands else None
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
@@ -98,16 +99,23 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     if bracket and limit is not None:
         say("elastic bracket", head=True)
         low, high, gave_up = search.bracket(rest, limit)
-        ends, at_bracket = (low.factor, high), scene.limit_without(low.opened(scene.model))
+        ends, at_bracket = (low.factor, high), scene.limit_without(low.opened(scene.model))[0]
     answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if not stands and limit is None:
-        notes.append(Notice("W360", "no limit under ELASTIC: without the cohesion that is pulled open it "
-                            "was not settled within the effort of one analysis"))  # fmt: skip
+        notes.append(_no_limit(spent))
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
     return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
+
+
+def _no_limit(spent: bool) -> Notice:
+    """Why there is none without the cohesion that is pulled open: for want of work, or as nothing holds the blocks."""
+    without = "no limit under ELASTIC: without the cohesion that is pulled open"
+    if spent:
+        return Notice("W360", f"{without} it was not settled within the effort of one analysis")
+    return Notice("W371", f"{without} none was found, and not for want of work: the rigid blocks may tip or fall then")
 
 
 def _timed(result: Result, began: float) -> dict[str, float]:
@@ -169,7 +177,7 @@ class _ElasticBlocks:
     Attributes
     ----------
     redrawn : tan φ of the pairs at normal forces (n,) kN where laws are curved, None where none is
-    limit_without : the rigid limit without the cohesion of pairs (n,)
+    limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
     names : of the blocks, empty of one; unknowns : of each block; bedrock : None where it is rigid
     """
@@ -178,7 +186,7 @@ class _ElasticBlocks:
     stiffness: JointStiffness
     redrawn: Callable[[Floats], Floats] | None
     rigid_limit: float | None
-    limit_without: Callable[[Bools], float | None]
+    limit_without: Callable[[Bools], tuple[float | None, bool]]
     points: Floats
     normals: Floats
     joint: Sequence[str]
@@ -317,9 +325,9 @@ def _one_block(design: Design, made: Cut) -> _ElasticBlocks:
         whole = on_bedrock(whole, around.by_force)
     turn = np.eye(3) if made.axes is None else made.axes
 
-    def limit_without(parted: Bools) -> float | None:
+    def limit_without(parted: Bools) -> tuple[float | None, bool]:
         without = replace(settled, cohesion=frozen(settled.cohesion * ~parted))
-        return made.limit(without).governing.factor or None
+        return made.limit(without).governing.factor or None, False
 
     def redrawn(normal: Floats) -> Floats:
         from slopekit.preie.strength_lines import drawn
@@ -416,13 +424,13 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Elast
             give = body(elements, where, sides, length)
         flexible.append((give, at, unknowns))
 
-    def limit_without(parted: Bools) -> float | None:
+    def limit_without(parted: Bools) -> tuple[float | None, bool]:
         lost = np.bincount(origin[patch], area * parted, len(assembly.patches))
         share = np.divide(lost, assembly.patches.areas, out=np.zeros_like(lost), where=assembly.patches.areas > 0.0)
         given = joint_strength(scene.strengths)
         joint = assembly.patches.joint
         if not (share * given.cohesion[joint]).any():
-            return result.fos.limit
+            return result.fos.limit, False
         each = replace(
             given, cohesion=given.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
             tan_friction=given.tan_friction[joint], tan_dilation=given.tan_dilation[joint],
@@ -430,7 +438,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Elast
         )  # fmt: skip
         own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
         failures = ravel(own, scene_loads(scene), each, ranged=False).failures
-        return failures[0].limit.factor if failures else None
+        return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 
     def redrawn(normal: Floats) -> Floats:
         from slopekit.preie.strength_lines import drawn
