@@ -16,7 +16,7 @@ from slopekit.preie import blocks, path, proposal
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, BedForces, Drive, NewtonStep
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
-from slopekit.preie.bounds import static_bound
+from slopekit.preie.bounds import held_by_normals, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.flow import Flow
 from slopekit.preie.limit import limit_analysis
@@ -208,6 +208,17 @@ def test_walls_that_tip_are_said_to_do_so_whatever_the_strength(number) -> None:
     for other in (0.999 * part, 1.001 * part):
         assert not load_oracle.tips_whatever_the_strength(model, found.velocity, other, 1.0 / factor)
     assert load_oracle.comes_on(model, 1.0 / factor) == pytest.approx(part - 1e-3, abs=1e-3)
+
+
+def test_normal_forces_that_hold_blocks_balance_their_load() -> None:
+    """One box on another: their weights. Pushed along the joint nothing but friction holds it."""
+    model = boxes_in_space((1, 1, 2), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
+    normal = held_by_normals(model, model.load.ravel())
+    unbalanced = model.unbalanced(normal, np.zeros(model.slip_rows.shape[:2]))
+    assert np.abs(unbalanced).max() < 1e-9
+    pushed = model.load.copy()
+    pushed[1, 0] = 1e-3 * abs(pushed[1, 2])
+    assert held_by_normals(model, pushed.ravel()) is None
 
 
 @pytest.mark.parametrize(("number", "times", "path"), [(106, 4.0, 0.21731899832404), (117, 8.0, 0.13837830193287)])
