@@ -63,6 +63,7 @@ FAULTS = [
     ("E174", "wedge", "slopekit: 1", "slopekit: 2", "slopekit: 2 is not a version of design files", "1:11"),
     ("E175", "wedge", "kind: wedge", "kind: wegde", "wegde is not a kind of design", "2:7"),
     ("E175", "wedge", "kind: wedge", "title: x", "kind is missing", "1:1"),
+    ("E175", "wedge", "kind: wedge", "kind: [wedge]", "kind is one word, not a list or keys", "2:7"),
     ("E109", "wedge", "  J2:", "  J3: {plane: 1/1, strength: clay}\n  J2:", "a wedge has two joints, 3 are given",
      "5:3"),
     ("E109", "plane", "{J1: {plane: 35/180}}", "{A: {plane: 1/2}, B: {plane: 1/2}}",
@@ -111,7 +112,7 @@ FAULTS = [
     ("E109", "wedge", "mode: dry", "pressures: [1, 2, 3]", "3 water pressures given, there are J1 and J2", "11:20"),
     ("E121", "wedge", "rock:", "crack: {plane: 80/185, distance: 0}\nrock:", "crack distance is 0", "10:8"),
     ("E122", "wedge", "seismic: 0", "seismic: 3", "seismic coefficient is 3, it lies between 0 and 2", "12:18"),
-    ("E122", "wedge", "seismic: 0", "seismic: {k: 0.1, toward: 400}", "trend of seismic is 400", "12:18"),
+    ("E122", "wedge", "seismic: 0", "seismic: {k: 0.1, toward: 400}", "trend of seismic is 400", "12:35"),
     ("E123", "wedge", "forces: []", "forces: [1@0/0, 5 kN]", "force is 5 kN, it is written 500kN@180/10", "12:37"),
     ("E123", "wedge", "forces: []", "forces: [5@180]", "direction of force is 180, it is written trend/plunge",
      "12:30"),
@@ -229,6 +230,12 @@ def test_set_is_the_same_as_editing_the_file(key, value, old, new, tmp_path) -> 
 def test_a_fault_in_a_set_value_names_the_set(tmp_path) -> None:
     (fault,) = _faults(_written(tmp_path, WEDGE), [("strength.rough.phi", "0.3")])
     assert (fault.code, fault.where) == ("E113", "--set strength.rough.phi=0.3")
+
+
+def test_faults_of_a_set_earthquake_name_their_own_keys_at_once(tmp_path) -> None:
+    shaken = WEDGE.replace("seismic: 0", "seismic: {k: 0, toward: 180}")
+    faults = _faults(_written(tmp_path, shaken), [("loads.seismic.k", "-1"), ("loads.seismic.toward", "500")])
+    assert [fault.where for fault in faults] == ["--set loads.seismic.k=-1", "--set loads.seismic.toward=500"]
 
 
 def test_a_mapping_takes_the_path_of_the_file(tmp_path) -> None:

@@ -85,7 +85,7 @@ def test_what_is_wrong_is_refused() -> None:
     with pytest.raises(DesignError) as caught:
         sk.load({**SLAB, "weak_plane": {"dip": -3, "length": "8 kg", "thickness": 2}})
     assert [fault.code for fault in caught.value.faults] == ["E101", "E108"]
-    with pytest.raises(DesignError, match="this design is a slab"):
+    with pytest.raises(DesignError, match="this design is of kind slab"):
         sk.support(sk.load(SLAB), fos=1.5)
     forget_kinds()
     with pytest.raises(DesignError, match="E175"):

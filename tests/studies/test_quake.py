@@ -409,6 +409,15 @@ def test_node_pairs_are_made_finer_until_the_sliding_stays(wedge) -> None:
     assert both.warnings == ()
 
 
+def test_what_is_to_be_known_of_the_other_components_is_said_too(wedge) -> None:
+    """The vertical one ends at 0.05 g x 0.1 s = 0.049 m/s, its peak; said once where a component stands twice."""
+    up = record_of("up", [0.0, 0.01, 0.11, 0.12], [0.0, 0.05, 0.05, 0.0], "g")
+    found = sk.quake(wedge.design, "sine:0.3g,2Hz", six=True, vertical=up)
+    assert [(one.code, one.message.split(":")[0]) for one in found.warnings] == [("W460", "up"), ("W461", "up")]
+    twice = sk.quake(wedge.design, up, six=True, vertical=up)
+    assert [one.code for one in twice.warnings].count("W461") == 1
+
+
 def _settles(monkeypatch, slid: list[tuple[float, float]], opens: bool) -> tuple[int, float]:
     """How often pairs are made finer, and the last change, where both polarities slide so far on each of them."""
 

@@ -316,10 +316,14 @@ def test_a_load_on_a_cohesive_bench_says_what_it_has_to_do_with_cohesion() -> No
 
 
 def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_does() -> None:
-    """Bench 67: its strength divided last has the value, and a bond that stands until the mechanism begins (W484)."""
+    """Bench 67: its strength divided last has the value (W477), and what the design there says of its cohesion."""
     found = sk.solve(_bench(67), KEY, fos=1.0)
-    (said,) = [notice.message for notice in found.warnings if notice.code == "W484"]
-    assert "on 1 contact" in said
+    there = sk.run(with_values(_bench(67), {KEY: found.answer.value}))
+    of_bonds = [notice.message for notice in there.warnings if notice.code in ("W307", "W484", "W486", "W494")]
+    assert of_bonds
+    said = [notice.message for notice in found.warnings]
+    assert "W477" in [notice.code for notice in found.warnings]
+    assert [message for message in said if message in of_bonds] == of_bonds
 
 
 def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had_not_settled(monkeypatch) -> None:

@@ -520,7 +520,8 @@ def test_other_kinds_are_refused() -> None:
     with pytest.raises(DesignError) as caught:
         sk.support(sk.load(path_of("footing")))
     assert caught.value.codes == ("E320",)
-    assert "a footing" in caught.value.faults[0].message
+    fault = caught.value.faults[0]
+    assert (fault.message[-15:], fault.advice) == ("of kind footing", "A design of kind footing takes no bolts.")
 
 
 def test_every_option_that_is_not_understood_is_named_at_once() -> None:
@@ -668,7 +669,10 @@ def test_the_command_refuses_and_says_so_in_its_exit_code() -> None:
     assert json.loads(wrong.stdout)["errors"][0]["code"] == "E321"
     other = slopekit("support", str(path_of("bench")))
     assert other.returncode == 2
-    assert other.stderr.startswith("E320 support is for a wedge, a plane or toppling columns, this design is a bench")
+    assert other.stderr.startswith(
+        "E320 support is for a wedge, a plane or toppling columns, this design is of kind bench"
+    )
+    assert "Give the design a bolt, then sweep and solve change it" in other.stderr
 
 
 def test_distributions_are_named_in_the_sheet() -> None:

@@ -191,7 +191,9 @@ def _kind(root: Node) -> str:
     known = ", ".join(KINDS)
     if node is None or node.text is None:
         where = str(node.place if node else root.place)
-        raise DesignError([Fault("E175", "kind is missing: it says what the design is", where, f"Known: {known}.")])
+        many = node is not None and (node.is_mapping or isinstance(node.value, list))
+        message = "kind is one word, not a list or keys" if many else "kind is missing: it says what the design is"
+        raise DesignError([Fault("E175", message, where, f"Known: {known}.")])
     if node.text not in KINDS:
         near = get_close_matches(node.text.lower(), KINDS, n=1)
         advice = f"Did you mean {near[0]}?" if near else f"Known: {known}."

@@ -78,10 +78,16 @@ def read_seismic(reader: Reader) -> Seismic:
     if node is None or node.value is None:
         return Seismic()
     value = reader.value(node)
+    seismic = None
     if isinstance(value, dict):
-        toward = value.get("toward")
-        value = _text(value.get("k", 0)) + ("" if toward is None else f"@{_text(toward)}")
-    seismic = None if value is None else reader.kept(words.seismic, value, str(node.place))
+        at = {key: str(below.place) for key, below in node.items()}
+        k, toward = value.get("k", 0), value.get("toward")
+        seismic = None if k is None else reader.kept(words.seismic, k, at.get("k", str(node.place)))
+        trend = None if toward is None else reader.kept(words.trend, toward, "seismic", "E122", at["toward"])
+        if seismic is not None and toward is not None:
+            seismic = None if trend is None else replace(seismic, trend_deg=trend)
+    elif value is not None:
+        seismic = reader.kept(words.seismic, value, str(node.place))
     if seismic is not None and seismic.coefficient and seismic.trend_deg is None:
         reader.defaults.append("seismic.trend")
     return seismic or Seismic()
@@ -319,7 +325,3 @@ def given_water(reader: Reader, node: Node, order: Sequence[str]) -> tuple[Any, 
     values = {name: reader.value(below) for name, below in only.items()}
     last = max(order.index(name) for name in values)
     return [values.get(name, 0.0) for name in order[: max(last + 1, min(2, len(order)))]], only
-
-
-def _text(value: object) -> str:
-    return repr(value) if isinstance(value, float) else str(value)  # every digit: studies change the last of them

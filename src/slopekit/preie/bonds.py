@@ -86,9 +86,7 @@ class Rounds:
         self.least: float | None = None
         self.unsettled: float | None = None
         self.soonest: float | None = None
-        self.first: tuple[PathLimit, Bools, Bools] | None = (
-            None  # that broke bonds and had settled; lost; what it breaks
-        )
+        self.first: tuple[PathLimit, Bools, Bools] | None = None  # settled and broke bonds; lost before; what it breaks
         self.stood: Bools | None = None  # what was lost where all blocks stood up to `least`
 
     def on(self, model: AssemblyModel) -> "Rounds":

@@ -369,7 +369,10 @@ def quake(
         in_six = None if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
         out = other_way(static, yields[0], advance)
     aside = _into(static, yields[0], out) or _off_section(static)
-    warnings = (*aside, *_notices(static, yields, shaken, out is None), *_of_six(in_six))
+    beside_it = [notice for one in others if one is not None for notice in one.notices]
+    warnings = tuple(
+        dict.fromkeys((*aside, *beside_it, *_notices(static, yields, shaken, out is None), *_of_six(in_six)))
+    )
     trend = static.seismic.trend_deg
     beside = None if in_six is None else _beside(in_six.motion, static, yields[0], taken)
     return Quake(

@@ -63,10 +63,13 @@ def _length(metres: float) -> str:
 def _centimetres(metres: float) -> str:
     """In cm, none in more digits than a column has.
 
-    >>> _centimetres(0.2788), _centimetres(4e-5), _centimetres(0.0)
-    ('27.88', '< 0.01', '0')
+    >>> _centimetres(0.2788), _centimetres(4e-5), _centimetres(0.0), _centimetres(255.96)
+    ('27.88', '< 0.01', '0', '25600')
     """
-    return "< 0.01" if 0.0 < metres < 1e-4 else f"{metres * 100.0:.4g}"
+    shown = f"{metres * 100.0:.4g}"
+    if 1e2 <= metres < 1e4:  # 2.56e+04 would touch the column before it
+        shown = f"{float(shown):.0f}"
+    return "< 0.01" if 0.0 < metres < 1e-4 else shown
 
 
 def _now(quake: Quake) -> str:

@@ -172,14 +172,17 @@ def site_of(design: Design) -> Site:
     """
     kind = kind_of(design)
     if not kind.has_site or kind.closed_form is None:
-        message = f"support is for a wedge, a plane or toppling columns, this design is a {design.kind}"
+        message = f"support is for a wedge, a plane or toppling columns, this design is of kind {design.kind}"
         advice = (
-            "sweep and solve change the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
+            f"A design of kind {design.kind} takes no bolts."
+            if "support" in type(design).WITHOUT
+            else "Give the design a bolt, then sweep and solve change it: slopekit solve my.yaml "
+            "support.bolts.0.force --fos 1.5"
         )
         raise DesignError([Fault("E320", message, "", advice)])
     if any(strength.law for strength in kind.strengths(design)):
         message = "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint"
-        advice = "solve changes the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
+        advice = "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         raise DesignError([Fault("E320", message, "", advice)])
     made, asked = kind.cut(design), kind.closed_form
     model, block = made.scene_at(0).model, made.block
