@@ -248,6 +248,15 @@ def test_streams_that_take_nothing(redirected, code, says, tmp_path) -> None:
     assert "E599" not in run.stderr
 
 
+def test_a_file_in_place_of_the_folder_is_said_to_be_one(tmp_path) -> None:
+    there = tmp_path / "my.yaml"
+    there.write_text("kept", encoding="utf-8")
+    run = slopekit("wedge", "--dips", "45/115", "45/245", "-o", str(there))
+    assert run.returncode == 2
+    assert "my.yaml is a file, not a folder to write to" in run.stderr
+    assert there.read_text(encoding="utf-8") == "kept"
+
+
 def test_without_a_command_the_help_is_printed_as_it_is() -> None:
     run = slopekit()
     assert (run.returncode, run.stdout) == (2, "")

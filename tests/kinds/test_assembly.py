@@ -12,6 +12,7 @@ import trimesh
 import slopekit as sk
 from benchmarks import populations
 from slopekit.core.errors import DesignError, GeometryError
+from slopekit.design.templates import path_of
 from slopekit.kinds import cut, kind_of
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
@@ -472,3 +473,10 @@ def test_a_quick_factor_that_did_not_settle_agrees_with_nothing_that_the_result_
     assert (result.agree, quick.agree) == (False, False)
     assert " % higher" in str(result.sheet)
     assert "e+" not in next(line for line in str(result.sheet).splitlines() if " % higher" in line)
+
+
+def test_a_tolerance_larger_than_the_blocks_is_named() -> None:
+    with pytest.raises(sk.GeometryError) as caught:
+        sk.run(path_of("blocks"), set={"contact_tolerance": "10 m"})
+    assert set(caught.value.codes) == {"E228"}
+    assert caught.value.faults[0].advice == "Up to 100 m² count as none: the contact tolerance is 10 m."

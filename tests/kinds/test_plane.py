@@ -198,6 +198,11 @@ def test_faults(changes, code) -> None:
     assert caught.value.codes == (code,)
 
 
+def test_a_plane_into_the_slope_is_said_to_dip_by_what_it_dips() -> None:
+    with pytest.raises(sk.GeometryError, match="the plane dips 35° into the slope"):
+        run(joint=(35, 0))
+
+
 def test_strike_within_twenty_degrees_is_taken_as_parallel() -> None:
     result = run((35, 199))
     assert "W321" in [notice.code for notice in result.warnings]

@@ -47,6 +47,9 @@ def folder_of(folder: Path) -> Path:
 
     if str(folder) == "." and ("-o", "") in pairwise(sys.argv):  # -o "$DIR" of a variable that is not set
         raise DesignError([Fault("E129", "the folder to write to has an empty name", "-o", "Write -o . for this one.")])
+    if folder.is_file():
+        advice = "Give another name: a folder is made where there is none."
+        raise DesignError([Fault("E129", f"{folder} is a file, not a folder to write to", str(folder), advice)])
     with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

@@ -17,6 +17,7 @@ _SILENT = ("--json", "--quiet")
 _FIRST_S, _EVERY_S = 1.0, 0.2  # what is shorter shows nothing; how often the time is written anew
 _STILL_S = 2.0  # a bar that has not moved for so long says how long it has taken, and at what it is
 _WIDE, _BESIDE = 24, 28  # columns of a bar, and of brackets, part, time to come (with days) and gaps beside it
+_GUESSED = ("evaluations", "probabilities")  # what begins so has a total that is guessed: no time to come is told by it
 _LINES: list["_Line"] = []  # that have the terminal; the last is the one that writes
 
 
@@ -51,7 +52,12 @@ def progress(label: str, total: int) -> Iterator[Advance]:
         yield lambda _: None
         return
     with typer.progressbar(
-        length=total, label=label, file=sys.stderr, width=_WIDE, item_show_func=lambda text: text
+        length=total,
+        label=label,
+        file=sys.stderr,
+        width=_WIDE,
+        show_eta=not label.startswith(_GUESSED),
+        item_show_func=lambda text: text,
     ) as bar:
         _BARS.append(_ProgressBar(bar, len(label) + _WIDE + _BESIDE))
         try:

@@ -58,7 +58,7 @@ def plane_section(
         slope, E207 the crack does not cut the block off, E209 the upper slope is as steep as the face.
     """
     if plane_dip <= PARALLEL_DEG:
-        message = f"the plane dips {plane_dip:.4g}° into the slope: nothing on it can slide out"
+        message = f"the plane dips {-plane_dip:.4g}° into the slope: nothing on it can slide out"
         if abs(plane_dip) <= PARALLEL_DEG:
             message = "the plane is level: nothing on it can slide out"
         raise GeometryError([Fault("E204", message)])

@@ -126,8 +126,10 @@ def check_outlines(outlines: Outlines, tolerance: float, crossing: Ints, names: 
         Fault("E227", f"the outline of {names[block]} crosses or touches itself", "", advice)
         for block in np.flatnonzero(crosses).tolist()
     ]
+    small = f"Up to {tolerance * tolerance:.3g} m² count as none: the contact tolerance is {tolerance:.3g} m."
     faults += [
-        Fault("E228", f"the outline of {names[block]} encloses no area") for block in np.flatnonzero(empty).tolist()
+        Fault("E228", f"the outline of {names[block]} encloses no area", "", small)
+        for block in np.flatnonzero(empty).tolist()
     ]
     refuse(faults + size_faults(np.where(crosses | empty, np.inf, np.sqrt(outlines.areas)), tolerance, names))
 
