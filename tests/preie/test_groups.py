@@ -36,6 +36,22 @@ def test_the_limit_of_a_group_that_all_blocks_vouch_for() -> None:
     assert limit.normal_force.min() >= 0.0
 
 
+def test_a_range_is_that_of_the_motion_that_is_asked_about(monkeypatch) -> None:
+    """The limit may be that of an earlier search, where cohesion breaks in between: the last group has another."""
+    asked, span = [], groups.Groups.span
+
+    def watched(own, motion):
+        asked.append((own, motion, span(own, motion)))
+        return asked[-1][-1]
+
+    monkeypatch.setattr(groups.Groups, "span", watched)
+    limit = key_part().limit
+    (own, motion, (low, high)) = asked[0]
+    np.testing.assert_array_equal(motion, limit.velocity)
+    assert (min(low, limit.factor), high) == pytest.approx((limit.lowest, limit.highest), rel=1e-9)
+    assert span(own, motion[::-1]) is None
+
+
 def test_a_rest_that_is_not_near_enough_is_a_peak(monkeypatch) -> None:
     monkeypatch.setattr(groups, "JUST", 1e-4)
     limit = key_part().limit

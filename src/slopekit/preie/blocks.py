@@ -147,8 +147,8 @@ class Proposal(Protocol):
     def begins_with(self, motion: Floats) -> None:
         """Blocks that move in a motion (N,) of all, and their neighbours, are proposed first from now on."""
 
-    def span(self) -> Span | None:
-        """The range of the mechanism that it found last."""
+    def span(self, motion: Floats) -> Span | None:
+        """The range of the mechanism that it found last, where that has this motion (n, u)."""
 
 
 def limit_of_blocks(
@@ -309,7 +309,7 @@ def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -
     assert limit.factor is not None
     span, times = None, 1.0 - limit.kept_share
     if limit.group and proposal is not None:
-        span = proposal.span()
+        span = proposal.span(limit.velocity)
     elif model.unknowns == 3 or len(model.load) <= _RANGED:
         model, unit = _in_unit_strength(model)
         factor, forces = limit.factor / unit / times, (limit.normal_force, limit.friction)

@@ -58,12 +58,19 @@ class Groups:
             self.bounds[key] = unit_bound(model)
         return self.bounds[key]
 
-    def span(self) -> Span | None:
-        """The range of the group's mechanism: what is held beside it can carry any force, so it is none too narrow."""
+    def span(self, motion: Floats) -> Span | None:
+        """The range of the group's mechanism: what is held beside it can carry any force, so it is none too narrow.
+
+        Parameters
+        ----------
+        motion : (n, 6) of the limit that is asked about; None where the group that was found last moves otherwise
+        """
         if self.found is None:
             return None
         model, limit, bond = self.found
         assert limit.parameter is not None
+        if not np.array_equal(self._of_all(model, limit).motion, motion.ravel()):
+            return None
         return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond, (limit.normal, limit.friction))
 
     def _first(self) -> Ints:
