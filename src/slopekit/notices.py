@@ -80,6 +80,7 @@ class Bonds:
     without : where blocks would move without that of `kept`, None where it was not asked
     unsettled : where a motion began that broke cohesion and had not settled, None where all had
     sooner : of all bonds that were tried, where a motion would begin first; None where that is not before the limit
+    counted : contacts that are open before the motion and whose cohesion counts all the same
     """
 
     lost: float
@@ -89,10 +90,11 @@ class Bonds:
     without: float | None = None
     unsettled: float | None = None
     sooner: float | None = None
+    counted: int = 0
 
 
 def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterator[Notice]:
-    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W494.
+    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W493, W494.
 
     Parameters
     ----------
@@ -113,6 +115,9 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
         yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
                      f"{shown(bonds.unsettled)}): the {of} is that without it{less}, and which other contacts that "
                      "motion would have opened is not known")  # fmt: skip
+    if bonds.counted:
+        yield Notice("W493", f"cohesion counts on {bonds.counted} contact{'s' if bonds.counted > 1 else ''} open before "
+                     f"the blocks move, as the motion has not settled: the {of} may be lower")  # fmt: skip
     if bonds.sooner is not None:
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip

@@ -297,6 +297,8 @@ def test_what_the_results_of_hard_scenes_say() -> None:
 
     assert said() == {}
     assert "less 1 % of the work" in said(unsettled=1.0, kept_share=0.01)["W486"]
+    assert said(counted=1)["W493"].startswith("cohesion counts on 1 contact open before the blocks move")
+    assert said(counted=2)["W493"].startswith("cohesion counts on 2 contacts open before the blocks move")
     both = said(unsettled=1.0, kept=2, kept_share=0.01)
     assert "less" not in both["W486"]
     assert "on 2 contacts: what it would do there, 1 % of the work" in both["W484"]

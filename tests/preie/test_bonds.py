@@ -373,6 +373,17 @@ def test_a_bond_is_gone_where_its_contact_is_open_before_the_motion_begins(gap, 
     assert found.soonest == (0.6 if len(asked) > 1 else 0.5)
 
 
+def test_a_peak_of_a_group_counts_contacts_that_are_open_and_says_how_many() -> None:
+    """As above, of a group that has not settled: no bond is taken away."""
+    model = boxes_in_space((1, 1, 2), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
+    slides = ends(model, 0.5, [SLIDES, SLIDES], PathOutcome.BRACKET)
+    for gap, counted in ((1e-3, 1), (1e-7, 0)):
+        peak = replace(lifted(slides, gap), group=1)
+        found = with_bonds(model, Scripted(model, {(1, 1): peak}), pressed_to(0.0), np.ones(model.load.size))
+        assert (found.bond == 1.0).all()
+        assert found.counted == counted
+
+
 def test_the_first_motion_decides_where_what_it_breaks_lets_the_blocks_stand_longer() -> None:
     """All bonds: at λ 0.8 the upper box lifts, its bond a tenth of the work; without it nothing moves down to 0.5."""
     model = boxes()

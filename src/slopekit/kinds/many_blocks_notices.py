@@ -80,7 +80,9 @@ def bonds_of(failure: Failure) -> Bonds:
     lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
     if not limit.factor:
         return Bonds(lost, limit.bonded)
-    return Bonds(lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner)
+    return Bonds(
+        lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted
+    )
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:

@@ -87,6 +87,7 @@ class BlocksLimit:
     unsettled : the factor of a motion that broke bonds before it had settled
     sooner : of all rounds of bonds the least factor at which a motion would begin, where that is less than the factor;
         `lowest` is no more
+    counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
     rounds : what the rounds of bonds came to, for other node pairs of the same contacts
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost
@@ -126,6 +127,7 @@ class BlocksLimit:
     unbonded: float | None = None
     unsettled: float | None = None
     sooner: float | None = None
+    counted: int = 0
     rounds: Rounds | None = None
 
 
@@ -358,7 +360,7 @@ def _limit(
 
 def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     """The limit with what is known of its bonds."""
-    limit = replace(limit, rounds=ended.rounds)
+    limit = replace(limit, rounds=ended.rounds, counted=ended.counted)
     if ended.unsettled is not None:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
     if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
@@ -448,6 +450,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
         frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,
         path_end.factorisations, 0, bonded=ended.whole if farther else None, kept=ended.kept, kept_share=ended.share,
         unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
+        counted=ended.counted,
         sooner=ended.soonest if (ended.soonest or math.inf) < (path_end.parameter or 0.0) * (1.0 - _SOONER) else None,
     )  # fmt: skip
 

@@ -57,6 +57,7 @@ class Bonded:
     share : part of the motion's work that their cohesion did, and that of what it opens without having settled
     unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
     soonest : of all rounds, whatever bonds they had, the parameter at which a motion would begin first
+    counted : contacts that are open before the motion and whose cohesion counts, as it is the peak of a group
     rounds : what the rounds have come to: others between the same contacts, of other node pairs, can begin with it
     """
 
@@ -69,6 +70,7 @@ class Bonded:
     unsettled: float | None = None
     soonest: float | None = None
     rounds: "Rounds | None" = None
+    counted: int = 0
 
 
 class Rounds:
@@ -87,6 +89,7 @@ class Rounds:
         self.unsettled: float | None = None
         self.soonest: float | None = None
         self.first: tuple[PathLimit, Bools, Bools] | None = None  # settled and broke bonds; lost before; what it breaks
+        self.counted = 0  # contacts that are open before the motion of the last round, and are not asked
         self.stood: Bools | None = None  # what was lost where all blocks stood up to `least`
 
     def on(self, model: AssemblyModel) -> "Rounds":
@@ -104,19 +107,23 @@ class Rounds:
     def open_before(self, path_end: PathLimit, all_rest: bool) -> bool:
         """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does.
 
-        Not asked of the peak of a group of blocks: it would be another peak, after rounds of many groups.
+        Not asked of the peak of a group of blocks, which would be another one after rounds of many groups: `counted`.
         """
         assert path_end.parameter is not None
         self.whole = path_end.parameter if self.whole is None else self.whole
         sooner = min if self.load_grows else max
         self.soonest = sooner(path_end.parameter, path_end.parameter if self.soonest is None else self.soonest)
         bonded = self.bonded & ~self.lost
-        if not all_rest or not bonded.any() or (path_end.group and not path_end.found):
+        self.counted = 0
+        if not all_rest or not bonded.any():
             return False
         apart, _ = self.model.opening_and_slip(path_end.displacement)
         touches = (path_end.normal > 0.0) | (apart <= _TOUCHES * abs(float(apart.min())))
         opens, _ = _moves(self.model, path_end)
         gone = bonded & ~opens & (np.bincount(self.model.pair_contact, touches, len(opens)) == 0)
+        if path_end.group and not path_end.found:
+            self.counted = int(gone.sum())
+            return False
         if not gone.any():
             return False
         self.lost, self.gone, self.kept = self.lost | gone, self.gone | gone, self.kept & ~gone
@@ -201,7 +208,10 @@ class Rounds:
         opens, _ = _moves(self.model, path_end)
         opens &= self.kept | self.late
         if path_end.parameter is None or not opens.any():
-            return Bonded(path_end, self.bond, self.whole, unsettled=self.unsettled, soonest=self.soonest, rounds=self)
+            return Bonded(
+                path_end, self.bond, self.whole, unsettled=self.unsettled, soonest=self.soonest, rounds=self,
+                counted=self.counted,
+            )  # fmt: skip
         parameter = path_end.parameter
         less = self._less(path_end, opens)
         if least is not None and (least < parameter) == self.load_grows:
@@ -211,7 +221,9 @@ class Rounds:
                 less = self._pressed_to(less, least, opens & self.kept, pressed)
         share = 1.0 - (less / parameter if self.load_grows else parameter / less)
         limit, kept = replace(path_end, parameter=less), int((opens & self.kept).sum())
-        return Bonded(limit, self.bond, self.whole, least, kept, share, self.unsettled, self.soonest, self)
+        return Bonded(
+            limit, self.bond, self.whole, least, kept, share, self.unsettled, self.soonest, self, self.counted
+        )
 
     def _less(self, path_end: PathLimit, opens: Bools) -> float:
         """Its parameter without the work that the cohesion of contacts (k,) does."""
