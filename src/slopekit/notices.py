@@ -116,8 +116,8 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
                      f"{shown(bonds.unsettled)}): the {of} is that without it{less}, and which other contacts that "
                      "motion would have opened is not known")  # fmt: skip
     if bonds.counted:
-        yield Notice("W493", f"cohesion counts on {bonds.counted} contact{'s' if bonds.counted > 1 else ''} open before "
-                     f"the blocks move, as the motion has not settled: the {of} may be lower")  # fmt: skip
+        yield Notice("W493", f"cohesion counts on {bonds.counted} contact{'s' if bonds.counted > 1 else ''} open "
+                     f"before the blocks move, as the motion has not settled: the {of} may be lower")  # fmt: skip
     if bonds.sooner is not None:
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
