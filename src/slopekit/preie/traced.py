@@ -18,6 +18,7 @@ from slopekit.preie.tolerances import (
     FARTHEST,
     LEAST_STRENGTH,
     OTHER_MOTION,
+    POLISHED,
     SAME_FARTHER,
     SAME_SHARP,
     SHARP_FAR_DOWN,
@@ -69,8 +70,17 @@ def traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], ru
             if rounding > SURE_ROUNDING and (limit.parameter or 0.0) < runs:
                 break
             if _rests_on(bed, limit, curve.passed, there):
-                return limit
+                return _exact(bed, limit)
     return None
+
+
+def _exact(bed: Bed, limit: PathLimit) -> PathLimit:
+    """The limit state that a settled motion comes to, where Newton on its modes gets there: one number by any way."""
+    assert limit.parameter is not None
+    exact = limit_state(bed, limit.displacement, limit.motion, limit.parameter) if bed.size <= BORDERED else None
+    if exact is None or not abs((exact.parameter or 0.0) / limit.parameter - 1.0) < POLISHED:
+        return limit
+    return exact
 
 
 def _farther(bed: Bed, sharp: RoundedPath) -> PathLimit | None:
