@@ -452,8 +452,9 @@ def test_a_wall_that_tips_at_a_part_of_its_load_says_so() -> None:
     result = sk.run(populations.wall(44))
     assert (result.status, result.fos.limit) == ("topples", None)
     said = {notice.code: notice.message for notice in result.warnings}
-    assert "at full strength the blocks fail at 0.7963 of the loads" in said["W362"]
-    assert "divided by 1.664 or less they go at 0.7963 of them in a motion that slips nowhere" in said["W362"]
+    assert "at full strength the blocks fail at 0.7963 of the loads beside weight and water (k 0.2121)" in said["W362"]
+    assert "divided by 1.664 or less they go at 0.7963 of them (k 0.2121) in a motion that slips" in said["W362"]
+    assert said["W362"].endswith("no friction or cohesion hinders it: a wider base or bolts would")
 
 
 def test_a_wall_whose_load_fits_on_by_turns_says_so() -> None:
@@ -463,6 +464,7 @@ def test_a_wall_whose_load_fits_on_by_turns_says_so() -> None:
     assert (result.status, result.fos.limit) == ("not_converged", None)
     assert "do not by turns with the strength divided by 0.09862 to 0.106, and no rest" in said["W371"]
     assert f"the static bound is {result.fos.static_bound:.4g}" in said["W371"]
+    assert "DISAGREE" not in str(result)  # there is nothing to disagree with
 
 
 def test_a_quick_factor_that_did_not_settle_agrees_with_nothing_that_the_result_does_not() -> None:

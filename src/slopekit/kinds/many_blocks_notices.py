@@ -54,7 +54,7 @@ def notices_of(
                      f"{first.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
                      "twice; those that came on after the weight led to no limit state")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
-        yield _without_rest(limit)
+        yield _without_rest(limit, design.seismic.coefficient)
     if limit.spent:
         yield _unsettled(limit)
     elif limit.outcome is Outcome.NOT_CONVERGED:
@@ -120,8 +120,12 @@ def _given_up(limit: BlocksLimit) -> Notice:
     return Notice("W371", f"the search for the limit of these blocks gave up: {why}{above}")
 
 
-def _without_rest(limit: BlocksLimit) -> Notice:
-    """Why blocks that forces could balance have no factor, with what was tried."""
+def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
+    """Why blocks that forces could balance have no factor, with what was tried; `seismic`: the coefficient, or 0."""
+
+    def earthquake(part: float) -> str:
+        return f" (k {part * seismic:.4g})" if seismic else ""
+
     most = f"{STRONGER[-1]:g} times the strength of the static bound"
     if limit.loads_last and limit.carried is not None and limit.carried < 1.0:
         tried = f"up to {most}" if limit.static_bound else "at any strength that was tried"
@@ -129,12 +133,13 @@ def _without_rest(limit: BlocksLimit) -> Notice:
         if limit.tips is not None:
             part, factor = limit.tips
             tips = (
-                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of them in a motion that "
-                "slips nowhere: they tip, and no friction or cohesion hinders it"
+                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of "
+                f"them{earthquake(part)} in a motion that slips nowhere: they tip, and no friction or cohesion hinders "
+                "it: a wider base or bolts would"
             )
         return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight "
-                      f"and water, and {tried} they did not carry all of them: no factor of safety is given"
-                      f"{tips}")  # fmt: skip
+                      f"and water{earthquake(limit.carried)}, and {tried} they did not carry all of them: no factor of "
+                      f"safety is given{tips}")  # fmt: skip
     exist = (
         ""
         if limit.static_bound is None

@@ -120,7 +120,8 @@ def _factors(result: Result) -> list[Factor]:
     fos, dilating = result.fos, dilates(result.design)
     limit = f"{limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
     rows = [*leading(result), Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")]
-    if fos.closed_form is not None or result.agree is not None:
+    without = result.status == "not_converged" and fos.closed_form is None  # nothing to agree with, or not to
+    if fos.closed_form is not None or (result.agree is not None and not without):
         closed = f"{result.words.closed_form}{', zero dilation' if dilating else ''}"
         rows.append(Factor(fos.closed_form, closed, verdict(result)))
     else:
