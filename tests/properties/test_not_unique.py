@@ -9,6 +9,7 @@ import math
 
 import pytest
 
+import slopekit as sk
 from benchmarks import populations
 from tests.properties import changes
 
@@ -213,3 +214,19 @@ def test_a_bench_whose_motion_settles_by_way_of_rounded_joints_is_the_same_in_th
     design = populations.bench(130)
     found, other = changes.run(design), changes.run(changes.mirrored(design))
     assert other.fos.limit == pytest.approx(found.fos.limit, rel=1e-9)
+
+
+def test_a_block_whose_turning_raises_its_factor_is_said_with_what_it_has_without() -> None:
+    """Bench 130: B8 is dry, without cohesion, on S2 and S3: its size does not matter to Hoek & Bray's closed form."""
+    design = populations.bench(130)
+    found, sets = changes.run(design), design["sets"]
+    wedge = sk.wedge(
+        dips=[sets[name]["plane"] for name in ("S2", "S3")], face=design["slope"]["face"], upper="0/180", height=8.7,
+        c=0.0, phi=design["strength"]["joint"]["phi"], unit_weight=26.0,
+    )  # fmt: skip
+    said = {notice.code: notice.message for notice in found.warnings}
+    assert wedge.fos.closed_form < found.fos.limit
+    assert f"without turning, as closed forms count, it is {wedge.fos.closed_form:.4f};" in said["W479"]
+    straight = changes.run(populations.bench(171))  # on one plane, and lower than where joints dilate
+    assert straight.status == "slides"
+    assert "W479" not in {notice.code for notice in straight.warnings}

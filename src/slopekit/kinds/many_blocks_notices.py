@@ -2,10 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from slopekit.core.errors import Notice
 from slopekit.findings import Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
-from slopekit.kinds.many_blocks_scene import AssemblyScene
+from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.notices import (
     SQUARE,
     Bonds,
@@ -16,9 +19,11 @@ from slopekit.notices import (
     undrawn_notice,
 )
 from slopekit.preie.blocks import Basis, BlocksLimit
+from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.loads_last import STRONGER
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, Ravelling
+from slopekit.preie.tolerances import SAME_FACTOR
 
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
@@ -66,7 +71,37 @@ def notices_of(
         more = (first.static_bound / first.fos - 1.0) * 100.0
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
+    alone = _without_turning(scene, ravelling.failures[0])
+    if alone is not None:
+        yield Notice("W479", f"{first.blocks[0].name} turns as it goes, which raises its factor: without turning, as "
+                     f"closed forms count, it is {alone:.4f}; of a wedge (kind: wedge) no credit is taken for "
+                     "that")  # fmt: skip
     yield from said_of_bonds(ravelling.failures[0])
+
+
+def _without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
+    """The factor at which a block would slide without turning, where that is lower than the limit of its motion.
+
+    Asked of one block in space that no other presses on, without dilation, passive bolts or curved strength: else
+    forces alone have no one factor.
+    """
+    part, limit, assembly = failure.parts[0], failure.limit, scene.assembly
+    if assembly.in_section or not limit.factor or len(failure.blocks) > 1 or len(part.model.bolts):
+        return None
+    if any(strength.law or strength.dilation_deg for strength in scene.strengths):
+        return None
+    block, patches = int(failure.blocks[0]), assembly.patches
+    pressed = np.bincount(part.model.pair_contact, limit.normal_force, len(part.model.plus))[: len(part.patch)] > 0.0
+    touching = np.stack([patches.plus[part.patch[pressed]], patches.minus[part.patch[pressed]]])
+    others = touching[(touching != block) & (touching >= 0) & (touching == block).any(axis=0)]
+    if not assembly.fixed[others].all():
+        return None
+    none = np.zeros(len(assembly), dtype=bool)
+    _, factors = slide_alone(
+        assembly, scene_loads(scene), joint_strength(scene.strengths), none, np.array([block], dtype=np.int64)
+    )
+    lower = factors[factors < limit.factor * (1.0 - SAME_FACTOR)]
+    return float(lower[0]) if len(lower) else None
 
 
 def said_of_bonds(failure: Failure) -> Iterator[Notice]:
