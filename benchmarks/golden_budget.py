@@ -33,7 +33,7 @@ COMMANDS: dict[str, list[str]] = {
     "run blocks.yaml": ["run", "blocks"],
     "run bench.yaml": ["run", "bench", "--set", "slope.length=6", "--set", "slope.height=5"],
 }
-REPEAT = 9
+REPEAT = 40
 _LIST = "import sys, json; print(json.dumps(sorted(sys.modules)))"
 _RUN = f"""
 import sys

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
-from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.records import dataclass
 from slopekit.geometry.cutting import Block
 
@@ -203,13 +203,13 @@ def judge_bolt(name: str, leaves: float | None, anchored: bool, length: float | 
         E211 the bolt misses the block or is anchored in nothing, E212 it is too short.
     """
     if leaves is None:
-        raise GeometryError([Fault("E211", f"{name} misses the block", where)])
+        raise MisfitError([Fault("E211", f"{name} misses the block", where)])
     if not anchored:
         message = f"{name} leaves the block through a free face: it is anchored in nothing"
-        raise GeometryError([Fault("E211", message, where)])
+        raise MisfitError([Fault("E211", message, where)])
     if length is not None and length <= leaves:
         message = f"{name} is {length:.4g} m long and leaves the block after {leaves:.4g} m: it is too short"
-        raise GeometryError([Fault("E212", message, where, "It needs its anchorage behind the joint on top of that.")])
+        raise MisfitError([Fault("E212", message, where, "It needs its anchorage behind the joint on top of that.")])
 
 
 @dataclass(frozen=True, slots=True)

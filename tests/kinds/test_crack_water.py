@@ -203,3 +203,4 @@ def test_what_cannot_be_is_refused(more, code) -> None:
     with pytest.raises((DesignError, GeometryError)) as refused:
         sk.run(more)
     assert code in refused.value.codes
+    assert refused.value.exit_code == 2

@@ -95,6 +95,7 @@ def test_a_load_beside_the_block(at) -> None:
     with pytest.raises(sk.GeometryError) as caught:
         run(at=at)
     assert caught.value.codes == ("E219",)
+    assert caught.value.exit_code == 2
 
 
 @pytest.mark.parametrize("at", [0.0, 5.0])

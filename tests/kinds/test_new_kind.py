@@ -3,13 +3,17 @@
 import json
 import math
 import re
+import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
 
 import slopekit as sk
+from slopekit import kinds
 from slopekit.core.errors import DesignError
+from slopekit.design import registry
+from slopekit.design.registry import KINDS
 from tests.support import forget_kinds
 
 PAGE = Path(__file__).parents[2] / "docs/add-a-kind.md"
@@ -29,6 +33,32 @@ def _slab(tmp_path):
     spec.loader.exec_module(module_from_spec(spec))
     yield
     forget_kinds()
+
+
+def test_a_file_in_the_folder_of_kinds_is_a_kind(tmp_path, monkeypatch) -> None:
+    """What ships needs no line elsewhere: it is found by `KIND = ...`, told after the others, and a helper is none."""
+    forget_kinds()
+    code = (tmp_path / "slab.py").read_text(encoding="utf-8").replace("register(\n", "KIND = (\n")
+    folder = tmp_path / "kinds"
+    (folder / "berm").mkdir(parents=True)
+    (folder / "slab.py").write_text(code, encoding="utf-8")
+    (folder / "helper.py").write_text("KINDS = 1\n", encoding="utf-8")
+    (folder / "berm/__init__.py").write_text('"""Soon."""\n\nKIND = None\n', encoding="utf-8")
+    (folder / "notes").mkdir()
+    monkeypatch.setattr(registry, "_FOLDER", folder)
+    monkeypatch.setattr(kinds, "__path__", [*kinds.__path__, str(folder)])
+    for known in (registry._files, registry._says_a_kind):
+        known.cache_clear()
+    try:
+        assert (list(KINDS), "helper" in KINDS, "notes" in KINDS) == (["berm", "slab"], False, False)
+        assert sk.run(SLAB).fos.limit == pytest.approx(exact(), rel=1e-9)
+    finally:
+        monkeypatch.undo()
+        vars(kinds).pop("slab", None)
+        sys.modules.pop("slopekit.kinds.slab", None)
+        for known in (registry._files, registry._says_a_kind):
+            known.cache_clear()
+    assert list(KINDS) == ["wedge", "plane", "footing", "surface", "topple", "bench", "blocks"]
 
 
 def exact(dip=35.0, c=12.0, phi=30.0) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.core.errors import DesignError, GeometryError
+from slopekit.core.errors import DesignError, MisfitError
 from slopekit.kinds import kind_named
 from slopekit.kinds.many_blocks_scene import scene_loads
 
@@ -141,7 +141,7 @@ def test_a_bench_below_its_ground() -> None:
             plan += 0.5 * abs(float(np.cross(corners[1] - corners[0], corners[2] - corners[0])[2]))
     assert plan > 1.0
     assert on_top == pytest.approx(-20.0 * plan, rel=1e-9)
-    with pytest.raises(GeometryError, match="E456"):  # between two points the table stands in the air
+    with pytest.raises(MisfitError, match="E456"):  # between two points the table stands in the air
         sk.run({**BENCH, "water": {"mode": "table", "points": [[0, 0], [1, 7], [6, 7]]}})
 
 
@@ -174,7 +174,7 @@ def test_what_cannot_be() -> None:
         "base": {"polygon": [[-2, -1], [2, -1], [2, 0], [-2, 0]], "fixed": True},
         "B1": {"polygon": [[-1, 0], [1, 0], [1, 1], [-1, 1]]}, "B2": {"polygon": [[-1, 1], [1, 1], [1, 2], [-1, 2]]},
     }, "loads": {"surcharge": {"B1": 5}}}  # fmt: skip
-    with pytest.raises(GeometryError, match="E461"):
+    with pytest.raises(MisfitError, match="E461"):
         sk.run(stack)
     dry = sk.run({**SECTION, "water": {"pond": -1}})
     assert "W419" in [notice.code for notice in dry.warnings]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.core.errors import DesignError, GeometryError
+from slopekit.core.errors import DesignError, MisfitError
 from slopekit.kinds import kind_named
 
 WATER = 9.81
@@ -93,7 +93,7 @@ def test_a_depth_below_a_vertical_face() -> None:
 
 def test_what_is_wrong_and_what_is_said() -> None:
     """A table above the ground, two words for the water, columns that know no pond, a pond that wets nothing."""
-    with pytest.raises(GeometryError, match="E456"):
+    with pytest.raises(MisfitError, match="E456"):
         sk.run({**ELLIPSOID, "water": {"mode": "table", "points": [[0, 30], [50, 30]]}})
     with pytest.raises(DesignError, match="E198"):
         sk.load({**ELLIPSOID, "water": {"mode": "table", "depth": 3, "pressures": 5}})

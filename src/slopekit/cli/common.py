@@ -1,6 +1,5 @@
 """What the commands share: options, reading a design, folders, faults as text or JSON."""
 
-import json
 import os
 import sys
 from contextlib import suppress
@@ -107,6 +106,8 @@ def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:
 
 def json_text(document: Any) -> str:
     """A document as every command prints it."""
+    import json  # a plain run prints none
+
     return json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False)
 
 

@@ -109,6 +109,25 @@ class GeometryError(SlopekitError):
     exit_code = 3
 
 
+class MisfitError(GeometryError):
+    """The planes form a block, and a value does not fit it: water deeper than its crack, a bolt that misses it.
+
+    Studies leave such a point out as they do one without a block; alone it is bad input. Exit code 2.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> beside = {"force": 200, "toward": "000/10", "head": (500, 0, 0)}
+    >>> try:
+    ...     sk.wedge(dips=("45/115", "45/245"), bolts=beside)
+    ... except sk.GeometryError as error:
+    ...     error.codes, error.exit_code
+    (('E211',), 2)
+    """
+
+    exit_code = 2
+
+
 class SolverError(SlopekitError):
     """The model cannot be handed to the solver (a bug of ours or a model beyond its reach). Exit code 5.
 

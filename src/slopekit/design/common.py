@@ -1,11 +1,10 @@
 """What designs of every kind share, in m, kN, kPa, kN/m³ and degrees."""
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
+from slopekit.core.codec import digest
 from slopekit.core.orientation import Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -288,7 +287,7 @@ class Design:
         for key in ("read_as", "crack_searched"):
             exact.pop(key, None)
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
-        return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+        return digest(exact)
 
 
 @dataclass(frozen=True, slots=True)

@@ -185,11 +185,11 @@ class Stiffness:
 
     normal_kn_m3: float = number(
         "normal", "stiffness", default=1.0e7, above=0.0, code="E132", example="1e7", role="setting",
-        label="normal_stiffness",
+        label="normal stiffness",
     )  # fmt: skip
     shear_kn_m3: float | None = number(
         "shear", "stiffness", default=None, above=0.0, code="E132", words=("clough-duncan",), of=HyperbolaParameters,
-        example="clough-duncan", role="setting", label="shear_stiffness",
+        example="clough-duncan", role="setting", label="shear stiffness",
     )  # fmt: skip
     hyperbola: HyperbolaParameters = HyperbolaParameters()
 

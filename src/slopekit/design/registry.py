@@ -1,14 +1,70 @@
-"""Which kinds of design there are, and where each says what it is: loaded when a design of it is asked for."""
+"""Which kinds of design there are: the files of `slopekit/kinds` with a line `KIND = ...`. A new kind is its file.
 
+Each is loaded when a design of it is asked for; to know that it is there takes a look at its text.
+"""
+
+import os
+from collections.abc import Iterator, MutableMapping
+from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from slopekit.design.common import Design
 
-#: The kinds by name: the module that has `KIND`, or itself for one from outside (`slopekit.kinds.register`).
-KINDS: dict[str, Any] = {
-    name: f"slopekit.kinds.{name}" for name in ("wedge", "plane", "footing", "surface", "topple", "bench", "blocks")
-}
+_FOLDER = Path(__file__).parents[1] / "kinds"
+#: The order in which the first are told; the others follow by their names.
+_TOLD_FIRST = ("wedge", "plane", "footing", "surface", "topple", "bench", "blocks")
+
+
+class _Kinds(MutableMapping[str, Any]):
+    """The kinds by name: the module that has `KIND`, or itself for one from outside (`slopekit.kinds.register`)."""
+
+    def __init__(self) -> None:
+        self._from_outside: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name in self._from_outside:
+            return self._from_outside[name]
+        if name in _files() and _says_a_kind(name):
+            return f"slopekit.kinds.{name}"
+        raise KeyError(name)
+
+    def __setitem__(self, name: str, kind: Any) -> None:
+        self._from_outside[name] = kind
+
+    def __delitem__(self, name: str) -> None:
+        del self._from_outside[name]
+
+    def __iter__(self) -> Iterator[str]:
+        shipped = {name for name in _files() if _says_a_kind(name)}
+        yield from sorted(shipped, key=_place)
+        yield from (name for name in self._from_outside if name not in shipped)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
+@cache
+def _files() -> dict[str, Path]:
+    """Where the modules of the folder stand, by their names."""
+    names = os.listdir(_FOLDER)
+    folders = {name: _FOLDER / name / "__init__.py" for name in names if "." not in name}
+    return folders | {name.removesuffix(".py"): _FOLDER / name for name in names if name.endswith(".py")}
+
+
+@cache
+def _says_a_kind(name: str) -> bool:
+    path = _files()[name]
+    return path.is_file() and b"\nKIND = " in path.read_bytes()
+
+
+def _place(name: str) -> tuple[int, str]:
+    return (_TOLD_FIRST.index(name) if name in _TOLD_FIRST else len(_TOLD_FIRST)), name
+
+
+#: The kinds that ship, and those from outside that were registered.
+KINDS = _Kinds()
 
 
 def kind_named(name: str) -> Any:

@@ -31,7 +31,7 @@ def kind_named(name: str) -> "Kind[Any]":
 
 def known_kind(name: object) -> "Kind[Any] | None":
     """What a kind says of itself; None for a name that is none, as documents from elsewhere may have."""
-    return kind_named(str(name)) if name in registry.KINDS else None
+    return kind_named(str(name)) if str(name) in registry.KINDS else None
 
 
 def kind_of(design: Design) -> "Kind[Any]":

@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.closed_form.footing import footing
 from slopekit.core import sheet
-from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, group, number
@@ -212,7 +212,7 @@ def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
     at = width / 2.0 if design.load_at_m is None else design.load_at_m
     if not 0.0 <= at <= width:
         message = f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide"
-        raise GeometryError([Fault("E219", message)])
+        raise MisfitError([Fault("E219", message)])
     return section, at
 
 

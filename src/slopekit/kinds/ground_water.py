@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
-from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.records import dataclass
 from slopekit.design.ground_water import TABLE, GroundWater, SlopeDesign
 from slopekit.geometry.cutting import Block
@@ -97,7 +97,7 @@ def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Flo
         x, y, z = at @ axes
         message = f"the water table lies {over:.4g} m above the ground at ({x:.4g}, {y:.4g}, {z:.4g})"
         advice = "Give a table at or below the ground; open water at the toe is a pond."
-        raise GeometryError([Fault("E456", message, "", advice)])
+        raise MisfitError([Fault("E456", message, "", advice)])
 
 
 def pushes(

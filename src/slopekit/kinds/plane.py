@@ -11,7 +11,7 @@ import numpy as np
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.core import sheet
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import Fault, GeometryError, Notice
+from slopekit.core.errors import Fault, GeometryError, MisfitError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -280,7 +280,7 @@ def _water_depth(design: PlaneDesign, depth: float) -> float:
         return design.water.fill * depth
     if given > depth * (1.0 + 1e-9):
         message = f"the water stands {given:.6g} m deep in a crack of {depth:.6g} m"
-        raise GeometryError([Fault("E207", message, "", "Give at most the depth of the crack.")])
+        raise MisfitError([Fault("E207", message, "", "Give at most the depth of the crack.")])
     return given
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
-from slopekit.core.errors import Fault, GeometryError, Notice
+from slopekit.core.errors import Fault, MisfitError, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
@@ -89,7 +89,7 @@ def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
     head = float(water.at((highest - [0.0, 0.0, 1e-6])[None, :])[0])
     if head > 1e-4:
         message = f"the water table lies {head / water.unit_weight:.4g} m above the highest block"
-        raise GeometryError([Fault("E456", message, "", "Give a table at or below the ground.")])
+        raise MisfitError([Fault("E456", message, "", "Give a table at or below the ground.")])
 
 
 def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterator[Notice]:
@@ -268,7 +268,7 @@ def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
                 middles.append(assembly.patches.centroids[k])
         if not sum(plans) > _IN_PLANE * whole:
             message = f"the surcharge on {name} has nothing to stand on: no part of it looks up and touches no other"
-            raise GeometryError([Fault("E461", message, "", "Name the block on top, or give a force.")])
+            raise MisfitError([Fault("E461", message, "", "Name the block on top, or give a force.")])
         loaded.append((block, _pressed(given[name], np.array(plans), np.array(middles))))
     return replace(scene, surcharge=tuple(loaded))
 

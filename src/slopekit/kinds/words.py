@@ -188,8 +188,13 @@ def weight_in_words(result: Result) -> str:
 
 
 def strength_in_words(strength: Strength, digits: str = ".1f") -> str:
-    """Cohesion and friction, and what else there is, angles with so many digits."""
-    words = f"c {strength.cohesion_kpa:{digits}} kPa  φ {strength.friction_angle_deg:{digits}}°"
+    """Cohesion and friction, and what else there is, angles with so many digits.
+
+    >>> strength_in_words(Strength(24.0, 20.0)), strength_in_words(Strength(1e12, 20.0))
+    ('c 24.0 kPa  φ 20.0°', 'c 1e+12 kPa  φ 20.0°')
+    """
+    cohesion = strength.cohesion_kpa
+    words = f"c {cohesion:{digits if cohesion < 1e9 else '.6g'}} kPa  φ {strength.friction_angle_deg:{digits}}°"
     if (law := strength.named_law) is not None:
         words = law.in_words()
     if strength.dilation_deg:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.errors import Fault, MisfitError
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.pressure import Pressure, fan
 from slopekit.kinds.ground_water import outward_of
@@ -44,12 +44,12 @@ def pushes(block: Block, joints: Sequence[int], crack: int, depth: float, unit_w
     ])  # fmt: skip
     if not free.any():
         message = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
-        raise GeometryError([Fault("E391", message, "", "Give the mean pressures: water: {pressures: ...}.")])
+        raise MisfitError([Fault("E391", message, "", "Give the mean pressures: water: {pressures: ...}.")])
     lowest = float(polygon[:, 2].min())
     holds = float(polygon[free, 2].min()) - lowest
     if depth > holds * (1.0 + _BRIM):
         message = f"the water stands {depth:.6g} m deep in a crack that holds {holds:.6g} m"
-        raise GeometryError([Fault("E207", message, "", "Give at most its depth where its upper edge is lowest.")])
+        raise MisfitError([Fault("E207", message, "", "Give at most its depth where its upper edge is lowest.")])
     level = lowest + depth
     thrust, at = Pressure((), level, unit_weight).on(polygon)
     loads = {f"water {crack}": PointForce(-thrust * outward_of(polygon), at)}
@@ -72,7 +72,7 @@ def _on_joint(
     ]
     if any(inside):
         message = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
-        raise GeometryError([Fault("E391", message, "", "Give the mean pressures: water: {pressures: ...}.")])
+        raise MisfitError([Fault("E391", message, "", "Give the mean pressures: water: {pressures: ...}.")])
     heads = np.where(at_crack, level - polygon[:, 2], 0.0)
     if at_crack.sum() != 2 or float(heads.max()) <= 0.0:
         return None

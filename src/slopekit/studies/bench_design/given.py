@@ -1,7 +1,5 @@
 """What a study of benches is given: the survey with its strengths and sizes, the benches to look at, what counts."""
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from functools import partial
@@ -11,7 +9,7 @@ import numpy as np
 
 from slopekit.closed_form.berms import catch_width
 from slopekit.core.arrays import Floats
-from slopekit.core.codec import json_of
+from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, normals, number
 from slopekit.core.records import dataclass
@@ -153,7 +151,7 @@ class BenchInputs:
         """SHA-256 of the inputs and the joints with their strengths and sizes."""
         values = [self.cohesion_kpa, self.friction_deg, self.trace_m, self.spacing_m, self.joints.quantities]
         exact = [self.to_dict(), self.joints.rows(), [json_of(part.tolist()) for part in values]]
-        return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+        return digest(exact)
 
 
 def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> BenchInputs:

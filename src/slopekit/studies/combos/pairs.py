@@ -7,8 +7,6 @@ the face. Where the crest is level, that is the height of every trace too. Where
 A wedge that a limit makes smaller keeps its shape and its crest: its toe moves up the face.
 """
 
-import hashlib
-import json
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -19,7 +17,7 @@ import numpy as np
 from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
-from slopekit.core.codec import json_of
+from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.core.orientation import Plane, number
 from slopekit.core.records import dataclass, names_of
@@ -207,7 +205,7 @@ class PairInputs:
             if inputs["limits"][key] == unsaid:
                 del inputs["limits"][key]
         exact = [inputs, planes, self.joints.rows(), strengths]
-        return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+        return digest(exact)
 
 
 def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairInputs:
