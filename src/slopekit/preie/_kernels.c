@@ -648,27 +648,46 @@ static PyObject *fronts(PyObject *self, PyObject *const *a, Py_ssize_t n)
     return capsule;
 }
 
-/* Adds the update (q, q) of a child to a front: `place` of its blocks, first those of the front's own. */
-static void extend(const Fronts *f, whole child, D *own, D *below, D *beside, D *rest, whole p, whole q)
+/* Adds the update (q, q) of a child to a front: `place` of its blocks, first those of the front's own. By tiles of two
+   blocks, whose u columns lie in the cache; what goes to `beside` is turned, so that it is written in order. */
+INLINE void extend(const Fronts *f, whole child, D *own, D *below, D *beside, D *rest, whole p, whole q, const int u)
 {
-    const whole u = f->u, wide = f->others[child], blocks = wide / u, *place = f->place + f->first_later[child];
+    const whole wide = f->others[child], blocks = wide / u, *place = f->place + f->first_later[child];
     const D *more = f->work + f->update[child];
-    for (whole b = 0; b < blocks; b++)
-        for (whole column = 0; column < u; column++) {
-            const whole at = place[b] * u + column;
-            const D *from = more + (b * u + column) * wide;
-            for (whole a = f->symmetric ? b : 0; a < blocks; a++) {
-                const whole row = place[a] * u;
-                D *to;
-                if (at < p) to = row < p ? own + at * p + row : below + at * q + row - p;
-                else if (row >= p) to = rest + (at - p) * q + row - p;
-                else { /* stored transposed */
-                    for (whole i = 0; i < u; i++) beside[(row + i) * q + at - p] += from[a * u + i];
-                    continue;
-                }
-                for (whole i = 0; i < u; i++) to[i] += from[a * u + i];
+    for (whole b = 0; b < blocks; b++) {
+        const whole at = place[b] * u;
+        for (whole a = f->symmetric ? b : 0; a < blocks; a++) {
+            const whole row = place[a] * u;
+            const D *restrict from = more + b * u * wide + a * u;
+            if (at >= p && row < p) { /* stored transposed */
+                D *restrict to = beside + row * q + at - p;
+                for (int i = 0; i < u; i++)
+                    for (int column = 0; column < u; column++) to[i * q + column] += from[column * wide + i];
+                continue;
             }
+            D *restrict to = at >= p   ? rest + (at - p) * q + row - p
+                             : row < p ? own + at * p + row
+                                       : below + at * q + row - p;
+            const whole step = at < p && row < p ? p : q;
+            for (int column = 0; column < u; column++)
+                for (int i = 0; i < u; i++) to[column * step + i] += from[column * wide + i];
         }
+    }
+}
+
+/* Whether all of some entries are smaller than a positive number, none of them NaN. As integers doubles without their
+   sign are in the same order, NaN last. */
+static int all_smaller(const D *entries, whole count, double than)
+{
+    const uint64_t size = ~(uint64_t)0 >> 1;
+    uint64_t below = ~(uint64_t)0, limit;
+    memcpy(&limit, &than, sizeof limit);
+    for (whole i = 0; i < count; i++) {
+        uint64_t bits;
+        memcpy(&bits, entries + i, sizeof bits);
+        below &= (bits & size) - limit;
+    }
+    return below >> 63;
 }
 
 /* factored(fronts, growth, entries, pivots) -> whether it went */
@@ -688,7 +707,8 @@ static PyObject *factored(PyObject *self, PyObject *const *a, Py_ssize_t n)
         D *rest = f->work + f->update[k];
         memset(rest, 0, f->others[k] * q * sizeof(D));
         for (whole i = f->first_child[k]; i < f->first_child[k + 1]; i++)
-            extend(f, f->child[i], own, below, beside, rest, p, q);
+            if (f->u == 6) extend(f, f->child[i], own, below, beside, rest, p, q, 6);
+            else extend(f, f->child[i], own, below, beside, rest, p, q, (int)f->u);
         if (f->symmetric) {
             dpotrf("L", &p, own, &p, &info);
             good = info == 0;
@@ -702,7 +722,7 @@ static PyObject *factored(PyObject *self, PyObject *const *a, Py_ssize_t n)
         good = info == 0;
         if (!good || !q) continue;
         dtrsm("R", "U", "N", "N", &q, &p, &one, own, &p, below, &q);
-        for (whole i = 0; i < f->own[k] * q; i++) good &= fabs(below[i]) < growth;
+        good = all_smaller(below, f->own[k] * q, growth);
         for (int i = 0; i < p; i++) {
             D *x = beside + (whole)i * q, *y = beside + (whole)(swap[i] - 1) * q;
             for (int j = 0; x != y && j < q; j++) {

@@ -162,7 +162,7 @@ class AssemblyModel:
             tan_friction=self.tan_friction[groups], tan_dilation=self.tan_dilation[groups],
             patch=self.patch[contacts[contacts < len(self.patch)]], points=self.points[pairs],
             moving=self.moving[blocks], load=self.load[blocks], live=self.live[blocks],
-            kinematics=kinematics, statics=kinematics.T.tocsr(), bolts=bolts,
+            kinematics=kinematics, statics=kinematics.T, bolts=bolts,
             lines=None if self.lines is None else self.lines.chosen(pairs),
         )  # fmt: skip
         return model, contacts, pairs, groups

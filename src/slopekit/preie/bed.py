@@ -16,6 +16,7 @@ import copy
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -136,9 +137,6 @@ class Bed:
             self._of_held = np.concatenate([of_pairs, of_groups.ravel()])
         self.pairs, (self.groups, self.tangents) = len(model.control_area), model.slip_rows.shape[:2]
         self.size = model.load.size
-        dense = math.prod(model.kinematics.shape) <= _DENSE
-        self.rows: Any = model.kinematics.toarray() if dense else model.kinematics
-        self.columns: Any = np.ascontiguousarray(self.rows.T) if dense else model.statics
         self.area = model.control_area
         self.group_of_pair = model.group_of_pair
         self.spring = ratio * self._summed(self.area)
@@ -146,7 +144,7 @@ class Bed:
         self.friction = model.tan_friction
         self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
-        self.stiffness = SparseStiffness(model)
+        self.stiffness = SparseStiffness(model, symmetric=held is None)
         self.contacts = len(model.plus)
         self._pattern = ContactPattern(model)
         self._pressing = self.area[:, None] * model.normal_rows
@@ -165,12 +163,41 @@ class Bed:
         own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
         own = np.maximum(own, LIGHTEST_ON_BED * float(own.max(initial=0.0)))
         self.unbalanced_at_most = EACH_BALANCED * np.repeat(own, model.unknowns)
-        elastic = self.factored(self.elastic)  # not kept: of thousands of blocks it is 200 MB
-        self.elastic_displacement: Floats = elastic(drive.load)
         self.working = self._working()
-        self.elastic_work = abs(float(self.working @ self.elastic_displacement))
-        if drive.ramp is not None:
-            self.elastic_work = abs(float(self.working @ elastic(drive.working)))
+        if held is None:  # of a few blocks hardly anybody asks
+            self._at_first = self._elastic()
+
+    @cached_property
+    def rows(self) -> Any:
+        """B, (m + g t, N)."""
+        dense = math.prod(self.model.kinematics.shape) <= _DENSE
+        return self.model.kinematics.toarray() if dense else self.model.kinematics
+
+    @cached_property
+    def columns(self) -> Any:
+        """Bᵀ."""
+        return np.ascontiguousarray(self.rows.T) if isinstance(self.rows, np.ndarray) else self.model.statics
+
+    @cached_property
+    def _at_first(self) -> tuple[Floats, float]:
+        return self._elastic()
+
+    def _elastic(self) -> tuple[Floats, float]:
+        """Where joints that stick and pull come to rest (N,), and the work that drives them there."""
+        solver = self.factored(self.elastic)  # not kept: of thousands of blocks it is 200 MB
+        rest = solver(self.drive.load)
+        driven = rest if self.drive.ramp is None else solver(self.drive.working)
+        return rest, abs(float(self.working @ driven))
+
+    @property
+    def elastic_displacement(self) -> Floats:
+        """Of joints that stick and pull, (N,)."""
+        return self._at_first[0]
+
+    @property
+    def elastic_work(self) -> float:
+        """What drives does that work there."""
+        return self._at_first[1]
 
     def _working(self) -> Floats:
         """What the work of the path is measured with, (N,): the load that drives.

@@ -53,6 +53,7 @@ def relaxed(
     before, last, fails, least, begun = at, viscosity, 0, _THIN, 0.0
     if bed.tangents > 1:  # slivers that have slid and come to rest again do not run
         begun = abs(float(bed.working @ at))
+    beyond = begun + runs_at * bed.elastic_work
     patience += bed.factorisations
     for _ in range(most):
         if bed.factorisations > patience:
@@ -67,7 +68,7 @@ def relaxed(
         before, at, last, fails = at, step.at, viscosity, 0
         if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
             return Flow(at, step.forces, "rest", before, last)
-        if abs(float(bed.working @ at)) > begun + runs_at * bed.elastic_work:
+        if abs(float(bed.working @ at)) > beyond:
             return Flow(at, step.forces, "runs", before, last)
         least = max(_GENTLY * least, _THIN)
         viscosity = max(EASES * viscosity, least)

@@ -50,6 +50,7 @@ class SparseStiffness:
     Parameters
     ----------
     way : Dense, Band or Fronts; the fastest by estimate where it is not given
+    symmetric : whether the first K is; the other kind is planned when it comes
 
     Raises
     ------
@@ -57,12 +58,14 @@ class SparseStiffness:
         E504 the factors do not fit into memory.
     """
 
-    def __init__(self, model: AssemblyModel, way: "type[Dense | Band | Fronts] | None" = None) -> None:
+    def __init__(
+        self, model: AssemblyModel, way: "type[Dense | Band | Fronts] | None" = None, symmetric: bool = True
+    ) -> None:
         self.model, self.way = model, way
         self.motion = np.concatenate([model.plus_motion, model.minus_motion], axis=2)
         self.motion_t = np.ascontiguousarray(self.motion.transpose(0, 2, 1))
         self.contacts = compiled_contacts(model)
-        self.plans = {True: self._planned(self._chosen(True))}
+        self.plans = {symmetric: self._planned(self._chosen(symmetric))}
         self._dense_index: Ints | None = None
         self._effort = factorisation(model.load.size)
 
