@@ -319,11 +319,38 @@ def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_d
     """Bench 67: its strength divided last has the value (W477), and what the design there says of its cohesion."""
     found = sk.solve(_bench(67), KEY, fos=1.0)
     there = sk.run(with_values(_bench(67), {KEY: found.answer.value}))
-    of_bonds = [notice.message for notice in there.warnings if notice.code in ("W307", "W484", "W486", "W494")]
+    at = f"of the factor of safety at {KEY} = {found.answer.value:.4g}: "  # a factor there is no coefficient
+    of_bonds = [at + notice.message for notice in there.warnings if notice.code in ("W307", "W484", "W486", "W494")]
     assert of_bonds
     said = [notice.message for notice in found.warnings]
     assert "W477" in [notice.code for notice in found.warnings]
     assert [message for message in said if message in of_bonds] == of_bonds
+
+
+@pytest.mark.parametrize(("without", "said"), [(1.02, True), (1.0005, False), (0.9, False)])
+def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, said) -> None:
+    """W500 names the strength whose cohesion is better gone: what rests without it rests with it, another way."""
+    given = _bench(69)
+    cohesive = [name for name, strength in given.strengths if strength.cohesion_kpa > 0.0]
+    asked_first = []
+    real = by_factor._path_in_load
+
+    def path(asked):
+        if not asked_first:
+            asked_first.append(real(asked))
+        (whole,) = asked_first
+        gone = dict(asked.design.strengths)[cohesive[0]].cohesion_kpa == 0.0
+        return replace(whole, multiplier=whole.multiplier * without) if gone else whole
+
+    monkeypatch.setattr(by_factor, "_path_in_load", path)
+    found = sk.solve(given, KEY, fos=1.0)
+    (whole,) = asked_first
+    assert found.answer.value == pytest.approx(whole.multiplier, rel=1e-9)
+    told = [notice.message for notice in found.warnings if notice.code == "W500"]
+    assert bool(told) == said
+    for message in told:
+        assert f"without the cohesion of {cohesive[0]} the blocks stand {KEY} up to" in message
+        assert f"up to {whole.multiplier * without:.4g}, with it {found.answer.value:.4g}:" in message
 
 
 def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had_not_settled(monkeypatch) -> None:

@@ -9,7 +9,7 @@ from functools import partial
 from itertools import groupby, pairwise
 from typing import TypeAlias
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
@@ -50,6 +50,7 @@ _ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
 _SAME = 2e-3  # a step that other node pairs make in the factor of PRE-IE: no jump
 _SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
 _LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
+_HAS_FACTORS = ("W307", "W484", "W486", "W493", "W494")
 _K, _UNIT_LOAD = "loads.seismic.k", 1.0
 _OF_PATH = 0.5  # of the work that is allowed, for the path in a load
 _PUT_BACK = 0.1 * effort.MOST  # for the factor of a limit state: it vouches for itself
@@ -57,6 +58,7 @@ _ABOVE = 1e-4  # of a value: a factor that falls on this by more than a jump doe
 _FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value of the path in a load, where the factor is above the target
 _SECANTS = 10  # from there to the value where it is the target
 _LOAD_RESOLUTION, _LOAD_NEAR, _LOAD_JUMP = 1e-7, 4e-7, (1e-4, 0.02)
+_MORE = 1e-3  # of a value: with less cohesion one that is higher by more is said
 _FALLS = (0.0, 0.01, 0.1)  # of the range: where a factor below the target has to fall, to be left alone
 _Samples: TypeAlias = list[Sample[Point]]
 
@@ -295,7 +297,11 @@ def _of_load(asked: _FactorRequest, whole: bool, lower: bool) -> tuple[Answers, 
             beyond, last = last.multiplier, None
         direct, jumps, crossings = _driven(search, asked, whole, lower, last)
         spent = effort.is_spent()
-    answers = _answers("pre_ie", asked, search, crossings) if direct is None else _in_load(asked, direct, jumps)
+        answers = _answers("pre_ie", asked, search, crossings) if direct is None else _in_load(asked, direct, jumps)
+        if answers.roots and not spent:
+            first = answers.roots[0]
+            first = replace(first, notes=(*first.notes, *_higher_without_cohesion(asked, first)))
+            answers = replace(answers, roots=(first, *answers.roots[1:]))
     if spent and not answers.roots:
         return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True, beyond
     if answers.roots:
@@ -305,6 +311,30 @@ def _of_load(asked: _FactorRequest, whole: bool, lower: bool) -> tuple[Answers, 
         first = replace(first, not_compared=_not_compared(asked, first, cut, beyond))
         answers = replace(answers, roots=(first, *answers.roots[1:]))
     return answers, spent, beyond
+
+
+def _higher_without_cohesion(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
+    """W500: with less cohesion the same blocks stand a higher load.
+
+    A state at rest without some cohesion is one with it, too: in balance, within strength, open where it was open. But
+    bonds that hold longer let go under more load, of other contacts, and what is left may carry less.
+    """
+    lost = any(notice.code == "W307" for notice in solved.notes)
+    cohesive = [name for name, given in getattr(asked.design, "strengths", ()) if given.cohesion_kpa > 0.0]
+    highest: tuple[float, list[str]] | None = None
+    for without in ([[name] for name in cohesive] + [cohesive] * (len(cohesive) > 1)) if lost else ():
+        try:
+            less = with_values(asked.design, {f"strength.{name}.c": 0.0 for name in without})
+        except DesignError:  # a strength that is not given by c
+            continue
+        at = _path_in_load(replace(asked, design=less))
+        if at is not None and at.multiplier > max(solved.value * (1.0 + _MORE), highest[0] if highest else 0.0):
+            highest = at.multiplier, without
+    if highest is not None:
+        named, stands = " and ".join(highest[1]), asked.key.shown(highest[0], 4)
+        yield Notice("W500", f"without the cohesion of {named} the blocks stand {asked.key.path} up to {stands}, with "
+                     f"it {asked.key.shown(solved.value, 4)}: bonds that hold longer break under more load, and less "
+                     "is left; the lower of the two is the answer")  # fmt: skip
 
 
 def _not_compared(asked: _FactorRequest, solved: SolvedValue, cut: bool, beyond: float | None) -> str:
@@ -416,7 +446,7 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
     notes = () if at.bonds is None else tuple(bond_notices(at.bonds, partial(asked.key.shown, digits=4), "load"))
     if known is not None and known.factors is not None:  # of the factor there, what the path in the load does not say
         said = {notice.code for notice in notes}
-        notes += tuple(notice for notice in known.factors.notes if notice.code not in said)
+        notes += tuple(notice for notice in _of_factor(asked, at.multiplier, known) if notice.code not in said)
     if last is not None and at.runs is None and abs(last - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
         assert known is not None
         here = at.multiplier, last
@@ -433,6 +463,15 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
             notes=notes,
         )  # fmt: skip
     return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
+
+
+def _of_factor(asked: _FactorRequest, value: float, there: Point) -> Iterator[Notice]:
+    """What the factor at a value says of cohesion: its numbers are factors, and a load's are loads."""
+    for notice in () if there.factors is None else there.factors.notes:
+        if notice.code in _HAS_FACTORS and _LOAD.fullmatch(asked.key.path):
+            where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
+            notice = Notice(notice.code, where + notice.message)
+        yield notice
 
 
 def _crossings(search: RootSearch[Point]) -> list[Crossing[Point]]:
@@ -479,7 +518,7 @@ def _found(method: Method, asked: _FactorRequest, crossing: Crossing[Point]) -> 
     best = crossing.best
     ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
     factor = factor_at(best.found, method) or 0.0
-    notes = best.found.factors.notes if method == "pre_ie" and best.found.factors is not None else ()
+    notes = tuple(_of_factor(asked, best.at, best.found)) if method == "pre_ie" else ()
     return SolvedValue(
         crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found, notes=notes
     )
