@@ -291,6 +291,12 @@ def test_a_link_that_leads_nowhere_is_said_to(tmp_path) -> None:
     assert run.stderr.startswith("E147 wall.yaml leads to gone.yaml, which does not exist")
 
 
+def test_a_dash_and_an_empty_name_are_no_files(tmp_path) -> None:
+    """`run -` said that `- does not exist`, and `run "$FILE"` of a variable that is not set began with two spaces."""
+    assert "is read as /dev/stdin" in slopekit("run", "-", cwd=tmp_path).stderr
+    assert slopekit("run", "", cwd=tmp_path).stderr.startswith("E147 the name of a file is empty")
+
+
 def test_a_name_with_a_gap_is_quoted_to_be_typed(tmp_path) -> None:
     run = slopekit("templates", "new", "plane", "my cut.yaml", cwd=tmp_path)
     assert run.stdout == "wrote my cut.yaml; try: slopekit run 'my cut.yaml'\n"

@@ -32,7 +32,11 @@ def template(name):
 
 def with_law(design, law):
     """A design with one law on all of its joints."""
-    strength = Strength.by_law(law)
+    return with_strength(design, Strength.by_law(law))
+
+
+def with_strength(design, strength):
+    """A design with one strength on all of its joints."""
     if hasattr(design, "joints") and hasattr(design, "laws"):
         return design.with_strengths([strength, strength])
     if hasattr(design, "strengths"):
@@ -83,20 +87,33 @@ def test_the_papers_wedge(law, mean, varying) -> None:
 )  # fmt: skip
 @pytest.mark.parametrize("name", ["wedge", "plane", "footing", "blocks", "topple"])
 def test_a_straight_curve_is_mohr_coulomb(name, curved, straight) -> None:
-    """Power curves with b = 1, bilinear laws of equal slopes, waves on a line: both factors to 1e-12."""
+    """Power curves with b = 1, bilinear laws of equal slopes, waves on a line: both factors to 1e-12.
+
+    Taken for the line that they are, as files have them, and solved as a curve.
+    """
     design = template(name)
-    strength = Strength(straight.cohesion_kpa, straight.friction_angle_deg)
-    if name == "wedge":
-        plain = design.with_strengths([strength, strength])
-    elif hasattr(design, "strengths"):
-        plain = replace(design, strengths=tuple((own, strength) for own, _ in design.strengths))
-    else:
-        plain = replace(design, strength=strength)
-    one, other = factors_of(with_law(design, curved)), factors_of(plain)
-    assert one.status == other.status
-    assert one.limit == pytest.approx(other.limit, rel=1e-12)
-    if name in ("wedge", "plane", "footing"):
-        assert one.closed_form == pytest.approx(other.closed_form, rel=1e-12)
+    c, phi = straight.cohesion_kpa, straight.friction_angle_deg
+    other = factors_of(with_strength(design, Strength(c, phi)))
+    for strength in (Strength.by_law(curved), Strength(c, phi, law=curved)):
+        one = factors_of(with_strength(design, strength))
+        assert one.status == other.status
+        assert one.limit == pytest.approx(other.limit, rel=1e-12)
+        if name in ("wedge", "plane", "footing"):
+            assert one.closed_form == pytest.approx(other.closed_form, rel=1e-12)
+
+
+@pytest.mark.parametrize("curved", [PowerCurve(math.tan(math.radians(40.0)), 1.0), Bilinear(40.0, 0.0, 300.0),
+                                    BartonBandis(0.0, 50e3, 40.0), Wavy(Bilinear(30.0, 0.0, 9.0), 5.0)],
+                         ids=lambda law: law.in_words())  # fmt: skip
+def test_a_law_that_is_a_line_is_solved_as_one(curved) -> None:
+    """On every kind: a bench on the lines of its tractions ended in a peak 3e-4 off, with W317."""
+    strength = Strength.by_law(curved)
+    assert (strength.law, strength.made_of) == (None, curved)
+    tangent = math.tan(math.radians(strength.friction_angle_deg))
+    at = np.array([0.0, 1.0, 500.0])
+    assert strength.cohesion_kpa + at * tangent == pytest.approx(curved.resistance(at), rel=1e-14)
+    design = template("bench")
+    assert not any(one.law for _, one in with_law(design, curved).strengths)
 
 
 @pytest.mark.parametrize("law", CURVED, ids=lambda law: law.name)

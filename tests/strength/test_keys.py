@@ -62,10 +62,10 @@ KINDS = {
 
 
 def law_of(design):
-    """The law of a design's one strength."""
+    """The law of a design's one strength, curved or straight."""
     if hasattr(design, "laws"):
-        return design.laws[0]
-    return design.strengths[0][1].law if hasattr(design, "strengths") else design.strength.law
+        return design.laws[0] or design.made_of[0]
+    return (design.strengths[0][1] if hasattr(design, "strengths") else design.strength).named_law
 
 
 def codes(strength, of=WEDGE):
@@ -185,5 +185,5 @@ def test_a_joint_list_counts_before_the_design_beside_waves_too(tmp_path) -> Non
     )  # fmt: skip
     for strength, c, phi in zip(design.strengths, (11.0, 12.0), (31.0, 32.0), strict=True):
         steep = tan(radians(phi)) + tan(radians(4.0))
-        assert strength.law.resistance(np.array([0.0, 10.0])) == pytest.approx([c, c + 10.0 * steep], rel=1e-12)
+        assert strength.named_law.resistance(np.array([0.0, 10.0])) == pytest.approx([c, c + 10.0 * steep], rel=1e-12)
     assert f"c of the design for A: {path} has its own" in design.left_out

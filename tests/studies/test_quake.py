@@ -383,7 +383,7 @@ def test_a_factor_just_below_one_is_not_said_to_be_one() -> None:
 
 @pytest.mark.parametrize(("name", "arguments", "said"), [
     ("footing", (), "a footing has none"), ("footing", ("--toward", "90"), "a footing has none"),
-    ("wall", (), "Give --toward 270"), ("wall", ("--toward", "45"), "--toward is 45"),
+    ("wall", ("--set", "loads={}"), "Give --toward 270"), ("wall", ("--toward", "45"), "--toward is 45"),
 ])  # fmt: skip
 def test_designs_that_take_no_shaking_say_what_is_missing(name, arguments, said) -> None:
     """Not which key of the file nobody typed is wrong."""

@@ -55,6 +55,8 @@ def test_one_motion_in_many_files(tmp_path, text) -> None:
     (_columns("time (s),acceleration (g)").replace("0.1000,", "0.1000,x"), "E513", "line 7 holds 'x"),
     (_columns("time (s),acceleration (g)").replace("0.1000,", "0.1000,1,"), "E512", "line 7 has 3 columns"),
     (_columns("time (s),acceleration (g)").replace("0.1000,", "nan,"), "E513", "line 7"),
+    (_columns("time (s),acceleration (g)").replace("0.0000,", "0.0000,O", 1), "E513", "line 2 holds 'O"),
+    (_columns("time ms,acceleration (g)"), "E514", "times are in ms"),
     (_columns("time (s),acceleration (g)", 0.0 * VALUES), "E516", "nothing but zeros"),
     ("time (s),acceleration (g)\n0,0.1\n", "E516", "1 sample"),
     ("one,two\nthree,four\n", "E513", "no line holds numbers alone"),

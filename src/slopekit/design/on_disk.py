@@ -10,6 +10,8 @@ from slopekit.design.nodes import cut, fail, printable
 
 MAX_BYTES = 5_000_000
 
+_STDIN = "A file is needed; what a command pipes in is read as /dev/stdin, where the system has that."
+
 
 def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
     """The bytes of a file that has at most so many.
@@ -27,7 +29,10 @@ def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
         with suppress(OSError, ValueError):
             if Path(path).is_symlink():
                 fail("E147", f"{name} leads to {os.readlink(path)}, which does not exist", shown)
-        raise DesignError([Fault("E147", f"{name} does not exist", shown, _nearest_file(Path(path)))]) from None
+        if not str(path):
+            fail("E147", "the name of a file is empty", "''")
+        advice = _STDIN if str(path) == "-" else _nearest_file(Path(path))
+        raise DesignError([Fault("E147", f"{name} does not exist", shown, advice)]) from None
     except IsADirectoryError:
         inside = sorted(
             name for name in _names_in(Path(path)) if name.endswith((".yaml", ".yml", ".csv")) and name[0] != "."

@@ -200,7 +200,8 @@ def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float |
         return seismic
     if trend is None:
         message = "the seismic load has no direction, and the blocks do not say which way the slope falls"
-        reader.fault("E253", message, node, "Write seismic: {k: 0.1, toward: 270}.")
+        advice = "Write seismic: {k: 0.1, toward: 270}, or add --set loads.seismic.toward=270."
+        reader.fault("E253", message, node, advice)
     elif in_section and min(abs(trend - known) for known in _SECTION_TRENDS) > _TREND_TOLERANCE:
         message = f"the seismic load acts toward {number(trend)}, in a section it acts toward 090 or 270"
         reader.fault("E253", message, node.get("toward") or node, "x is east (090), -x west (270).")

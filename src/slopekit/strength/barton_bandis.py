@@ -18,6 +18,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
+from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.reduced import Reduced
 
 STEEPEST_DEG = 70.0
@@ -69,6 +70,11 @@ class BartonBandis:
         metadata={"key": "length_0", "unit": "length", "above": 0.0, "example": "0.1 m",
                   "doc": "length of the sample that JRC and JCS were found on"},
     )  # fmt: skip
+
+    @property
+    def straight(self) -> MohrCoulomb | None:
+        """The line that it is at JRC 0; None where it is curved."""
+        return None if self.jrc else MohrCoulomb(0.0, self.phi_r_deg)
 
     @property
     def scaled(self) -> tuple[float, float]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
+from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.reduced import Reduced
 
 
@@ -34,6 +35,11 @@ class Bilinear:
         metadata={"key": "sigma_t", "sign": "σ_t", "unit": "pressure", "above": 0.0, "example": "300 kPa",
                   "doc": "normal traction above which the asperities are sheared"}
     )  # fmt: skip
+
+    @property
+    def straight(self) -> MohrCoulomb | None:
+        """The line that it is without asperities; None where it is curved."""
+        return None if self.i_deg else MohrCoulomb(0.0, self.phi_deg)
 
     @property
     def _slopes(self) -> tuple[float, float]:

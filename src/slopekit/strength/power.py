@@ -5,6 +5,7 @@
 Source: Jaeger (1971), Géotechnique 21, 97-134; in SWedge, RocPlane and UnWedge as "power curve".
 """
 
+import math
 from dataclasses import field
 from typing import ClassVar
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
+from slopekit.strength.mohr_coulomb import MohrCoulomb
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +34,11 @@ class PowerCurve:
         metadata={"key": "d", "unit": "pressure", "least": 0.0, "example": "10 kPa",
                   "doc": "strength at no normal traction; lost where the joint opens, as cohesion"},
     )  # fmt: skip
+
+    @property
+    def straight(self) -> MohrCoulomb | None:
+        """The line that it is at b = 1; None where it is curved."""
+        return MohrCoulomb(self.d_kpa, math.degrees(math.atan(self.a))) if self.b == 1.0 else None
 
     def resistance(self, normal: Floats) -> Floats:
         """τ (n,) kPa.

@@ -14,6 +14,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
+from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.protocol import StrengthLaw
 
 
@@ -27,6 +28,19 @@ class Wavy:
         metadata={"key": "waviness", "sign": "φ_w", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0,
                   "example": "5", "doc": "angle of the large waves, on any law"}
     )  # fmt: skip
+
+    @property
+    def straight(self) -> MohrCoulomb | None:
+        """The line that it is on one; None where its law is curved.
+
+        >>> round(Wavy(MohrCoulomb(50.0, 45.0), 45.0).straight.friction_angle_deg, 6)
+        63.434949
+        """
+        below = self.law if isinstance(self.law, MohrCoulomb) else getattr(self.law, "straight", None)
+        if below is None:
+            return None
+        tangent = math.tan(math.radians(below.friction_angle_deg)) + self._tangent
+        return MohrCoulomb(below.cohesion_kpa, math.degrees(math.atan(tangent)))
 
     @property
     def _tangent(self) -> float:

@@ -375,12 +375,13 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
         raise DesignError(
             [Fault("E513", f"{name}: no line holds numbers alone, line {line} is {text[:40]!r}", f"{name}:{line}")]
         )
+    _not_a_sample(name, [(line, cells(text)) for line, text in rows[max(first - 1, 0) : first + 2]])
     width = len(cells(rows[first][1]))
     heads = _heads(rows[first - 1][1], mark, width) if first else []
     at = _places(name, heads, width, rows[first][0])
     if heads:
         _are_a_motion(name, heads[at[0]], heads[at[1]], rows[first - 1][0])
-    if heads and _plain(heads[at[0]]) in _TIMES and (other := _MILLI.search(heads[at[0]])):
+    if heads and _plain(heads[at[0]]).partition(" ")[0] in _TIMES and (other := _MILLI.search(heads[at[0]])):
         message = f"{name}: times are in {other[1]}, in seconds they are needed"
         raise DesignError([Fault("E514", message, f"{name}:{rows[first - 1][0]}", "Divide them by 1000: time (s).")])
     stated = _unit_of_head(heads[at[1]]) if heads else None
@@ -408,6 +409,19 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
             break
     faults.refuse()
     return record_of(name, times, values, stated or unit or "")
+
+
+def _not_a_sample(name: str, rows: Sequence[tuple[int, list[str]]]) -> None:
+    """Whether the line above the numbers is a head: E513 where its time is one step before theirs."""
+    if len(rows) < 3 or len({len(parts) for _, parts in rows}) > 1 or not all(map(_is_number, rows[2][1])):
+        return
+    line, above = rows[0]
+    for k, part in enumerate(above):
+        if _is_number(part):
+            time, first, second = (float(_with_e(parts[k])) for _, parts in rows)
+            if second > first and math.isclose(first - time, second - first, rel_tol=1e-3):
+                for other in above:
+                    _value(other, name, line)
 
 
 def _is_number(text: str) -> bool:
