@@ -377,9 +377,29 @@ class Result(Shown):
             "rotation": self.mechanism.rotation.tolist(),
         }
 
+    def _displacements(self) -> dict[str, Any]:
+        """At full strength, by the criterion of all pairs, and along the series of factors."""
+        full, pairs = self.at_factor_one, self.all_pairs
+        return {
+            "at_factor_one": None if full is None else {
+                **_moved(full.movement), "failed_pairs": full.failed_pairs, "residual": full.residual,
+                "block": full.block,
+            },
+            "all_pairs": None if pairs is None else {
+                "bracket": json_of(pairs.bracket),
+                "lost_equilibrium": pairs.lost_equilibrium,
+                "history": [
+                    {"factor": factor, "failed_pairs": count} for factor, count in sorted(pairs.history)
+                ],
+            },
+            "series": [
+                {"factor": one.factor, "stands": one.stands, "failed_pairs": one.failed_pairs, **_moved(one.movement)}
+                for one in self.series
+            ],
+        }  # fmt: skip
+
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values."""
-        one, pairs = self.at_factor_one, self.all_pairs
         return {
             "slopekit": __version__,
             "kind": self.kind,
@@ -409,28 +429,7 @@ class Result(Shown):
             "model": json_of(self.model),
             "balance": json_of(self.balance),
             "mechanism": self._mechanism(),
-            "at_factor_one": None if one is None else {
-                "displacement_m": one.movement.displacement.tolist(),
-                "rotation_rad": one.movement.rotation.tolist(),
-                "failed_pairs": one.failed_pairs,
-                "residual": one.residual,
-                "block": one.block,
-            },
-            "all_pairs": None if pairs is None else {
-                "bracket": json_of(pairs.bracket),
-                "lost_equilibrium": pairs.lost_equilibrium,
-                "history": [
-                    {"factor": factor, "failed_pairs": count} for factor, count in sorted(pairs.history)
-                ],
-            },
-            "series": [
-                {
-                    "factor": step.factor, "stands": step.stands, "failed_pairs": step.failed_pairs,
-                    "displacement_m": None if step.movement is None else step.movement.displacement.tolist(),
-                    "rotation_rad": None if step.movement is None else step.movement.rotation.tolist(),
-                }
-                for step in self.series
-            ],
+            **self._displacements(),
             "assembly": json_of(self.findings),
             "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in self.governs],
             "inputs": self.design.inputs(),
@@ -441,3 +440,11 @@ class Result(Shown):
             "scene": self.scene.to_dict(),
             "sheet": self.sheet.to_dict(),
         }  # fmt: skip
+
+
+def _moved(movement: Movement | None) -> dict[str, Any]:
+    """How a block has moved, as JSON values; null where it is not known."""
+    return {
+        "displacement_m": None if movement is None else movement.displacement.tolist(),
+        "rotation_rad": None if movement is None else movement.rotation.tolist(),
+    }

@@ -8,7 +8,6 @@ import pytest
 
 from slopekit.closed_form.columns import (
     Columns,
-    all_equilibrium,
     bishop,
     cylinder_columns,
     ellipsoid_columns,
@@ -24,6 +23,14 @@ PAPER = {"centre": (40.0, 0.0, 40.0), "radii": (40.0, math.sqrt(800.0), 40.0), "
 FACE = [(60.0, 0.0), (40.0, 0.0), (0.0, 40.0), (-20.0, 40.0)]
 FREDLUND = [(0.0, 60.0), (60.0, 60.0), (140.0, 20.0), (200.0, 20.0)]  # ft
 X = (1.0, 0.0)
+
+
+def all_equilibrium(*given) -> float | None:
+    """The factor alone of `global_equilibrium`."""
+    equilibrium = global_equilibrium(*given)
+    return None if equilibrium is None else equilibrium.factor
+
+
 METHODS = [fellenius, janbu, bishop, all_equilibrium]
 
 

@@ -170,16 +170,14 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
     offset = dot(upper, crest1)
     climb = dot(upper, rows(traces, 1))
     crest2 = times(rows(traces, 1), offset / climb)
-    code = np.zeros(count, dtype=np.int8)
-    for where, name in (
+    code = _last_of(
         (climb * climb < SAME_DIRECTION**2 * squares[1], "E206"),
         (~(offset > 0.0), "E209"),
         (np.abs(traces[2][0]) < SAME_DIRECTION, "E206"),
         ((squares < SAME_DIRECTION**2).any(axis=0), "E206"),
         (dot(crest_edge, crest_edge) < SAME_DIRECTION**2, "E209"),
         (dot(line, line) < SAME_DIRECTION**2, "E434"),
-    ):
-        code[where] = _NUMBER[name]
+    )
 
     # the wedge lies between the traces, above the point in which they meet or, a socket wedge, below it
     at = times(up1, columns["basal_height_m"])
@@ -206,14 +204,20 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
         deep = [(offsets[_UPPER] - dot(upper, end)) / upper[2] for end in edges.ends]
         depth = np.where(on, np.maximum(*deep), 0.0).max(axis=0)
     none = areas <= _NONE * areas.sum(axis=0)
-    block_code = np.zeros(count, dtype=np.int8)
-    for where, name in (
+    block_code = _last_of(
         (none[_CRACK] if len(names) > _CRACK else np.zeros(count, dtype=np.bool_), "E207"),
         (none[_J1] | none[_J2], "E444"), (none[_BASAL], "E440"), (none[_FACE], "E442"), (edges.endless, "E443"),
         (~edges.endless & ~(volume > 0.0), "E441"),
-    ):  # fmt: skip
-        block_code[where] = _NUMBER[name]
+    )  # fmt: skip
     return _ConvexBlock(inward, areas, volume, height, depth, np.where(code, code, block_code))
+
+
+def _last_of(*rules: tuple[Bools, str]) -> Codes:
+    """The number of the last of the codes that is true of each wedge (m,), 0 where none is."""
+    found = np.zeros(len(rules[0][0]), dtype=np.int8)
+    for where, code in rules:
+        found[where] = _NUMBER[code]
+    return found
 
 
 class _BodyEdges(NamedTuple):

@@ -184,15 +184,6 @@ def bishop(
     return _vertical_balance(base, columns, cohesion_kpa, friction_angle_deg, lever, turning, push)
 
 
-def all_equilibrium(
-    columns: Columns, cohesion_kpa: float, friction_angle_deg: float, direction: ArrayLike, axis_point: ArrayLike,
-    seismic: float = 0.0,
-) -> float | None:  # fmt: skip
-    """Factor of safety that satisfies all six equilibria of the mass: `global_equilibrium`, the factor alone."""
-    equilibrium = global_equilibrium(columns, cohesion_kpa, friction_angle_deg, direction, axis_point, seismic)
-    return None if equilibrium is None else equilibrium.factor
-
-
 def global_equilibrium(
     columns: Columns, cohesion_kpa: float, friction_angle_deg: float, direction: ArrayLike, axis_point: ArrayLike,
     seismic: float = 0.0,

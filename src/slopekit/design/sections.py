@@ -271,9 +271,11 @@ def read_stiffness(reader: Reader) -> Stiffness:
     normal = normal or Stiffness().normal_kn_m3
     shear = given[0].get("shear")
     if shear is not None and shear.is_mapping and not is_distribution(shear):
-        value = reader.value(shear)
-        law = None if value is None else reader.kept(words.hyperbola, value, str(shear.place))
-        return Stiffness(normal, None, law or HyperbolaParameters())
+        law = shear.get("law")
+        if law is not None and str(law.text).lower() != "clough-duncan":
+            advice = "Leave law out: it is clough-duncan (k1, n, Rf, phi)."
+            reader.fault("E132", f"{law.text} is no shear law", law, advice)
+        return Stiffness(normal, None, HyperbolaParameters(**reader.fields(HyperbolaParameters, shear)))
     if shear is not None and (shear.text or "").lower() in own["shear_kn_m3"].words:
         shear = None
     return Stiffness(normal, reader.field(own["shear_kn_m3"], shear))

@@ -8,7 +8,7 @@ from typing import Any
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
-from slopekit.design.parts import Bolt, Force, HyperbolaParameters, Rule, Seismic, Water
+from slopekit.design.parts import Bolt, Force, Rule, Seismic, Water
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
@@ -171,26 +171,6 @@ def rule(value: object, where: str) -> Rule:
         advice = "A rule is written fos >= 1.5."
         raise DesignError([Fault("E169", f"the rule {value!r} is not understood", where, advice)])
     return Rule("fos", ">=", above_zero(value, "ratio", "accept", "E127", where))
-
-
-def hyperbola(value: Any, where: str) -> HyperbolaParameters:
-    """Clough and Duncan's parameters by name: k1, n, Rf, phi."""
-    names = {
-        "k1": "modulus_number", "n": "exponent", "Rf": "failure_ratio", "phi": "friction_angle_deg",
-    }  # fmt: skip
-    given = {key: part for key, part in value.items() if key != "law"}
-    unknown = [key for key in given if key not in names]
-    if unknown or str(value.get("law", "clough-duncan")).lower() != "clough-duncan":
-        message = f"{unknown[0] if unknown else value['law']} is not of the shear law clough-duncan (k1, n, Rf, phi)"
-        raise DesignError([Fault("E132", message, where)])
-    kinds = {"phi": "angle"}
-    parameters = {names[key]: quantity(part, kinds.get(key, "ratio"), key, where) for key, part in given.items()}
-    law = HyperbolaParameters(**parameters)
-    sound = law.modulus_number > 0.0 and 0.0 <= law.exponent <= 2.0 and 0.0 <= law.failure_ratio <= 1.0
-    if not sound or not 0.0 < law.friction_angle_deg < 90.0:
-        message = "Clough and Duncan's parameters are k1 > 0, n from 0 to 2, Rf from 0 to 1, phi between 0 and 90"
-        raise DesignError([Fault("E132", message, where)])
-    return law
 
 
 def is_point(value: Any) -> bool:

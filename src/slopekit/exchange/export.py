@@ -164,17 +164,13 @@ def export(
         alone, own = case is not None or not name, list[Notice]()
         if target is not None:
             part = with_bolts(chosen[name], names, moving) if has_bolts else chosen[name]
-            path = target if alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
-            with writing(path):
-                form = _BINARY if binary else FORMATS[target.suffix.lower()]
-                written.append(_described(form, *form.write(path, part), part, name))
-            own += _notices(source, part, path, binary)
+            file = target if alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
+            written.append(_written_file(file, part, name, binary))
+            own += _notices(source, part, file, binary)
         if folder is not None:
             below = folder if alone else folder / name
-            with writing(below, "the folder "):
-                below.mkdir(exist_ok=True)
-            files, lost = write_split(below, source, meshes[name], suffix, FORMATS[suffix].write)
-            written.append(_described(FORMATS[suffix], *files, meshes[name], name))
+            meshed, lost = _written_folder(below, source, meshes[name], name, suffix)
+            written.append(meshed)
             own += [*_notices(source, meshes[name], below, False), *lost]
         for notice in dict.fromkeys(own):
             said.setdefault(notice, []).append(name)
@@ -183,6 +179,23 @@ def export(
         for one, whose in said.items()
     ]
     return Export(tuple(written), (*notices, *_alike(list(sources), list((chosen or meshes).values()))))
+
+
+def _written_file(path: Path, part: Picked, name: str, binary: bool) -> Written:
+    """One file of one case."""
+    with writing(path):
+        form = _BINARY if binary else FORMATS[path.suffix.lower()]
+        return _described(form, *form.write(path, part), part, name)
+
+
+def _written_folder(
+    path: Path, source: ExportSource, part: Picked, name: str, suffix: str
+) -> tuple[Written, Sequence[Notice]]:  # fmt: skip
+    """A folder of meshes and their design, of one case; and what that design has lost."""
+    with writing(path, "the folder "):
+        path.mkdir(exist_ok=True)
+    files, lost = write_split(path, source, part, suffix, FORMATS[suffix].write)
+    return _described(FORMATS[suffix], *files, part, name), lost
 
 
 def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:

@@ -169,102 +169,142 @@ def limit_state(
     bond : (n,) χ
     gap_rows : (n, u) what keeps a closed pair closed, where that is not its normal (dilation)
     """
-    unknowns = model.unknowns
-    sliding = np.flatnonzero((closed | (bond > 0.0)) & ~hinged)
-    hinges = np.flatnonzero(hinged)
-    if len(sliding) == 0:
+    modes = _Modes(model, velocity, closed, hinged, bond, model.normal_rows if gap_rows is None else gap_rows)
+    count = modes.free.shape[1]
+    if len(modes.sliding) == 0 or count == 0:
         return None
-    normal_rows = model.normal_rows if gap_rows is None else gap_rows
-    drawn = -model.bolt_rows @ velocity
-    square = np.abs(drawn) <= NOT_DRAWN * math.sqrt(float(velocity @ velocity))
-    held_bolts, full = model.bolt_rows[square], (drawn > 0.0) & ~square
-    free, rest = split_space(
-        np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2)), held_bolts])
-    )
-    count = free.shape[1]
-    if count == 0:
-        return None
-    along = free.T @ velocity
+    along = modes.free.T @ velocity
     length = float(np.sqrt(along @ along))
     if length < 1e-6:
         return None
-    elastic = np.zeros(unknowns - count) if displacement is None else rest.T @ displacement
-    rows = model.rows[sliding].reshape(-1, unknowns)
-    slip_rows = model.rows[sliding, 1:, :] @ free
-    springs = -(model.control_area * closed)[sliding, None] * (normal_rows[sliding] @ rest)
-    hinge_rows = model.rows[hinges].reshape(-1, unknowns)
-    hinge_springs = -np.repeat(model.control_area[hinges], 3)[:, None] * (hinge_rows @ rest)
-    tan_friction, cohesion = model.tan_friction[sliding], (model.cohesion * bond)[sliding]
-    bolts = (model.bolt_capacity * full) @ model.bolt_rows
-    # bolts square to the movement: springs that carry what they must, checked against their capacity at the end
-    bolt_springs = -(held_bolts @ rest)
-
     along = along / length
-    matrix = np.zeros((unknowns + 1, unknowns + 1))
-    forces = np.empty((len(sliding), 3))
-    slope = np.empty((len(sliding), 3, unknowns + 1))
-    scale = 1.0
+    elastic = np.zeros(model.unknowns - count) if displacement is None else modes.rest.T @ displacement
     for steps in range(_MOST_STEPS):
-        tangential = slip_rows @ along
-        size = np.sqrt((tangential * tangential).sum(axis=1))
-        if size.min() <= 1e-14:
+        slips = modes.slips(along)
+        if slips is None:
             return None
-        direction = tangential / size[:, None]
-        normal = springs @ elastic
-        strength = line(cohesion, tan_friction, normal)
-        forces[:, 0] = normal
-        forces[:, 1:] = (-reduction * strength)[:, None] * direction
-        hinge_forces = hinge_springs @ elastic
-        out = forces.ravel() @ rows + hinge_forces @ hinge_rows + model.load + reduction * bolts
-        out = out + (bolt_springs @ elastic) @ held_bolts
+        direction, size = slips
+        normal = modes.springs @ elastic
+        strength = line(modes.cohesion, modes.tan_friction, normal)
+        forces = np.concatenate([normal[:, None], (-reduction * strength)[:, None] * direction], axis=1)
+        out = modes.unbalanced(forces, elastic, reduction)
         norm = (float(along @ along) - 1.0) / 2.0
         scale = 1.0 + abs(reduction) * float(np.abs(strength).sum())
         residual = float(np.abs(out).max())
         if steps and max(residual, abs(norm)) < 1e-13 * scale:
             break
-        turning = (_EYE2 - direction[:, :, None] * direction[:, None, :]) * (-reduction * strength / size)[
-            :, None, None
-        ]
-        slope[:, 0, :count] = 0.0
-        slope[:, 1:, :count] = turning @ slip_rows
-        slope[:, 0, count:unknowns] = springs
-        slope[:, 1:, count:unknowns] = (
-            -direction[:, :, None] * (reduction * tan_friction[:, None] * springs)[:, None, :]
-        )
-        slope[:, 0, unknowns] = 0.0
-        slope[:, 1:, unknowns] = -strength[:, None] * direction
-        matrix[:unknowns] = rows.T @ slope.reshape(-1, unknowns + 1)
-        matrix[:unknowns, count:unknowns] += hinge_rows.T @ hinge_springs
-        matrix[:unknowns, count:unknowns] += held_bolts.T @ bolt_springs
-        matrix[:unknowns, unknowns] += bolts
-        matrix[unknowns, :count] = along
+        matrix = modes.slopes(along, direction, size, strength, reduction)
         unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
         try:
             step = -np.linalg.solve(matrix * unit, np.append(out, norm)) * unit
         except np.linalg.LinAlgError:
             return None
         along = along + step[:count]
-        elastic = elastic + step[count:unknowns]
-        reduction = reduction + float(step[unknowns])
+        elastic = elastic + step[count : model.unknowns]
+        reduction = reduction + float(step[model.unknowns])
         if not np.abs(step).max() < LOST_STEP:
             return None
     else:
         if residual > 1e-9 * scale:
             return None
-    carried, speed = bolt_springs @ elastic, -model.bolt_rows @ (free @ along)
-    spare = 1e-9 * (1.0 + reduction * model.bolt_capacity[square])
-    if (carried < -spare).any() or (carried > reduction * model.bolt_capacity[square] + spare).any():
+    at_hinges, carried = modes.at_hinges(elastic), modes.bolt_springs @ elastic
+    if not modes.bolts_hold(carried, along, reduction) or not modes.hinges_hold(at_hinges, reduction):
         return None
-    if (speed[full] < -NOT_DRAWN).any() or (speed[~full & ~square] > NOT_DRAWN).any():
-        return None
-    at_hinges = hinge_forces.reshape(-1, 3)
-    shear = np.sqrt((at_hinges[:, 1:] ** 2).sum(axis=1))
-    most = line((model.cohesion * bond)[hinges], model.tan_friction[hinges], np.maximum(at_hinges[:, 0], 0.0))
-    if (shear > reduction * most + 1e-9).any():
-        return None  # a hinge that would slip is none
     all_forces = np.zeros((len(closed), 3))
-    all_forces[sliding] = forces
-    all_forces[hinges] = at_hinges
-    pulls = reduction * model.bolt_capacity * full
-    pulls[square] = carried
-    return LimitState(reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, pulls, residual)
+    all_forces[modes.sliding] = forces
+    all_forces[modes.hinges] = at_hinges
+    pulls = reduction * model.bolt_capacity * modes.full
+    pulls[modes.square] = carried
+    return LimitState(
+        reduction, all_forces[:, 0].copy(), modes.free @ along, modes.rest @ elastic, all_forces, pulls, residual
+    )
+
+
+class _Modes:
+    """What stays while the contact modes do: rows and springs of pairs that slip, of hinges, of bolts held square.
+
+    Attributes
+    ----------
+    sliding, hinges : pairs; square, full : (b,) bolts square to the movement, and those that are drawn
+    free, rest : (u, k), (u, u - k) motions that keep what is closed closed, and the others
+    """
+
+    def __init__(
+        self, model: Model, velocity: Floats, closed: Bools, hinged: Bools, bond: Floats, normal_rows: Floats
+    ) -> None:
+        self.model, unknowns = model, model.unknowns
+        self.sliding = sliding = np.flatnonzero((closed | (bond > 0.0)) & ~hinged)
+        self.hinges = hinges = np.flatnonzero(hinged)
+        drawn = -model.bolt_rows @ velocity
+        self.square = np.abs(drawn) <= NOT_DRAWN * math.sqrt(float(velocity @ velocity))
+        self.held_bolts, self.full = model.bolt_rows[self.square], (drawn > 0.0) & ~self.square
+        self.free, self.rest = split_space(
+            np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2)), self.held_bolts])
+        )
+        self.rows = model.rows[sliding].reshape(-1, unknowns)
+        self.slip_rows = model.rows[sliding, 1:, :] @ self.free
+        self.springs = -(model.control_area * closed)[sliding, None] * (normal_rows[sliding] @ self.rest)
+        self.hinge_rows = model.rows[hinges].reshape(-1, unknowns)
+        self.hinge_springs = -np.repeat(model.control_area[hinges], 3)[:, None] * (self.hinge_rows @ self.rest)
+        bonds = model.cohesion * bond
+        self.tan_friction, self.cohesion, self.hinge_cohesion = (
+            model.tan_friction[sliding],
+            bonds[sliding],
+            bonds[hinges],
+        )
+        self.bolts = (model.bolt_capacity * self.full) @ model.bolt_rows
+        # bolts square to the movement: springs that carry what they must, checked against their capacity at the end
+        self.bolt_springs = -(self.held_bolts @ self.rest)
+
+    def slips(self, along: Floats) -> tuple[Floats, Floats] | None:
+        """Directions (s, 2) and sizes (s,) of slip; None where a pair that should slip does not."""
+        tangential = self.slip_rows @ along
+        size = np.sqrt((tangential * tangential).sum(axis=1))
+        return None if size.min() <= 1e-14 else (tangential / size[:, None], size)
+
+    def at_hinges(self, elastic: Floats) -> Floats:
+        """Forces (h, 3) at the hinges."""
+        forces: Floats = (self.hinge_springs @ elastic).reshape(-1, 3)
+        return forces
+
+    def unbalanced(self, forces: Floats, elastic: Floats, reduction: float) -> Floats:
+        """The sum (u,) of all that acts."""
+        out = forces.ravel() @ self.rows + (self.hinge_springs @ elastic) @ self.hinge_rows
+        out = out + self.model.load + reduction * self.bolts
+        balance: Floats = out + (self.bolt_springs @ elastic) @ self.held_bolts
+        return balance
+
+    def slopes(
+        self, along: Floats, direction: Floats, size: Floats, strength: Floats, reduction: float
+    ) -> Floats:  # fmt: skip
+        """How the sum and the length of the motion change (u + 1, u + 1): by the motion, by g, by λ."""
+        unknowns, count = self.model.unknowns, len(along)
+        turning = _EYE2 - direction[:, :, None] * direction[:, None, :]
+        softer = (reduction * self.tan_friction[:, None] * self.springs)[:, None, :]
+        slope = np.zeros((len(size), 3, unknowns + 1))
+        slope[:, 1:, :count] = (turning * (-reduction * strength / size)[:, None, None]) @ self.slip_rows
+        slope[:, 0, count:unknowns] = self.springs
+        slope[:, 1:, count:unknowns] = -direction[:, :, None] * softer
+        slope[:, 1:, unknowns] = -strength[:, None] * direction
+        matrix = np.zeros((unknowns + 1, unknowns + 1))
+        matrix[:unknowns] = self.rows.T @ slope.reshape(-1, unknowns + 1)
+        matrix[:unknowns, count:unknowns] += self.hinge_rows.T @ self.hinge_springs
+        matrix[:unknowns, count:unknowns] += self.held_bolts.T @ self.bolt_springs
+        matrix[:unknowns, unknowns] += self.bolts
+        matrix[unknowns, :count] = along
+        return matrix
+
+    def bolts_hold(self, carried: Floats, along: Floats, reduction: float) -> bool:
+        """Whether bolts square to the movement carry what they can, and the others are drawn, or not, as assumed."""
+        model, square, full = self.model, self.square, self.full
+        capacity = reduction * model.bolt_capacity[square]
+        spare = 1e-9 * (1.0 + capacity)
+        speed = -model.bolt_rows @ (self.free @ along)
+        is_within = not (carried < -spare).any() and not (carried > capacity + spare).any()
+        return is_within and not (speed[full] < -NOT_DRAWN).any() and not (speed[~full & ~square] > NOT_DRAWN).any()
+
+    def hinges_hold(self, forces: Floats, reduction: float) -> bool:
+        """Whether no hinge is pushed beyond its strength: one that would slip is none."""
+        shear = np.sqrt((forces[:, 1:] ** 2).sum(axis=1))
+        most = line(self.hinge_cohesion, self.model.tan_friction[self.hinges], np.maximum(forces[:, 0], 0.0))
+        return not (shear > reduction * most + 1e-9).any()

@@ -123,13 +123,10 @@ def _run_passes(
         if settled and change < 1e-7 and not model.dilates:
             moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
         recent = [*recent[1 - (5 * _WINDOW if damped else _WINDOW) :], factor]
-        if (
-            calm > 2 * _WINDOW
-            and change < 3e-3
-            and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < PASSES_STEADY * factor
-        ):
+        swing = max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])
+        if calm > 2 * _WINDOW and change < 3e-3 and swing < PASSES_STEADY * factor:
             # averaging creeps: the normal forces still trade places, the factor no longer moves
-            settled, moved = True, (max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])) / factor
+            settled, moved = True, swing / factor
         if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
             state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
             if state is not None and abs(math.log(state.reduction * factor)) > 0.3:
@@ -155,14 +152,7 @@ def _run_passes(
                 last, calm, quiet, weight = None, 0, 0, 1.0
                 continue
         if last is not None:
-            if damped:
-                weight = _DAMPED_STEP
-            elif calm <= _AITKEN_PASSES:
-                turn = excess - last
-                weight = -weight * float(last @ turn) / max(float(turn @ turn), TINY)
-                weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
-            else:  # feel the way: longer steps while they agree, shorter where they turn about
-                weight = min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
+            weight = _DAMPED_STEP if damped else _next_weight(weight, last, excess, calm)
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     lowest, highest = min(recent), max(recent)
@@ -173,6 +163,15 @@ def _run_passes(
             *_carried(mechanism),
         )  # fmt: skip
     return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, change)
+
+
+def _next_weight(weight: float, last: Floats, excess: Floats, calm: int) -> float:
+    """How much of the excess the next pass takes, by this one's and the last one's: Aitken's for the first passes."""
+    if calm > _AITKEN_PASSES:  # feel the way: longer steps while they agree, shorter where they turn about
+        return min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
+    turn = excess - last
+    weight = -weight * float(last @ turn) / max(float(turn @ turn), TINY)
+    return min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
 
 
 def exact_limit(state: LimitState, bond: Floats, passes: int) -> Limit:

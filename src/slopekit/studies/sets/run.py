@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from typing import Annotated, Any, ClassVar
@@ -279,16 +279,9 @@ def sets(
     each *= listed.quantities.sum() / each.sum()
 
     tried: tuple[Clusters, ...] = ()
-    share = np.full(len(listed), math.nan)
-    if listed.sets() and not ignore_sets:
-        names = listed.sets()
-        index = {name: k for k, name in enumerate(names)}
-        of = np.array([index.get(joint.set_name, -1) for joint in listed.joints])
-    else:
+    if ignore_sets or not listed.sets():
         tried = tuple(clusters_of(poles, each, n, np.random.default_rng(seed)))
-        chosen = tried[best(list(tried))]
-        names, of = _named(chosen)
-        share[of >= 0] = chosen.share[np.flatnonzero(of >= 0), of[of >= 0]]
+    names, of, share = _grouped(listed, tried)
     joint_sets = tuple(
         _found(name, np.flatnonzero(of == k), listed, poles, weights, line, confidence) for k, name in enumerate(names)
     )
@@ -301,6 +294,19 @@ def sets(
         _girdle(poles, each, tried), confidence, seed, tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
     return _with_notices(outcome, ignore_sets)
+
+
+def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str], Ints, Floats]:
+    """The names of the sets, which of them each joint is of (-1: none), and its share of it: found, or those given."""
+    share = np.full(len(listed), math.nan)
+    if not tried:
+        names = listed.sets()
+        index = {name: k for k, name in enumerate(names)}
+        return names, np.array([index.get(joint.set_name, -1) for joint in listed.joints]), share
+    chosen = tried[best(list(tried))]
+    found, of = _named(chosen)
+    share[of >= 0] = chosen.share[np.flatnonzero(of >= 0), of[of >= 0]]
+    return found, of, share
 
 
 def _with_notices(joint_sets: JointSets, ignored: bool) -> JointSets:
