@@ -235,11 +235,10 @@ class RestSearch:
     def upward(self, here: Rest, guess: float) -> Rest:
         """The highest factor at rest that the work of one more search finds, towards a guess and beyond it."""
         self.most = self.steps + int(min(_MOST_STEPS * _MORE, _WORK / self.model.rows.shape[0]))
-        self.patient, part = False, _PART_UP
+        part = _PART_UP
         while not self.spent and part > _LEAST_UP:
             trial = self.settled(here, here.factor + part * max(guess - here.factor, _LEAST_UP * here.factor))
             here, part = (trial, part) if trial.stands else (here, 0.5 * part)
-        self.patient = True
         return here
 
     # -- one factor ---------------------------------------------------------------------------------------------------

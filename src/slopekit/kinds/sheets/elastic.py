@@ -55,11 +55,13 @@ def _bracket(blocks: ElasticBlocks) -> list[str]:
     last = (
         "" if blocks.limit_at_bracket is None else f"; rigid without what is open there {blocks.limit_at_bracket:.5f}"
     )
+    fails = "not at the second"
     if blocks.between is not None and blocks.between[1] > high:
+        fails = "at the second no rest was found"
         last = f"{last}; above {blocks.between[1]:.5f}, the static bound without that cohesion, no forces hold them"
     if blocks.gave_up:
         return [f"{low:.5f}  elastic blocks come to rest there; gave up at {high:.5f}{last}"]
-    return [f"{low:.5f} .. {high:.5f}  elastic blocks come to rest up to the first, not at the second{last}"]
+    return [f"{low:.5f} .. {high:.5f}  elastic blocks come to rest up to the first, {fails}{last}"]
 
 
 def _rock(blocks: ElasticBlocks) -> str:
