@@ -25,7 +25,7 @@ _FULL, _DAMPED = 12, 40  # steps of Newton's method
 _LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is looked at, and what it has to be then
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
 _FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
-_HASTY = 2  # of those rounds, the same, where it is tried again from nearer
+_HASTY = 2  # of those rounds, the same, without bonds and where it is tried again from nearer
 _DASHPOT = 0.1  # of the normal stiffness
 _LIGHT_ROUNDS = 10  # of them, after those, against dashpots that are soon lighter
 _IDLE = 2  # of those rounds, one after the other, that bring nothing: no more are made
@@ -124,7 +124,7 @@ class RestSearch:
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
-        self.releases, self.patient = _RELEASES, True
+        self.releases, self.patient, self.bonded = _RELEASES, True, not model.unbonded.all()
         if not model.is_dense:
             self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
             self.releases *= _MORE
@@ -136,6 +136,11 @@ class RestSearch:
     def spent(self) -> bool:
         """Whether the steps of Newton's method that it may take are taken."""
         return self.steps > self.most
+
+    @property
+    def looks(self) -> int:
+        """The round after which blocks that do not rest are given up; bonds that part take patience."""
+        return _ROUNDS // 2 if self.patient or self.bonded else _HASTY
 
     def _linear(self) -> Place:
         """Where springs at the pairs that neither slip nor part bring the blocks."""
@@ -340,11 +345,7 @@ class RestSearch:
         for k in range(_ROUNDS):
             began, (here, best, _) = here, self._round(here, given, _DASHPOT, _HEAVY)
             least = min(least, best.size)
-            if (
-                best.size <= BALANCED
-                or self.spent
-                or (k >= (_ROUNDS // 2 if self.patient else _HASTY) and least > _FLOWS)
-            ):
+            if best.size <= BALANCED or self.spent or (k >= self.looks and least > _FLOWS):
                 break
             here = self._state(self._slipped(here if best is began else best, given), given)
         if best.size <= BALANCED or not self.patient:
