@@ -157,7 +157,7 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
         return replace(_many_blocks(*given), limit_without=lambda parted: (None, True))
 
     monkeypatch.setattr("slopekit.kinds.elastic._many_blocks", without_limit)
-    found = sk.run(wall(cohesion=1.0), elastic_bracket=True)
+    found = sk.run(wall(cohesion=1.0, high=2), elastic=True)
     assert found.elastic.limit is None
     assert found.elastic.bracket is None
     assert "W360" in [one.code for one in found.warnings]
@@ -165,8 +165,46 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     assert "was not found; rigid" in shown
     assert "without strength" not in shown
     assert found.to_dict()["elastic"]["limit"] is None
-    checked = sk.check(sk.load(wall(cohesion=1.0)), elastic=True)
+    checked = sk.check(sk.load(wall(cohesion=1.0, high=2)), elastic=True)
     assert "elastic blocks none: see NOTE" in " ".join(str(checked).split())
+
+
+@pytest.mark.parametrize("asked", [{"elastic": True}, {"elastic_bracket": True}])
+def test_a_limit_that_is_not_found_has_two_ends(monkeypatch: pytest.MonkeyPatch, asked: dict) -> None:
+    """Elastic blocks rest at the first, near where they end; the second is no less than that end."""
+    given = wall(cohesion=2.0, high=2)
+    whole = sk.run(given, elastic_bracket=True)
+    scenes = []
+
+    def without_limit(*asked):
+        scenes.append(_many_blocks(*asked))
+        return replace(scenes[-1], limit_without=lambda parted: (None, True))
+
+    monkeypatch.setattr("slopekit.kinds.elastic._many_blocks", without_limit)
+    found = sk.run(given, **asked)
+    assert found.elastic.limit is None
+    low, high = found.elastic.between
+    assert low == pytest.approx(whole.elastic.bracket[0], rel=0.02)
+    assert low <= whole.elastic.bracket[1] <= high * (1.0 + 1e-4)
+    assert high <= whole.fos.static_bound * (1.0 + 1e-6)
+    (said,) = [one.message for one in found.warnings if one.code == "W360"]
+    assert f"it lies between {low:.4f} and {high:.4f}" in said
+    assert f"{low:.4f} .. {high:.4f}  elastic blocks rest at the first" in str(found.sheet)
+    assert found.to_dict()["elastic"]["between"] == [low, high]
+    # without any bond left it slides on its base, whatever its joints do
+    (scene,) = scenes
+    every = np.ones(len(scene.model.area), dtype=bool)
+    assert scene.bound_without(every) == pytest.approx(np.tan(np.radians(35.0)) / np.tan(0.35), rel=1e-6)
+    assert scene.bound_without(~every) == pytest.approx(whole.fos.static_bound, rel=1e-6)
+
+
+def test_tension_that_a_rest_may_have_is_beyond_the_static_bound() -> None:
+    """It has no tension: no second end."""
+    design = wall(cohesion=2.0, high=2)
+    design["strength"]["joint"]["tension"] = 1.0
+    loaded = sk.load(design)
+    scene = _many_blocks(loaded, cut(loaded), sk.analyse(loaded))
+    assert scene.bound_without(np.zeros(len(scene.model.area), dtype=bool)) is None
 
 
 def test_a_limit_that_nothing_holds_without_the_cohesion_is_not_for_want_of_work() -> None:
@@ -208,4 +246,5 @@ def test_the_bracket_of_a_wall_encloses_its_limit(monkeypatch: pytest.MonkeyPatc
     assert exact * (1.0 - 2e-4) < low < exact * (1.0 + 1e-6)
     assert exact * (1.0 - 1e-4) < high < exact * (1.0 + 3e-4)
     assert high < low * (1.0 + 2.6e-5)  # of many blocks a quarter as wide as of one
+    assert high == pytest.approx(exact, rel=1e-6)  # the static bound, which nothing has to be tried beyond
     assert low == pytest.approx(exact, rel=2.5e-5)

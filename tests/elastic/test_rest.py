@@ -107,6 +107,23 @@ def test_a_bracket_that_ran_out_of_steps_says_where(monkeypatch: pytest.MonkeyPa
     assert found.to_dict()["elastic"]["gave_up"]
 
 
+def test_a_state_that_is_not_that_of_full_strength_is_said() -> None:
+    """A wet, cracked wedge: no rest at F = 1 while the limit without what is open at 0.95 lies above (W501)."""
+    given = {
+        "dips": ("51.3/147.8", "67.8/259.5"), "face": "78.2/180", "upper": "1.8/180", "height": 52.22,
+        "c": (55.4, 61.9), "phi": (30.6, 30.6), "unit_weight": 26, "shear_stiffness": 1e5, "modulus": "4.8 GPa",
+        "water": "13%", "crack": "85/180@9.53", "bolts": ["929@0/-10,active"], "edge": 32.35,
+    }  # fmt: skip
+    found = sk.wedge(**given, elastic=True)
+    assert (found.elastic.factor, found.elastic.limit) == (0.95, pytest.approx(1.0065, abs=1e-3))
+    said = {notice.code: notice.message for notice in found.warnings}
+    assert "come to rest at F = 0.95, at 1 none was found: their limit may lie between, below the 1.00" in said["W501"]
+    asked = sk.wedge(**given, elastic_bracket=True)
+    assert asked.elastic.bracket[1] < 0.96
+    assert "see the bracket" in {notice.code: notice.message for notice in asked.warnings}["W501"]
+    assert "W501" not in {notice.code for notice in sk.wedge(**WEDGE, **COARSE, elastic=True).warnings}
+
+
 def test_the_oracle_sees_cohesion_go() -> None:
     found = sk.wedge(**WEDGE, **COARSE, elastic=True).elastic
     assert found.opened_share > 0.005

@@ -91,6 +91,75 @@ def test_a_plane_and_its_work() -> None:
     assert work.put_in == pytest.approx(fell + pushed, rel=1e-9)
 
 
+def _rigid(pushes, net, step, parts=20):
+    """Sliding of a rigid block, both ways, in fine steps: `net(push, way)` m/s² of what drives less what resists.
+
+    Parameters
+    ----------
+    net : of a push and the way that the block moves, 1 or -1, its acceleration along the sliding
+    """
+    moved = speed = 0.0
+    for push in [*pushes, *np.zeros((round(2.0 / step), pushes.shape[1]))]:
+        for _ in range(parts):
+            if speed:
+                gained = net(push, math.copysign(1.0, speed))
+            else:
+                gained = max(net(push, 1.0), 0.0) + min(net(push, -1.0), 0.0)
+            after = speed + step / parts * gained
+            after = 0.0 if after * speed < 0.0 else after
+            moved, speed = moved + 0.5 * step / parts * (speed + after), after
+    return moved
+
+
+@pytest.mark.parametrize(("dip", "phi", "peak", "sign"), [(5, 15, 0.6, 1.0), (5, 15, 0.6, -1.0), (12, 20, 0.9, -1.0)])
+def test_a_plane_slides_both_ways(dip, phi, peak, sign) -> None:
+    """A flat plane that strong shaking drives up the dip as well: against a rigid block in fine steps."""
+    design = PLANE | {
+        "joints": {"J1": {"plane": f"{dip}/180", "strength": "bedding"}}, "strength": {"bedding": {"c": 0, "phi": phi}},
+    }  # fmt: skip
+    step = 0.5 * STEP  # where it turns round half a step is lost: 0.4 % with the whole one
+    a = sign * peak * G * np.sin(2.0 * np.pi * step * np.arange(round(2.0 / step) + 1))
+    pushes = 0.5 * (a[1:] + a[:-1])[:, None] * np.array([1.0, 0.0])
+    out = shake(_block(design, 1e9, 4e8), step, pushes)
+    cos, sin, tan = math.cos(math.radians(dip)), math.sin(math.radians(dip)), math.tan(math.radians(phi))
+
+    def net(push, way):
+        return G * sin + push[0] * cos - way * tan * (G * cos - push[0] * sin)
+
+    along = out.motion[:, :2] @ np.array([cos, -sin])
+    assert np.diff(along).min() < -5e-4  # it goes up too
+    assert along[-1] == pytest.approx(_rigid(pushes, net, step), rel=1.5e-3)
+
+
+@pytest.mark.parametrize("way", [(0.0, -1.0, 0.4), (0.0, -1.0, -0.4), (-0.15, -1.0, 0.2)])
+def test_a_wedge_in_three_components_slides_as_two_planes_in_balance_say(way) -> None:
+    """Normal forces from balance across the line of two planes, friction along it: no joint opens in one cycle."""
+    given = WEDGE | {"joints": {"J1": {"plane": "52/129"}, "J2": {"plane": "48/234"}},
+                     "strength": {"joint": {"c": 41, "phi": 29}}}  # fmt: skip
+    _, _, push = _sine(0.45, seconds=1.2)
+    pushes = push[:, None] * np.array(way)
+    out = shake(_block(given, 1e9, 5e8), STEP, pushes)
+    made = cut(sk.load(given))
+    normals, areas = [], []
+    for interface in made.interfaces:
+        face = made.block.faces[interface.key]
+        around = face - face[0]
+        vector = 0.5 * np.cross(around[1:-1], around[2:]).sum(axis=0)
+        areas.append(np.sqrt(vector @ vector))
+        normals.append(vector / areas[-1] * np.sign((made.block.centroid - face[0]) @ vector))
+    line = np.cross(*normals)
+    line *= -np.sign(line[2]) / np.sqrt(line @ line)
+    mass, tan = -made.loads.parts["weight"][2] / G, math.tan(math.radians(29.0))
+    split = np.linalg.inv(np.stack([*normals, line], axis=1))
+
+    def net(push, way):
+        first, second, along = split @ (push + np.array([0.0, 0.0, -G]))
+        return along - way * (41.0 * sum(areas) / mass - tan * (first + second))
+
+    assert (out.opened, out.debonded) == (0.0, 0.0)
+    assert out.motion[-1, :3] @ line == pytest.approx(_rigid(pushes, net, STEP), rel=2e-3)
+
+
 @pytest.mark.parametrize(("way", "metres"), [
     ((0.0, -1.0, 2.0 / 3.0), 0.5661870), ((0.0, -1.0, -2.0 / 3.0), 0.4987371),
 ])  # fmt: skip
@@ -164,6 +233,24 @@ def test_a_box_rocks_where_the_push_passes_width_over_height(push, rocks) -> Non
         rate = (push * G * 1.5 - G * 0.5) / inertia
         assert out.motion[20, 4] == pytest.approx(0.5 * rate * (20 * STEP) ** 2, rel=0.2)
         assert abs(out.work.unbalanced) < 1e-8 * out.work.put_in
+
+
+def test_a_box_that_rocks_knocks_as_housner_has_it() -> None:
+    """The first angle by hand; after a knock (1 - 1.5 sin² α)² of it: less with long steps, which damp (Housner)."""
+    alpha, inertia = math.atan(1.0 / 3.0), (1.0 + 9.0) / 3.0
+    up, back = (0.45 * G * 1.5 - 0.5 * G) / inertia, 0.5 * G / inertia
+    first = 0.5 * up * 0.15**2 * (1.0 + up / back)
+    found = []
+    for step in (4.0 * 5e-4, 5e-4):
+        out = shake(_box(), step, np.vstack([np.tile([0.45 * G, 0.0, 0.0], (round(0.15 / step), 1)),
+                                             np.zeros((round(0.55 / step), 3))]))  # fmt: skip
+        angle = out.motion[: round(0.7 / step), 4]
+        peaks = abs(angle.max()), abs(angle.min())
+        assert max(peaks) == pytest.approx(first, rel=0.02)
+        found.append(min(peaks) / max(peaks))
+    knock = (1.0 - 1.5 * math.sin(alpha) ** 2) ** 2
+    assert found[0] < found[1] < knock
+    assert found[1] == pytest.approx(knock, rel=0.07)
 
 
 def test_a_box_that_is_thrown_flies_as_bodies_do() -> None:

@@ -34,7 +34,9 @@ def _at2(head="ACCELERATION TIME SERIES IN UNITS OF G", points="NPTS=   200, DT=
                                                   values=VALUES * GRAVITY * 100.0),
     _at2().replace("E-0", "D-0"), _at2().replace("  -", "-"), _at2(points="NPTS= 200, DT= 2.0D-02 SEC"),
     "t (s);a (g)\n" + "".join(f"{t:.6E};{a:.9E}\n".replace("E", "D") for t, a in zip(TIMES, VALUES, strict=True)),
-    _columns("time [s],acc [ms-2]", VALUES * GRAVITY),
+    _columns("time [s],acc [ms-2]", VALUES * GRAVITY), "Station G\nunits: g\n" + _columns("time,acc"),
+    "Station Gal, acceleration in g\n" + _columns("t,a"), "[g]\n" + _columns("time,acc"),
+    _columns("time,acc\ns,g"), "Station G\nin m/s²\n" + _columns("time,acc", VALUES * GRAVITY),
 ])  # fmt: skip
 def test_one_motion_in_many_files(tmp_path, text) -> None:
     path = tmp_path / "motion.txt"
@@ -75,6 +77,12 @@ def test_one_motion_in_many_files(tmp_path, text) -> None:
     (_columns("time (s),spectral acceleration (g)"), "E515", "holds no accelerations"),
     (_columns("time (s),acc (g) in m/s2"), "E511", "names g and m/s2"),
     ("acc (g)\n0.1\n0.2\n", "E512", "1 column, which"),
+    ("Station G, component N\n" + _columns("time,acc"), "E511", "nothing says the unit"),
+    ("Gal valley\n" + _columns("time,acc"), "E511", "nothing says the unit"),
+    (_columns("time (min),acceleration (g)"), "E514", "times are in min"),
+    (_columns("time (hours),acceleration (g)"), "E514", "times are in hours"),
+    (_columns("time (s),acceleration (g)").replace("0.0000,", "0.0000,x", 1), "E513", "line 2 holds 'x"),
+    (_at2(points="NPTS=   200, DT=   20 MSEC"), "E514", "DT is in MSEC"),
 ])  # fmt: skip
 def test_what_is_wrong_is_said_with_its_line(tmp_path, text, code, said) -> None:
     path = tmp_path / "bad.csv"

@@ -40,6 +40,8 @@ class ElasticBlocks:
     bracket : the last factor at which the elastic blocks come to rest and the first tried at which they do not;
         `gave_up` : whether the search for it ran out of steps: the second was then not decided, rest may go farther;
         `limit_at_bracket` : the limit without what is open there; None where it was not asked for
+    between : of many blocks, where the bracket was asked for or the limit not settled, a factor at which they rest and
+        the static bound without the cohesion of what is open there, above which no forces hold them; None elsewhere
     factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
     opened_share, rigid_opened_share : of the area of all contacts; lost_share, rigid_lost_share : of it what had
         cohesion to lose there; joints : by name
@@ -77,3 +79,4 @@ class ElasticBlocks:
     residual: float
     steps: int
     pairs: ElasticPairs = field(repr=False)
+    between: tuple[float, float] | None = None

@@ -6,6 +6,7 @@ the way, which lead blocks in flight back; a rest is one without them, so nothin
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ _FULL, _DAMPED = 12, 40  # steps of Newton's method
 _LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is looked at, and what it has to be then
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
 _FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
+_HASTY = 2  # of those rounds, the same, without bonds and where it is tried again from nearer
 _DASHPOT = 0.1  # of the normal stiffness
 _LIGHT_ROUNDS = 10  # of them, after those, against dashpots that are soon lighter
 _IDLE = 2  # of those rounds, one after the other, that bring nothing: no more are made
@@ -39,6 +41,12 @@ _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to r
 _LET_GO = 0.5  # pairs in more than this part of the worst tension part together
 _CROWD, _WORST = 100, 0.25  # of many blocks: where more pairs than that are in tension, so many of them part at least
 _FINER = 0.25  # of the width of a bracket: many blocks, which rest near their limit from nearby alone
+_NEAR_TOP, _CLOSED = (
+    2.0,
+    10.0,
+)  # widths below its bound, at which a try that fails is the last, and which count as found
+_SHORT_OF = 0.5  # of the width of a bracket: so far below its bound rest is tried
+_PART_UP, _LEAST_UP = 0.25, 0.02  # of the way to a guess, and where strides upward end
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
 
@@ -116,7 +124,7 @@ class RestSearch:
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
-        self.releases, self.patient = _RELEASES, True
+        self.releases, self.patient, self.bonded = _RELEASES, True, not model.unbonded.all()
         if not model.is_dense:
             self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
             self.releases *= _MORE
@@ -128,6 +136,11 @@ class RestSearch:
     def spent(self) -> bool:
         """Whether the steps of Newton's method that it may take are taken."""
         return self.steps > self.most
+
+    @property
+    def looks(self) -> int:
+        """The round after which blocks that do not rest are given up; bonds that part take patience."""
+        return _ROUNDS // 2 if self.patient or self.bonded else _HASTY
 
     def _linear(self) -> Place:
         """Where springs at the pairs that neither slip nor part bring the blocks."""
@@ -171,27 +184,38 @@ class RestSearch:
                     return None
         return here
 
-    def bracket(self, here: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float, bool]:
+    def bracket(
+        self, here: Rest, guess: float, within: float = 1e-4, bound: Callable[[Bools], float | None] | None = None
+    ) -> tuple[Rest, float, bool]:
         """The last state at rest, a factor not farther on than `within` at which there is none, and if it gave up.
 
         A factor at which there is no rest from far away is tried again from nearer, of many blocks with strides at most
         twice the last that led to rest. Where the steps that are allowed do not suffice it gave up: the factor is one
-        that was not decided then.
+        that was not decided then. `bound` is a factor above which there is no rest without the bonds of pairs (n,):
+        what has parted stays so, and where the last rest is near to it nothing has to be tried beyond, and it is the
+        factor that is returned: that Newton's method finds no rest proves less.
         """
+        wide = within
         within *= 1.0 if self.model.is_dense else _FINER
         low, high, reach = here, math.inf, math.inf
         self.most = self.steps + int(min(_MOST_OF_BRACKET, _WORK_OF_BRACKET / self.model.rows.shape[0]))
+        top = self._top(low, math.inf, bound)
+        guess = min(guess, top)
         target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
-        while True:
+        while top > low.factor * (1.0 + within):
             started = low.factor
+            target = min(target, max(top * (1.0 - _SHORT_OF * within), started * (1.0 + _SHORT_OF * within)))
             self.patient = target <= started * (1.0 + within)  # elsewhere it is tried again from nearer
             trial = self.settled(low, target)
             if trial.stands:
+                new = trial.parted.sum() > low.parted.sum()
                 low, reach = trial, 2.0 * (target / started - 1.0)
-            elif self.spent:
-                return low, target, True
-            elif target <= started * (1.0 + within):
-                return low, target, False
+                top = self._top(low, top, bound) if new else top
+            elif top <= low.factor * (1.0 + _NEAR_TOP * wide):
+                break
+            elif self.spent or target <= started * (1.0 + within):
+                near = top <= low.factor * (1.0 + _CLOSED * wide)
+                return (low, top, False) if near else (low, target, self.spent)
             else:
                 high = target
             if low.factor >= high:  # it was tried from too far away
@@ -205,6 +229,22 @@ class RestSearch:
                 target = high
             if not self.model.is_dense:
                 target = min(target, low.factor * (1.0 + max(reach, within)))
+        return low, top, False
+
+    def _top(self, low: Rest, before: float, bound: Callable[[Bools], float | None] | None) -> float:
+        """A factor above which there is no rest after one; none where it lies below a rest that is there."""
+        found = None if bound is None else bound(low.parted)
+        top = before if found is None else min(before, found)
+        return top if top >= low.factor else math.inf
+
+    def upward(self, here: Rest, guess: float) -> Rest:
+        """The highest factor at rest that the work of one more search finds, towards a guess and beyond it."""
+        self.most = self.steps + int(min(_MOST_STEPS * _MORE, _WORK / self.model.rows.shape[0]))
+        part = _PART_UP
+        while not self.spent and part > _LEAST_UP:
+            trial = self.settled(here, here.factor + part * max(guess - here.factor, _LEAST_UP * here.factor))
+            here, part = (trial, part) if trial.stands else (here, 0.5 * part)
+        return here
 
     # -- one factor ---------------------------------------------------------------------------------------------------
 
@@ -305,7 +345,7 @@ class RestSearch:
         for k in range(_ROUNDS):
             began, (here, best, _) = here, self._round(here, given, _DASHPOT, _HEAVY)
             least = min(least, best.size)
-            if best.size <= BALANCED or self.spent or (2 * k >= _ROUNDS and least > _FLOWS):
+            if best.size <= BALANCED or self.spent or (k >= self.looks and least > _FLOWS):
                 break
             here = self._state(self._slipped(here if best is began else best, given), given)
         if best.size <= BALANCED or not self.patient:

@@ -53,6 +53,7 @@ _FEW = 50  # blocks in space; of more the edges are not halved
 _MOST_REFINED = 5
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
 _LINES = 12  # rounds of strength lines that follow the normal forces
+_WITHOUT = 0.4  # of the work of one analysis, for the limit without what is open; the rest is the elastic blocks' own
 _WORK_OF_LINES = 2.4e7  # steps of Newton's method times rows of the model: four minutes
 _LINES_STEADY = 1e-6
 _SAME = 1e-6
@@ -95,26 +96,48 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
-    ends, at_bracket, gave_up = None, None, False
-    if bracket and limit is not None:
+    ends, at_bracket, gave_up, last = None, None, False, rest
+    guess = limit or (rigid_limit if spent else None)
+    if bracket and guess is not None:
         say("elastic bracket", head=True)
-        low, high, gave_up = search.bracket(rest, limit)
-        ends, at_bracket = (low.factor, high), scene.limit_without(low.opened(scene.model))[0]
+        last, high, gave_up = search.bracket(rest, guess, bound=scene.bound_without)
+        ends, at_bracket = (last.factor, high), None if spent else scene.limit_without(last.opened(scene.model))[0]
+    elif spent and guess is not None:
+        say("elastic range", head=True)
+        last = search.upward(rest, guess)
+    between = _between(scene, last) if spent or ends is not None else None
     answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
+    answer = replace(answer, between=between)
     notes = [*result.warnings, *_notices(result, answer)]
+    if factor < factors[0] and limit is not None:
+        below = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
+        notes.append(Notice("W501", f"elastic blocks {below}: their limit may lie between, below the {limit:.4f} under "
+                            "ELASTIC, which is without what is open at the first; --elastic-bracket looks for it"
+                            if ends is None else f"elastic blocks {below} from there: see the bracket"))  # fmt: skip
     if not stands and limit is None:
-        notes.append(_no_limit(spent))
+        notes.append(_no_limit(spent, between))
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
     return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
-def _no_limit(spent: bool) -> Notice:
+def _between(scene: "_ElasticBlocks", last: Rest) -> tuple[float, float] | None:
+    """Where elastic blocks rest, and the static bound without what is open there: above it no forces hold them.
+
+    What has parted stays so, and all forces of a rest are in balance, within strength and pressing: whatever the way
+    on, it ends below. None where nothing bounds them.
+    """
+    bound = None if scene.bound_without is None else scene.bound_without(last.parted)
+    return None if bound is None or bound < last.factor else (last.factor, bound)
+
+
+def _no_limit(spent: bool, between: tuple[float, float] | None) -> Notice:
     """Why there is none without the cohesion that is pulled open: for want of work, or as nothing holds the blocks."""
     without = "no limit under ELASTIC: without the cohesion that is pulled open"
     if spent:
-        return Notice("W360", f"{without} it was not settled within the effort of one analysis")
+        ends = "" if between is None else f"; it lies between {between[0]:.4f} and {between[1]:.4f}"
+        return Notice("W360", f"{without} it was not settled within the effort of one analysis{ends}")
     return Notice("W371", f"{without} none was found, and not for want of work: the rigid blocks may tip or fall then")
 
 
@@ -128,14 +151,16 @@ def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
     if result.cohesion_under_moments is not None:
         said.append(Notice("W452", "moments open joints with cohesion: the elastic limit is to be compared with the "
                            f"rigid one on its pairs, {_number(answer.rigid_limit)}, not with COHESION"))  # fmt: skip
-    if answer.bracket is not None and answer.limit_at_bracket is not None:
+    if answer.bracket is not None:
         low, high = answer.bracket
+        at = answer.limit_at_bracket
         if answer.gave_up:
+            far = "is unknown" if answer.between is None else f"is known to {answer.between[1]:.4f}, the static bound"
             said.append(Notice("W456", "the search for the factor at which elastic blocks no longer come to rest "
-                               f"gave up at {high:.4f}: at {low:.4f} they rest, how far on is unknown"))  # fmt: skip
-        elif not low * (1.0 - 1e-3) <= answer.limit_at_bracket <= high * (1.0 + 1e-3):
+                               f"gave up at {high:.4f}: at {low:.4f} they rest, how far on {far}"))  # fmt: skip
+        elif at is not None and not low * (1.0 - 1e-3) <= at <= high * (1.0 + 1e-3):
             said.append(Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
-                               f"without what they open is {answer.limit_at_bracket:.4f}: take the lower"))  # fmt: skip
+                               f"without what they open is {at:.4f}: take the lower"))  # fmt: skip
     lowest, highest = result.fos.lowest, result.fos.highest
     wide = lowest is not None and (highest is None or highest > lowest * (1.0 + _LOCKED))
     if answer.bracket is None and answer.block is not None and wide:
@@ -180,6 +205,7 @@ class _ElasticBlocks:
     limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
     names : of the blocks, empty of one; unknowns : of each block; bedrock : None where it is rigid
+    bound_without : of many blocks, the static bound without the bonds of pairs (n,), None where it bounds nothing
     """
 
     model: ElasticModel
@@ -197,6 +223,7 @@ class _ElasticBlocks:
     edge: float
     blocks: Sequence[Flexibility | CondensedBlock]
     bedrock: Bedrock | None = None
+    bound_without: Callable[[Bools], float | None] | None = None
 
 
 def _at_rest(scene: _ElasticBlocks, model: ElasticModel, factor: float) -> tuple[RestSearch, Rest]:
@@ -359,6 +386,8 @@ def _of_model(model: Model) -> ElasticModel:
 
 def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _ElasticBlocks:
     """Convex blocks on flat contacts."""
+    from slopekit.preie import effort
+    from slopekit.preie.blocks import bound_of
     from slopekit.preie.components import whole_model
     from slopekit.preie.ravelling import ravel
 
@@ -437,8 +466,16 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Elast
             tension=given.tension[joint], laws=tuple(given.laws[k] for k in joint.tolist()) if given.laws else (),
         )  # fmt: skip
         own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
-        failures = ravel(own, scene_loads(scene), each, ranged=False).failures
+        with effort.allowed(_WITHOUT * effort.MOST):
+            failures = ravel(own, scene_loads(scene), each, ranged=False).failures
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
+
+    def bound_without(parted: Bools) -> float | None:
+        if whole.lines is not None or plain.tension.any() or plain.tan_dilation.any():
+            return None  # forces of a rest are not those that it looks at
+        kept = whole.cohesion.copy()
+        kept[:pairs][parted] = 0.0
+        return bound_of(replace(whole, cohesion=frozen(kept)))
 
     def redrawn(normal: Floats) -> Floats:
         from slopekit.preie.strength_lines import drawn
@@ -451,7 +488,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Elast
         with_blocks(plain, tuple(flexible)), _stiffness(design, True), None if whole.lines is None else redrawn,
         result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
-        whole.length_scale, edge, [one for one, *_ in flexible],
+        whole.length_scale, edge, [one for one, *_ in flexible], bound_without=bound_without,
     )  # fmt: skip
 
 

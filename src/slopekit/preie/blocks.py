@@ -460,6 +460,15 @@ def unit_bound(model: AssemblyModel) -> StaticBound:
     return static_bound(_in_unit_strength(model)[0])
 
 
+def bound_of(model: AssemblyModel) -> float | None:
+    """The static bound as a factor; None where the blocks have no strength, or it is not found with its work."""
+    model, unit = _in_unit_strength(model)
+    if not unit:
+        return None
+    with allowed(MOST):
+        return _times(_bound(model).factor, unit)
+
+
 def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound, at_once: bool = True) -> PathLimit | None:
     """The limit of some blocks with bonds (m,) as they are, and their `unit_bound`; None where there is none.
 

@@ -21,7 +21,14 @@ def elastic_entries(result: Result) -> list[Entry]:
 def _limit(blocks: ElasticBlocks) -> str:
     if blocks.limit is None and blocks.rigid_limit is not None:
         lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open"
-        return f"no limit: that {lost} at F = {blocks.factor:.4g}, was not found; rigid {blocks.rigid_limit:.4f}"
+        found = f"that {lost} at F = {blocks.factor:.4g}, was not found; rigid {blocks.rigid_limit:.4f}"
+        if blocks.between is None:
+            return f"no limit: {found}"
+        low, high = blocks.between
+        ends = (
+            "elastic blocks rest at the first, above the second no forces hold them (static bound without what is open"
+        )
+        return f"{low:.4f} .. {high:.4f}  {ends} at the first); the rigid limit {found[5:]}"
     if blocks.limit is None:
         return "no limit: the blocks stand without strength"
     factor, rigid = factor_text(blocks.limit).strip(), factor_text(blocks.rigid_limit).strip()
@@ -48,9 +55,13 @@ def _bracket(blocks: ElasticBlocks) -> list[str]:
     last = (
         "" if blocks.limit_at_bracket is None else f"; rigid without what is open there {blocks.limit_at_bracket:.5f}"
     )
+    fails = "not at the second"
+    if blocks.between is not None and blocks.between[1] > high:
+        fails = "at the second no rest was found"
+        last = f"{last}; above {blocks.between[1]:.5f}, the static bound without that cohesion, no forces hold them"
     if blocks.gave_up:
         return [f"{low:.5f}  elastic blocks come to rest there; gave up at {high:.5f}{last}"]
-    return [f"{low:.5f} .. {high:.5f}  elastic blocks come to rest up to the first, not at the second{last}"]
+    return [f"{low:.5f} .. {high:.5f}  elastic blocks come to rest up to the first, {fails}{last}"]
 
 
 def _rock(blocks: ElasticBlocks) -> str:

@@ -30,6 +30,8 @@ _UNITS = {
     "ms-2": 1.0, "cms-2": 0.01,
 }  # fmt: skip
 _KNOWN = "g, m/s2, cm/s2, gal"
+_LETTERS = ("g", "gal", "mgal")  # that a title may have of a station or a component
+_SURELY = re.compile(r"(?:\bunits?(?: of)?|\bin|\bacc\w*|[\[(])[\s:=,]*[\[(]?\s*(g|gal|mgal)(?!\w)")
 _ENDINGS = (".csv", ".txt", ".dat", ".at2", ".acc")
 _MOST_BYTES = 50_000_000
 _MOST_RECORDS = 500
@@ -45,7 +47,8 @@ _TIMES = ("t", "time", "zeit", "sec", "seconds", "s")
 _ACCELERATIONS = ("a", "acc", "accel", "acceleration", "ag", "beschleunigung", "ground acceleration", "amplitude")
 _NO_TIMES = re.compile(r"(?:^|[^a-z])(freq|frequency|period|hz)(?![a-z])")
 _NO_ACCELERATIONS = re.compile(r"^(vel|velocity|disp|displ|displacement|spectral|sa|psa|sv|sd)(?![a-z])")
-_MILLI = re.compile(r"(?:^|[^a-z])(ms|msec|milliseconds?)(?![a-z])")
+_OTHER_TIMES = re.compile(r"(?:^|[^a-z])(ms|msec|milliseconds?|min|minutes?|h|hours?)(?![a-z])")
+_OTHER_DT = re.compile(r"\bDT\s*=\s*[\d.eEdD+-]+\s*(ms|msec|millisec\w*|min\w*)\b", re.IGNORECASE)
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?")
 _STEPS = (
     re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eEdD+-]+)", re.IGNORECASE),
@@ -309,6 +312,8 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
     where = f"{name}:{head + 1}"
     if not (step > 0.0 and math.isfinite(step)):
         raise DesignError([Fault("E515", f"{name}: DT is {step:g}, a time step above 0 is needed", where)])
+    if other := _OTHER_DT.search(lines[head]):
+        raise DesignError([Fault("E514", f"{name}: DT is in {other[1]}, in seconds it is needed", where)])
     said = " ".join(lines[:head])
     match = re.search(r"UNITS\s+OF\s+([^\s,;]+)", said, re.IGNORECASE)
     if match is None:
@@ -377,16 +382,22 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
         )
     _not_a_sample(name, [(line, cells(text)) for line, text in rows[max(first - 1, 0) : first + 2]])
     width = len(cells(rows[first][1]))
+    above = cells(rows[first - 1][1]) if first else []
+    if len(above) == width and any(map(_is_number, above)):  # a sample, and no header
+        bad, line = next(cell for cell in above if not _is_number(cell)), rows[first - 1][0]
+        raise DesignError(
+            [Fault("E513", f"{name}: line {line} holds {bad[:40]!r}, a number is needed", f"{name}:{line}")]
+        )
     heads = _heads(rows[first - 1][1], mark, width) if first else []
     at = _places(name, heads, width, rows[first][0])
     if heads:
         _are_a_motion(name, heads[at[0]], heads[at[1]], rows[first - 1][0])
-    if heads and _plain(heads[at[0]]).partition(" ")[0] in _TIMES and (other := _MILLI.search(heads[at[0]])):
+    if heads and _plain(heads[at[0]]).partition(" ")[0] in _TIMES and (other := _OTHER_TIMES.search(heads[at[0]])):
         message = f"{name}: times are in {other[1]}, in seconds they are needed"
-        raise DesignError([Fault("E514", message, f"{name}:{rows[first - 1][0]}", "Divide them by 1000: time (s).")])
+        advice = "Divide them by 1000: time (s)." if other[1].startswith("m") and "min" not in other[1] else ""
+        raise DesignError([Fault("E514", message, f"{name}:{rows[first - 1][0]}", advice)])
     stated = _unit_of_head(heads[at[1]]) if heads else None
-    before = " ".join(line for line in lines[: rows[first][0] - 1])
-    stated = stated or _unit_in(before)
+    stated = stated or _unit_above(lines[: rows[first][0] - 1])
     if stated is None and unit is None:
         advice = f"Name it in the header (time (s), acceleration (g)), or give --unit: {_KNOWN}."
         raise DesignError([Fault("E511", f"{name}: nothing says the unit of the acceleration", f"{name}:1", advice)])
@@ -497,6 +508,17 @@ def _unit_in(text: str) -> str | None:
     """The one unit of acceleration that a text names."""
     words = _units_in(text)
     return words.pop() if len(words) == 1 else None
+
+
+def _unit_above(lines: Sequence[str]) -> str | None:
+    """The one unit that the lines above the numbers name; letters of a station or a component are none."""
+    units: set[str] = set()
+    for line in lines:
+        words = [word for word in re.split(r"[\s,;:=()\[\]\"'#%!*]+", _spelled(line)) if word]
+        alone = all(word in _UNITS or word in _TIMES for word in words)
+        sure = set(_SURELY.findall(_spelled(line)))
+        units |= {word for word in words if word in _UNITS and (word not in _LETTERS or alone or word in sure)}
+    return units.pop() if len(units) == 1 else None
 
 
 def _factor_of(unit: str, name: str) -> float:
