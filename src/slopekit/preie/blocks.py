@@ -24,11 +24,12 @@ from slopekit.core.onlooker import told_times
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.bonds import Bonded, Rounds, with_bonds
+from slopekit.preie.bonds import Bonded, Falls, Rounds, with_bonds
 from slopekit.preie.bound import StaticBound
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
+from slopekit.preie.falling import Fallen, fallen
 from slopekit.preie.flow import relaxed
 from slopekit.preie.loads_last import FIRST_LOAD, LoadsOn, loads_last
 from slopekit.preie.passes import Outcome
@@ -46,6 +47,7 @@ _STRONGEST = 100.0  # and not above this times what friction angles and cohesion
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
+_FOLLOWED = 100  # blocks up to which bonds that falling strength breaks are found by following it
 _BITS = 40  # of a strength in parts of the largest: 12 digits
 _SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
@@ -267,8 +269,11 @@ def _limit_of(
     def pressed(bond: Floats, reduction: float) -> Bools | None:
         return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
 
+    history = _history(model, Drive(model.load.ravel()), ratio, _START / min(bound.factor or _STRONGEST, _STRONGEST))
+    falls = None if len(model.load) > _FOLLOWED else history
+
     try:
-        ended = with_bonds(model, once, pressed, model.load.ravel(), False, begun)
+        ended = with_bonds(model, once, pressed, model.load.ravel(), False, begun, falls)
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
@@ -373,6 +378,22 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
     unbonded = None if ended.least is None else 1.0 / ended.least
     return replace(limit, basis=basis, kept=ended.kept, kept_share=ended.share, unbonded=unbonded)
+
+
+def _history(model: AssemblyModel, drive: Drive, ratio: float, start: float) -> Falls:
+    """Histories from a parameter on, each followed once."""
+    known: dict[bytes, Fallen | None] = {}
+
+    def falls(lost: Bools) -> Fallen | None:
+        key = lost.tobytes()
+        if key not in known:
+            try:
+                known[key] = fallen(model, drive, ratio, start, lost)
+            except EffortSpentError:
+                known[key] = None
+        return known[key]
+
+    return falls
 
 
 def _pressed(bed: Bed, parameter: float) -> Bools | None:

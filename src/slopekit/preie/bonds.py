@@ -27,6 +27,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.falling import Fallen
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, LIMIT_BALANCED, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
@@ -41,6 +42,10 @@ Search = Callable[[Floats, bool], tuple[PathLimit, bool]]
 
 Pressed = Callable[[Floats, float], Bools | None]
 """Contacts (k,) that are pressed anywhere at rest with bonds (m,) at a parameter; None where there is no rest."""
+
+
+Falls = Callable[[Bools], Fallen | None]
+"""The history of falling strength without the bonds of some contacts (k,); None where it is not followed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +81,12 @@ class Bonded:
 class Rounds:
     """What contacts (k,) have lost, and the rounds that say so."""
 
-    def __init__(self, model: AssemblyModel, working: Floats, load_grows: bool) -> None:
+    def __init__(
+        self, model: AssemblyModel, working: Floats, load_grows: bool, falls: Falls | None = None
+    ) -> None:
         self.model, self.working, self.load_grows, contacts = model, working, load_grows, len(model.plus)
+        self.falls = falls
+        self.fallen: Fallen | None = None  # the history without what motions opened
         self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
         self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
         self.times = np.zeros(contacts, dtype=np.int64)
@@ -104,6 +113,18 @@ class Rounds:
         left: Floats = np.where(self.lost[self.model.pair_contact], 0.0, 1.0)
         return left
 
+    def fall(self) -> None:
+        """Bonds that falling strength breaks with those gone that motions opened: from the start, at every round."""
+        if self.falls is None:
+            return
+        opened = self.lost & ~self.gone if self.fallen is not None else self.lost
+        self.fallen = self.falls(opened)
+        if self.fallen is None:
+            self.falls = None
+            return
+        self.gone = self.fallen.gone & ~opened
+        self.lost, self.kept = opened | self.gone, self.kept & ~self.gone
+
     def open_before(self, path_end: PathLimit, all_rest: bool) -> bool:
         """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does.
 
@@ -115,7 +136,7 @@ class Rounds:
         self.soonest = sooner(path_end.parameter, path_end.parameter if self.soonest is None else self.soonest)
         bonded = self.bonded & ~self.lost
         self.counted = 0
-        if not all_rest or not bonded.any():
+        if not all_rest or not bonded.any() or self.fallen is not None:
             return False
         apart, _ = self.model.opening_and_slip(path_end.displacement)
         touches = (path_end.normal > 0.0) | (apart <= _TOUCHES * abs(float(apart.min())))
@@ -166,7 +187,7 @@ class Rounds:
         """Whether bonds that are kept are gone as the lesser motion begins: their contacts are open all over there."""
         opens, _ = _moves(self.model, path_end)
         opens &= self.kept
-        if not opens.any() or self.least is None:
+        if not opens.any() or self.least is None or self.fallen is not None:
             return False
         somewhere = pressed(self.bond, self.least)
         gone = opens if somewhere is None else opens & ~somewhere
@@ -186,6 +207,8 @@ class Rounds:
         before = (last.limit.parameter - first.parameter) * (1.0 if self.load_grows else -1.0)
         if before <= SAME_FACTOR * first.parameter:
             return None
+        if self.fallen is not None:
+            return self._first_motion(first, lost, opens)
         just = first.parameter * _JUST if self.load_grows else first.parameter / _JUST
         somewhere = pressed(np.where(lost[self.model.pair_contact], 0.0, 1.0), just)
         if somewhere is None:
@@ -196,11 +219,15 @@ class Rounds:
             other.lost = lost | (opens & ~somewhere)
             other.gone = other.lost.copy()
             return other
-        other.lost = lost
+        return self._first_motion(first, lost, opens)
+
+    def _first_motion(self, first: PathLimit, lost: Bools, opens: Bools) -> Bonded:
+        """A first motion, less the work of the cohesion that it opens."""
+        assert first.parameter is not None
         less = self._less(first, opens)
         share = 1.0 - (less / first.parameter if self.load_grows else first.parameter / less)
-        limit = replace(first, parameter=less)
-        return Bonded(limit, other.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest)
+        limit, bond = replace(first, parameter=less), np.where(lost[self.model.pair_contact], 0.0, 1.0)
+        return Bonded(limit, bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest)
 
     def ended(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
         """The limit less the work of what is kept and opens, and no further than its contacts are pressed at rest."""
@@ -217,7 +244,7 @@ class Rounds:
         if least is not None and (least < parameter) == self.load_grows:
             if self.stood is not None and not (self.lost & ~self.stood).any():  # what stands without bonds stands with
                 less = max(less, least) if self.load_grows else min(less, least)
-            if (least < less) == self.load_grows:
+            if (least < less) == self.load_grows and self.fallen is None:
                 less = self._pressed_to(less, least, opens & self.kept, pressed)
         share = 1.0 - (less / parameter if self.load_grows else parameter / less)
         limit, kept = replace(path_end, parameter=less), int((opens & self.kept).sum())
@@ -256,7 +283,7 @@ class Rounds:
 
 def with_bonds(
     model: AssemblyModel, once: Search, pressed: Pressed, working: Floats, load_grows: bool = False,
-    begun: Rounds | None = None,
+    begun: Rounds | None = None, falls: Falls | None = None,
 ) -> Bonded:  # fmt: skip
     """The limit with the bonds that its own motion leaves whole.
 
@@ -278,8 +305,9 @@ def with_bonds(
             and not rounds.refused(path_end, pressed)
         ):
             return rounds.ended(path_end, pressed)
-    rounds, vouched, all_rest = Rounds(model, working, load_grows), True, False
+    rounds, vouched, all_rest = Rounds(model, working, load_grows, falls), True, False
     for _ in range(_MOST_ROUNDS):
+        rounds.fall()
         path_end, all_rest = once(rounds.bond, vouched)
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
         if not runs or not rounds.bonded.any():
