@@ -269,11 +269,19 @@ def _limit_of(
     def pressed(bond: Floats, reduction: float) -> Bools | None:
         return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
 
+    def falls(lost: Bools) -> Fallen | None:
+        """The history, and whom it shows to move."""
+        found = history(lost)
+        if found is not None and proposal is not None and found.flow.ended != "rest":
+            proposal.begins_with(found.flow.at - found.flow.before)
+        return found
+
     history = _history(model, Drive(model.load.ravel()), ratio, _START / min(bound.factor or _STRONGEST, _STRONGEST))
-    falls = None if len(model.load) > _FOLLOWED else history
 
     try:
-        ended = with_bonds(model, once, pressed, model.load.ravel(), False, begun, falls)
+        ended = with_bonds(
+            model, once, pressed, model.load.ravel(), False, begun, falls if len(model.load) <= _FOLLOWED else None
+        )
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost

@@ -86,6 +86,7 @@ class Rounds:
     ) -> None:
         self.model, self.working, self.load_grows, contacts = model, working, load_grows, len(model.plus)
         self.falls = falls
+        self.inherits = False  # whether it goes on from rounds between other node pairs
         self.fallen: Fallen | None = None  # the history without what motions opened
         self.bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
         self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
@@ -105,6 +106,7 @@ class Rounds:
         """The same between other node pairs of the same contacts."""
         other = copy(self)
         other.model, other.broke, other.first = model, self.broke.copy(), None
+        other.inherits, other.falls, other.times = True, None, self.times.copy()
         return other
 
     @property
@@ -115,7 +117,7 @@ class Rounds:
 
     def fall(self) -> None:
         """Bonds that falling strength breaks with those gone that motions opened: from the start, at every round."""
-        if self.falls is None:
+        if self.falls is None:  # or other node pairs
             return
         opened = self.lost & ~self.gone if self.fallen is not None else self.lost
         self.fallen = self.falls(opened)
@@ -226,8 +228,12 @@ class Rounds:
         assert first.parameter is not None
         less = self._less(first, opens)
         share = 1.0 - (less / first.parameter if self.load_grows else first.parameter / less)
-        limit, bond = replace(first, parameter=less), np.where(lost[self.model.pair_contact], 0.0, 1.0)
-        return Bonded(limit, bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest)
+        other = copy(self)
+        other.lost, other.kept, other.least, other.first = lost, opens, None, None
+        limit = replace(first, parameter=less)
+        return Bonded(
+            limit, other.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest, other
+        )
 
     def ended(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
         """The limit less the work of what is kept and opens, and no further than its contacts are pressed at rest."""
@@ -294,21 +300,17 @@ def with_bonds(
     begun : what rounds between other node pairs of the same contacts came to: taken where they had all settled, and a
         limit with their bonds settles and changes nothing; else the rounds begin anew
     """
-    if begun is not None and begun.bonded.any() and begun.unsettled is None:
-        rounds = begun.on(model)
-        path_end, all_rest = once(rounds.bond, True)
-        if (
-            path_end.found
-            and all_rest
-            and not rounds.open_before(path_end, all_rest)
-            and not rounds.after(path_end, all_rest)
-            and not rounds.refused(path_end, pressed)
-        ):
-            return rounds.ended(path_end, pressed)
-    rounds, vouched, all_rest = Rounds(model, working, load_grows, falls), True, False
+    rounds, vouched, all_rest = Rounds(model, working, load_grows, falls), falls is None, False
+    if begun is not None and begun.bonded.any():
+        rounds, vouched = begun.on(model), True
     for _ in range(_MOST_ROUNDS):
         rounds.fall()
         path_end, all_rest = once(rounds.bond, vouched)
+        if rounds.inherits and not path_end.found:
+            if all_rest:
+                return rounds.ended(path_end, pressed)
+            vouched = True
+            continue
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
         if not runs or not rounds.bonded.any():
             whole = rounds.whole or path_end.parameter
