@@ -81,6 +81,8 @@ class Bonds:
     unsettled : where a motion began that broke cohesion and had not settled, None where all had
     sooner : of all bonds that were tried, where a motion would begin first; None where that is not before the limit
     counted : contacts that are open before the motion and whose cohesion counts all the same
+    fell : where blocks run whose strength falls step by step, where that is before the limit
+    finer : the number on finer node pairs, where the motion did not settle there; `unrefined`: none were asked
     """
 
     lost: float
@@ -91,10 +93,13 @@ class Bonds:
     unsettled: float | None = None
     sooner: float | None = None
     counted: int = 0
+    fell: float | None = None
+    finer: float | None = None
+    unrefined: bool = False
 
 
 def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterator[Notice]:
-    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W493, W494.
+    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W493 to W496.
 
     Parameters
     ----------
@@ -121,6 +126,15 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
     if bonds.sooner is not None:
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
+    if bonds.fell is not None:
+        yield Notice("W495", f"blocks whose strength falls step by step run at {shown(bonds.fell)} with the cohesion "
+                     "that is left; with it lost from the start they rest beyond")  # fmt: skip
+    if bonds.finer is not None:
+        yield Notice("W496", "the motion did not settle on finer node pairs, where blocks with the same cohesion were "
+                     f"last at rest at {shown(bonds.finer)}: the {of} is that on the coarser ones")  # fmt: skip
+    if bonds.unrefined:
+        yield Notice("W496", f"how far finer node pairs move the {of} is not known: the motion has not settled, and "
+                     "none were tried")  # fmt: skip
 
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:

@@ -70,7 +70,7 @@ def notices_of(
 
 
 def said_of_bonds(failure: Failure) -> Iterator[Notice]:
-    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W494."""
+    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W493 to W496."""
     yield from bond_notices(bonds_of(failure), "{:.4f}".format, "factor of safety")
 
 
@@ -81,8 +81,9 @@ def bonds_of(failure: Failure) -> Bonds:
     if not limit.factor:
         return Bonds(lost, limit.bonded)
     return Bonds(
-        lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted
-    )
+        lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
+        limit.fell, limit.finer, limit.unrefined,
+    )  # fmt: skip
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:

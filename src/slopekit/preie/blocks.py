@@ -48,8 +48,10 @@ _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more 
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
 _FOLLOWED = 100  # blocks up to which bonds that falling strength breaks are found by following it
+_FINELY_FOLLOWED = 24  # and between finer node pairs
 _BITS = 40  # of a strength in parts of the largest: 12 digits
 _SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
+_FELL = 5e-3  # below a factor: steps of falling strength come no nearer to where blocks run
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
@@ -91,6 +93,9 @@ class BlocksLimit:
         `lowest` is no more
     counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
     rounds : what the rounds of bonds came to, for other node pairs of the same contacts
+    fell : where blocks whose strength falls step by step run before the factor with these bonds, the factor there
+    finer : the factor on finer node pairs where the motion did not settle there; `unrefined`: whether none were asked,
+        as the motion has not settled; `lowest` is no more than `fell` and `finer`
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
@@ -131,6 +136,15 @@ class BlocksLimit:
     sooner: float | None = None
     counted: int = 0
     rounds: Rounds | None = None
+    fell: float | None = None
+    finer: float | None = None
+    unrefined: bool = False
+
+    @property
+    def at_most(self) -> float:
+        """What `lowest` may be at most: the least factor at which other bonds or ways, or finer pairs let it move."""
+        least = [one for one in (self.factor, self.sooner, self.fell, self.finer) if one is not None]
+        return min(least, default=math.inf)
 
 
 class Proposal(Protocol):
@@ -191,7 +205,7 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
         tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
         unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
-        sooner=_times(limit.sooner, unit),
+        sooner=_times(limit.sooner, unit), fell=_times(limit.fell, unit),
     )  # fmt: skip
 
 
@@ -280,7 +294,13 @@ def _limit_of(
 
     try:
         ended = with_bonds(
-            model, once, pressed, model.load.ravel(), False, begun, falls if len(model.load) <= _FOLLOWED else None
+            model,
+            once,
+            pressed,
+            model.load.ravel(),
+            False,
+            begun,
+            falls if len(model.load) <= (_FOLLOWED if begun is None else _FINELY_FOLLOWED) else None,
         )
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
@@ -312,7 +332,7 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or limit.factor
-    lowest = min(low or 0.0, limit.factor, limit.sooner or math.inf)
+    lowest = min(low or 0.0, limit.at_most)
     return replace(limit, lowest=lowest, highest=None if top is None else max(top, reached))
 
 
@@ -381,6 +401,9 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     if limit.factor is not None and ended.soonest and 1.0 / ended.soonest < limit.factor * (1.0 - _SOONER):
         sooner = 1.0 / ended.soonest
         limit = replace(limit, sooner=sooner, lowest=sooner if limit.lowest is None else min(limit.lowest, sooner))
+    if limit.factor is not None and ended.fell and 1.0 / ended.fell < limit.factor * (1.0 - _FELL):
+        fell = 1.0 / ended.fell
+        limit = replace(limit, fell=fell, lowest=fell if limit.lowest is None else min(limit.lowest, fell))
     if not ended.share or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away

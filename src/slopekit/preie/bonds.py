@@ -63,6 +63,7 @@ class Bonded:
     unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
     soonest : of all rounds, whatever bonds they had, the parameter at which a motion would begin first
     counted : contacts that are open before the motion and whose cohesion counts, as it is the peak of a group
+    fell : the parameter at which blocks run whose strength falls step by step, with these bonds
     rounds : what the rounds have come to: others between the same contacts, of other node pairs, can begin with it
     """
 
@@ -76,14 +77,13 @@ class Bonded:
     soonest: float | None = None
     rounds: "Rounds | None" = None
     counted: int = 0
+    fell: float | None = None
 
 
 class Rounds:
     """What contacts (k,) have lost, and the rounds that say so."""
 
-    def __init__(
-        self, model: AssemblyModel, working: Floats, load_grows: bool, falls: Falls | None = None
-    ) -> None:
+    def __init__(self, model: AssemblyModel, working: Floats, load_grows: bool, falls: Falls | None = None) -> None:
         self.model, self.working, self.load_grows, contacts = model, working, load_grows, len(model.plus)
         self.falls = falls
         self.inherits = False  # whether it goes on from rounds between other node pairs
@@ -102,11 +102,11 @@ class Rounds:
         self.counted = 0  # contacts that are open before the motion of the last round, and are not asked
         self.stood: Bools | None = None  # what was lost where all blocks stood up to `least`
 
-    def on(self, model: AssemblyModel) -> "Rounds":
-        """The same between other node pairs of the same contacts."""
+    def on(self, model: AssemblyModel, falls: Falls | None) -> "Rounds":
+        """The same between other node pairs of the same contacts; without histories there those of these stand."""
         other = copy(self)
         other.model, other.broke, other.first = model, self.broke.copy(), None
-        other.inherits, other.falls, other.times = True, None, self.times.copy()
+        other.inherits, other.falls, other.times = True, falls, self.times.copy()
         return other
 
     @property
@@ -119,7 +119,7 @@ class Rounds:
         """Bonds that falling strength breaks with those gone that motions opened: from the start, at every round."""
         if self.falls is None:  # or other node pairs
             return
-        opened = self.lost & ~self.gone if self.fallen is not None else self.lost
+        opened = self.lost & ~self.gone
         self.fallen = self.falls(opened)
         if self.fallen is None:
             self.falls = None
@@ -229,11 +229,41 @@ class Rounds:
         less = self._less(first, opens)
         share = 1.0 - (less / first.parameter if self.load_grows else first.parameter / less)
         other = copy(self)
-        other.lost, other.kept, other.least, other.first = lost, opens, None, None
+        other.lost, other.gone, other.kept, other.least, other.first = lost, lost, opens, None, None
+        other.fall()
         limit = replace(first, parameter=less)
-        return Bonded(
-            limit, other.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest, other
-        )
+        return Bonded(limit, other.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest, other)
+
+    def no_farther(self, last: Bonded) -> Bonded:
+        """A limit no farther than falling strength comes: where bonds break on its way and blocks run, that is it."""
+        fallen, limit = self.fallen, last.limit
+        if self.falls is None or fallen is None or fallen.runs is None or limit.parameter is None:
+            return last
+        last = replace(last, fell=fallen.runs)
+        if not (fallen.broke & ~self.lost).any() or (limit.parameter > fallen.runs) != self.load_grows:
+            return last
+        rest, moved = fallen.rest, fallen.flow.at - fallen.flow.before
+        limit = replace(
+            limit, outcome=PathOutcome.BRACKET, parameter=fallen.parameter, peak=(fallen.parameter, fallen.runs),
+            displacement=rest.at, motion=moved / max(float(np.abs(moved).max(initial=0.0)), TINY),
+            normal=rest.forces.normal, friction=rest.forces.friction, group=0, width=0.0, reached=None,
+            reduction=limit.reduction if self.load_grows else fallen.parameter,
+        )  # fmt: skip
+        return replace(last, limit=limit, least=None, kept=0, share=0.0)
+
+    def beyond(self) -> Floats | None:
+        """Bonds (m,) that are left once falling strength has broken others and blocks run; None where it breaks none.
+
+        They are those that the running motion opens, and those that were open all over before it.
+        """
+        if self.falls is None or self.fallen is None or self.fallen.runs is None:
+            return None
+        opens = self.fallen.opens | self.fallen.broke
+        opens &= self.bonded & ~self.lost
+        if not opens.any():
+            return None
+        left: Floats = np.where((self.lost | opens)[self.model.pair_contact], 0.0, 1.0)
+        return left
 
     def ended(self, path_end: PathLimit, pressed: Pressed) -> Bonded:
         """The limit less the work of what is kept and opens, and no further than its contacts are pressed at rest."""
@@ -302,7 +332,7 @@ def with_bonds(
     """
     rounds, vouched, all_rest = Rounds(model, working, load_grows, falls), falls is None, False
     if begun is not None and begun.bonded.any():
-        rounds, vouched = begun.on(model), True
+        rounds, vouched = begun.on(model, falls), True
     for _ in range(_MOST_ROUNDS):
         rounds.fall()
         path_end, all_rest = once(rounds.bond, vouched)
@@ -324,12 +354,26 @@ def with_bonds(
             last = rounds.ended(path_end, pressed)
             sooner = rounds.begun_sooner(last, pressed)
             if not isinstance(sooner, Rounds):
-                return sooner or last
+                last = sooner or last
+                rounds = last.rounds or rounds
+                return _with_less(rounds, rounds.no_farther(last), once)
             rounds, changed = sooner, True
         vouched = not changed
     while not all_rest:  # forces of a group alone are none of all blocks
         path_end, all_rest = once(rounds.bond, True)
     return Bonded(replace(path_end, outcome=PathOutcome.GAVE_UP), rounds.bond, rounds.whole)
+
+
+def _with_less(rounds: Rounds, last: Bonded, once: Search) -> Bonded:
+    """A limit that has not settled, and where motions begin without the bonds that go as it does."""
+    left = None if last.limit.found else rounds.beyond()
+    if left is None:
+        return last
+    path_end, _ = once(left, False)
+    if path_end.parameter is None:
+        return last
+    sooner = min if rounds.load_grows else max
+    return replace(last, soonest=sooner(path_end.parameter, last.soonest or path_end.parameter))
 
 
 def _moves(model: AssemblyModel, path_end: PathLimit) -> tuple[Bools, Bools]:

@@ -5,7 +5,6 @@ come to rest again at the same strength, or run. The same with a load that grows
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.flow import THICK, Flow, relaxed
 from slopekit.preie.path import ROUGHER, at_rest_first, at_rest_next
-from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS
+from slopekit.preie.tolerances import FARTHEST, FLOWS, LEAST_STRENGTH, RUNS
 
 _STRIDE = 0.95  # of the strength, a step
 _NEAR = 3e-3  # how near the last rest comes to where the blocks run
@@ -29,14 +28,16 @@ class Fallen:
     ----------
     gone : (k,) contacts that were open all over at rest
     parameter, runs : of the last rest, and the first at which the blocks do not come to rest; None where they always do
-    broke : (k,) contacts that were open all over there before they ran
-    flow : how they ran
+    broke : (k,) contacts that were open all over there before they ran; opens : that they opened as they ran
+    rest : the last; flow : how they ran
     """
 
     gone: Bools
     parameter: float
     runs: float | None
     broke: Bools
+    opens: Bools
+    rest: Flow
     flow: Flow
 
 
@@ -80,16 +81,16 @@ def fallen(model: AssemblyModel, drive: Drive, ratio: float, start: float, lost:
         start *= 2.0  # less breaks where joints are stronger
     else:
         return None
-    parameter, step, broke = start, _STRIDE, none
+    parameter, step = start, _STRIDE
     while True:
         trial = drive.harder(parameter, step)
         found, left = settled(_next(bed(gone), flow, trial), trial, gone)
         if found.ended == "rest":
             parameter, flow, gone = trial, found, left
             if parameter < LEAST_STRENGTH * start if drive.ramp is None else parameter > FARTHEST:
-                return Fallen(gone, parameter, None, none, flow)
+                return Fallen(gone, parameter, None, none, none, flow, flow)
         elif 1.0 - step < _NEAR:
-            return Fallen(gone, parameter, trial, left & ~gone, found)
+            return Fallen(gone, parameter, trial, left & ~gone, _opened(model, found), flow, found)
         else:
             step = math.sqrt(step)
 
@@ -100,3 +101,11 @@ def _next(bed: Bed, flow: Flow, parameter: float) -> Flow:
     if tried.ended in ("rest", "runs"):
         return tried
     return relaxed(bed, tried.at, parameter, max(tried.viscosity, THICK), runs_at=RUNS)
+
+
+def _opened(model: AssemblyModel, flow: Flow) -> Bools:
+    """Contacts (k,) that blocks open as they run."""
+    opening, slip = model.opening_and_slip(flow.at - flow.before)
+    fastest = max(float(np.abs(opening).max()), float(np.sqrt((slip * slip).sum(axis=1)).max()))
+    opens: Bools = np.bincount(model.pair_contact, opening > FLOWS * fastest, len(model.plus)) > 0
+    return opens

@@ -290,6 +290,8 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         twists = _twisting(part)
         if not twists.any():
             break
+        if part.limit.basis is Basis.PEAK and part.limit.rounds is not None and _large(part.model):
+            return replace(part, limit=replace(part.limit, unrefined=True))  # the path of all, to another peak
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
         model_patch = model_of(scene, there, part.blocks, refine)
@@ -302,7 +304,7 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if not limit.factor or not part.limit.factor:
             break
         if limit.basis is Basis.PEAK and limit.rounds is not None:
-            break
+            return replace(part, limit=replace(part.limit, finer=limit.factor))
         change = abs(limit.factor / part.limit.factor - 1.0)
         part = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
