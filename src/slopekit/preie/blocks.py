@@ -491,7 +491,8 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
             return None
 
     with allowed(MOST):
-        ended = with_bonds(model, once, pressed, grows, load_grows=True)
+        falls = _history(model, Drive(own, grows, reduction), SHEAR_TO_NORMAL, first)
+        ended = with_bonds(model, once, pressed, grows, True, falls=falls if len(model.load) <= _FOLLOWED else None)
     path_end, bond = ended.limit, ended.bond
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK

@@ -27,7 +27,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.falling import Fallen
+from slopekit.preie.falling import NEAR_RUNNING, Fallen
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, LIMIT_BALANCED, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
@@ -117,7 +117,7 @@ class Rounds:
 
     def fall(self) -> None:
         """Bonds that falling strength breaks with those gone that motions opened: from the start, at every round."""
-        if self.falls is None:  # or other node pairs
+        if self.falls is None or not self.bonded.any():
             return
         opened = self.lost & ~self.gone
         self.fallen = self.falls(opened)
@@ -240,7 +240,8 @@ class Rounds:
         if self.falls is None or fallen is None or fallen.runs is None or limit.parameter is None:
             return last
         last = replace(last, fell=fallen.runs)
-        if not (fallen.broke & ~self.lost).any() or (limit.parameter > fallen.runs) != self.load_grows:
+        beyond = (limit.parameter / fallen.runs - 1.0) * (1.0 if self.load_grows else -1.0)
+        if beyond < NEAR_RUNNING or not (fallen.broke & ~self.lost).any():
             return last
         rest, moved = fallen.rest, fallen.flow.at - fallen.flow.before
         limit = replace(

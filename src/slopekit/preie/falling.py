@@ -17,7 +17,7 @@ from slopekit.preie.path import ROUGHER, at_rest_first, at_rest_next
 from slopekit.preie.tolerances import FARTHEST, FLOWS, LEAST_STRENGTH, RUNS
 
 _STRIDE = 0.95  # of the strength, a step
-_NEAR = 3e-3  # how near the last rest comes to where the blocks run
+NEAR_RUNNING = 3e-3  # how near the last rest comes to where the blocks run
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Fallen:
 
     Attributes
     ----------
-    gone : (k,) contacts that were open all over at rest
+    gone : (k,) contacts that lost their cohesion as they were open all over at rest, and are at the last
     parameter, runs : of the last rest, and the first at which the blocks do not come to rest; None where they always do
     broke : (k,) contacts that were open all over there before they ran; opens : that they opened as they ran
     rest : the last; flow : how they ran
@@ -56,11 +56,15 @@ def fallen(model: AssemblyModel, drive: Drive, ratio: float, start: float, lost:
     def bed(gone: Bools) -> Bed:
         return Bed(model, drive, np.where((lost | gone)[model.pair_contact], 0.0, 1.0), ratio)
 
+    def touching(flow: Flow) -> Bools:
+        """Contacts (k,) that any pair presses."""
+        some: Bools = np.bincount(model.pair_contact, flow.forces.touching, len(lost)) > 0
+        return some
+
     def settled(flow: Flow, parameter: float, gone: Bools) -> tuple[Flow, Bools]:
         """From a rest with some bonds to one that leaves no others open all over, or running."""
         while flow.ended == "rest":
-            touches = np.bincount(model.pair_contact, flow.forces.touching, len(lost)) > 0
-            opens = bonded & ~lost & ~gone & ~touches
+            opens = bonded & ~lost & ~gone & ~touching(flow)
             if not opens.any():
                 break
             gone = gone | opens
@@ -88,9 +92,10 @@ def fallen(model: AssemblyModel, drive: Drive, ratio: float, start: float, lost:
         if found.ended == "rest":
             parameter, flow, gone = trial, found, left
             if parameter < LEAST_STRENGTH * start if drive.ramp is None else parameter > FARTHEST:
-                return Fallen(gone, parameter, None, none, none, flow, flow)
-        elif 1.0 - step < _NEAR:
-            return Fallen(gone, parameter, trial, left & ~gone, _opened(model, found), flow, found)
+                return Fallen(gone & ~touching(flow), parameter, None, none, none, flow, flow)
+        elif 1.0 - step < NEAR_RUNNING:
+            broke, opened = left & ~gone, _opened(model, found)
+            return Fallen(gone & ~touching(flow), parameter, trial, broke, opened, flow, found)
         else:
             step = math.sqrt(step)
 
