@@ -234,33 +234,67 @@ class Rounds:
         limit = replace(first, parameter=less)
         return Bonded(limit, other.bond, self.whole, None, int(opens.sum()), share, self.unsettled, self.soonest, other)
 
-    def no_farther(self, last: Bonded) -> Bonded:
-        """A limit no farther than falling strength comes: where bonds break on its way and blocks run, that is it."""
-        fallen, limit = self.fallen, last.limit
-        if self.falls is None or fallen is None or fallen.runs is None or limit.parameter is None:
+    def no_farther(self, last: Bonded, once: Search) -> Bonded:
+        """A limit no farther than falling strength comes: where blocks run before it without bonds that it counts.
+
+        It is then the limit without those, if it lies where they run; else it is their last rest.
+        """
+        fallen, limit = self._begun(), last.limit
+        if fallen is None or fallen.runs is None or limit.parameter is None:
             return last
-        last = replace(last, fell=fallen.runs)
-        beyond = (limit.parameter / fallen.runs - 1.0) * (1.0 if self.load_grows else -1.0)
-        if beyond < NEAR_RUNNING or not (fallen.broke & ~self.lost).any():
-            return last
-        rest, moved = fallen.rest, fallen.flow.at - fallen.flow.before
+        if self._past(limit.parameter, fallen.runs) < NEAR_RUNNING or not (fallen.broken & ~self.lost).any():
+            return replace(last, fell=fallen.runs)
+        without = copy(self)
+        without.lost, without.kept = self.lost | fallen.broken, np.zeros_like(self.kept)
+        path_end, all_rest = once(without.bond, True)
+        if path_end.found and all_rest and path_end.parameter is not None:
+            without.kept = without.bonded & ~without.lost & _moves(self.model, path_end)[0]
+            if abs(self._past(path_end.parameter, fallen.runs)) < NEAR_RUNNING:
+                return without.ended(path_end, lambda *_: None)
+        moved = fallen.flow.at - fallen.flow.before
+        forces = fallen.rest.forces
         limit = replace(
             limit, outcome=PathOutcome.BRACKET, parameter=fallen.parameter, peak=(fallen.parameter, fallen.runs),
-            displacement=rest.at, motion=moved / max(float(np.abs(moved).max(initial=0.0)), TINY),
-            normal=rest.forces.normal, friction=rest.forces.friction, group=0, width=0.0, reached=None,
+            displacement=fallen.rest.at, motion=moved / max(float(np.abs(moved).max(initial=0.0)), TINY),
+            normal=forces.normal, friction=forces.friction, group=0, width=0.0, reached=None,
             reduction=limit.reduction if self.load_grows else fallen.parameter,
         )  # fmt: skip
-        return replace(last, limit=limit, least=None, kept=0, share=0.0)
+        return replace(last, limit=limit, bond=without.bond, least=None, kept=0, share=0.0)
+
+    def _begun(self) -> Fallen | None:
+        """The history in which no motion has opened anything."""
+        return None if self.falls is None or self.fallen is None else self.falls(np.zeros_like(self.lost))
+
+    def touching_again(self, last: Bonded, once: Search) -> Bonded:
+        """A limit with the bonds that falling strength broke and the limit presses, if it is that of the history."""
+        fallen, limit = self._begun(), last.limit
+        if fallen is None or fallen.runs is None or limit.parameter is None or not limit.found:
+            return last
+        pressed = np.bincount(self.model.pair_contact, limit.normal > 0.0, len(self.lost)) > 0
+        again = self.gone & pressed & ~_moves(self.model, limit)[0]
+        if not again.any():
+            return last
+        other = copy(self)
+        other.lost, other.gone = self.lost & ~again, self.gone & ~again
+        path_end, all_rest = once(other.bond, True)
+        if not (path_end.found and all_rest and path_end.parameter is not None):
+            return last
+        near = self._past(path_end.parameter, fallen.runs) < NEAR_RUNNING
+        opens = _moves(self.model, path_end)[0] & ~other.lost & ~other.kept & self.bonded
+        if not near or opens.any() or self._past(path_end.parameter, limit.parameter) < 0.0:
+            return last
+        return other.ended(path_end, lambda *_: None)
+
+    def _past(self, parameter: float, runs: float) -> float:
+        """How far a parameter lies beyond another, in parts of it."""
+        return (parameter / runs - 1.0) if self.load_grows else (runs / parameter - 1.0)
 
     def beyond(self) -> Floats | None:
-        """Bonds (m,) that are left once falling strength has broken others and blocks run; None where it breaks none.
-
-        They are those that the running motion opens, and those that were open all over before it.
-        """
-        if self.falls is None or self.fallen is None or self.fallen.runs is None:
+        """Bonds (m,) that are left once blocks run whose strength falls; None where those are all that are counted."""
+        fallen = self._begun()
+        if fallen is None or fallen.runs is None:
             return None
-        opens = self.fallen.opens | self.fallen.broke
-        opens &= self.bonded & ~self.lost
+        opens = (fallen.opens | fallen.broken) & self.bonded & ~self.lost
         if not opens.any():
             return None
         left: Floats = np.where((self.lost | opens)[self.model.pair_contact], 0.0, 1.0)
@@ -357,7 +391,8 @@ def with_bonds(
             if not isinstance(sooner, Rounds):
                 last = sooner or last
                 rounds = last.rounds or rounds
-                return _with_less(rounds, rounds.no_farther(last), once)
+                last = rounds.touching_again(rounds.no_farther(last, once), once)
+                return _with_less(rounds, last, once)
             rounds, changed = sooner, True
         vouched = not changed
     while not all_rest:  # forces of a group alone are none of all blocks

@@ -26,16 +26,16 @@ class Fallen:
 
     Attributes
     ----------
-    gone : (k,) contacts that lost their cohesion as they were open all over at rest, and are at the last
+    gone : (k,) contacts that have lost their cohesion, as they were open all over at rest
     parameter, runs : of the last rest, and the first at which the blocks do not come to rest; None where they always do
-    broke : (k,) contacts that were open all over there before they ran; opens : that they opened as they ran
+    broken : (k,) all contacts that had lost their cohesion when they ran; opens : that they opened then
     rest : the last; flow : how they ran
     """
 
     gone: Bools
     parameter: float
     runs: float | None
-    broke: Bools
+    broken: Bools
     opens: Bools
     rest: Flow
     flow: Flow
@@ -92,10 +92,9 @@ def fallen(model: AssemblyModel, drive: Drive, ratio: float, start: float, lost:
         if found.ended == "rest":
             parameter, flow, gone = trial, found, left
             if parameter < LEAST_STRENGTH * start if drive.ramp is None else parameter > FARTHEST:
-                return Fallen(gone & ~touching(flow), parameter, None, none, none, flow, flow)
+                return Fallen(gone, parameter, None, gone, none, flow, flow)
         elif 1.0 - step < NEAR_RUNNING:
-            broke, opened = left & ~gone, _opened(model, found)
-            return Fallen(gone & ~touching(flow), parameter, trial, broke, opened, flow, found)
+            return Fallen(gone, parameter, trial, left, _opened(model, found), flow, found)
         else:
             step = math.sqrt(step)
 
