@@ -19,20 +19,27 @@ from tests.preie.path_oracle import breaking, model_of
 # -- against a history ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("number", "cohesion", "factor", "before"), [
-    (73, 5.0, 8.3050, 9.2946), (107, 5.0, 1.3386, 1.3554), (15, 5.0, 2.0390, 2.0501), (27, 15.0, 2.8509, 3.1123),
+@pytest.mark.parametrize(("number", "cohesion", "factor", "before", "begins"), [
+    (73, 5.0, 8.0794, 9.2946, 4.5), (107, 5.0, 1.3386, 1.3554, 0.89), (15, 5.0, 2.0390, 2.0501, 1.36),
+    (27, 15.0, 2.8509, 3.1123, 1.9),
 ])  # fmt: skip
-def test_contacts_that_are_open_before_anything_moves_carry_no_cohesion(number, cohesion, factor, before) -> None:
-    """Histories end there; the mechanism leaves those contacts as they are, and once had their cohesion for nothing."""
+def test_contacts_that_are_open_before_anything_moves_carry_no_cohesion(
+    number, cohesion, factor, before, begins
+) -> None:
+    """Histories end there; the mechanism leaves those contacts as they are, and once had their cohesion for nothing.
+
+    Loads come on at strength divided by `begins`. At 5.5, and not at 5 and less, bench 73 ends at 8.305.
+    """
     design = populations.bench(number)
     design["strength"]["joint"]["c"] = cohesion
     model = model_of(design)
     found = limit_of_blocks(model, ranged=False)
     assert found.factor == pytest.approx(factor, rel=1e-4)
-    rests, runs, _ = breaking(model, 1.5 / factor)
+    rests, runs, _ = breaking(model, 1.0 / begins)
     assert rests < runs < 1.003 * rests
     assert 0.998 * rests < found.factor < runs < 0.997 * before
-    assert not (found.normal_force[found.bond == 0.0] > 0.0).any()
+    again = found.normal_force[found.bond == 0.0] > 0.0  # 73: an edge of a contact touches again, too late
+    assert again.sum() == (1 if number == 73 else 0)
 
 
 def test_a_first_motion_is_the_limit_where_the_last_begins_later() -> None:
@@ -43,10 +50,10 @@ def test_a_first_motion_is_the_limit_where_the_last_begins_later() -> None:
     found = limit_of_blocks(model, ranged=False)
     rests, runs, _ = breaking(model, 1.5 / 0.6)
     assert runs < 1.003 * rests
-    assert found.factor == pytest.approx(0.5025, rel=2e-4)
+    assert found.factor == pytest.approx(0.5041, rel=2e-4)
     first = found.factor / (1.0 - found.kept_share)
     assert found.factor < 0.97 * rests < first < rests
-    assert found.kept == 3
+    assert found.kept == 2
     assert found.basis == Basis.SETTLED
 
 
@@ -275,30 +282,30 @@ def test_what_a_search_in_unit_strength_reached_is_the_designs_strength_again() 
     assert (weaker.parameter, weaker.reached, weaker.peak) == (0.125, 0.1, (0.075, 0.05))
 
 
-def test_other_node_pairs_begin_with_the_bonds_that_were_lost_and_with_all_where_they_are_not_confirmed() -> None:
-    """Confirmed: one search. Where the motion opens another contact, or does not settle: as with none before."""
+def test_other_node_pairs_go_on_from_the_bonds_that_were_lost_and_never_begin_anew() -> None:
+    """Confirmed, or not settled: one search. Where its motion opens another contact as well the rounds go on there."""
     model = boxes()
     lost = {
         (1, 1): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
         (1, 0): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
     }
     first = with_bonds(model, Scripted(model, lost), pressed_to(0.0), np.ones(model.load.size))
+    unsettled = {key: replace(end, outcome=PathOutcome.BRACKET) for key, end in lost.items()}
+    before = with_bonds(model, Scripted(model, unsettled), pressed_to(0.0), np.ones(model.load.size))
     assert first.rounds is not None
-    for other, asked in [
-        (lost[1, 0], [(1, 0)]),
-        (replace(lost[1, 0], outcome=PathOutcome.BRACKET), [(1, 0), (1, 1), (1, 0)]),
-        (ends(model, 0.6, [LIFTS, LIFTS]), [(1, 0), (1, 1), (1, 0), (0, 0)]),
+    assert (before.unsettled, before.limit.outcome) == (0.5, PathOutcome.BRACKET)
+    for begun, other, asked in [
+        (first, lost[1, 0], [(1, 0)]),
+        (before, lost[1, 0], [(1, 0)]),
+        (first, replace(lost[1, 0], outcome=PathOutcome.BRACKET), [(1, 0)]),
+        (first, ends(model, 0.6, [LIFTS, LIFTS]), [(1, 0), (0, 0)]),
     ]:
         script = Scripted(model, {**lost, (1, 0): other, (0, 0): ends(model, 0.7, [LIFTS, (0.0, 0.0, 2.0)])})
-        found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, first.rounds)
+        found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, begun.rounds)
         assert script.asked == asked
         assert found.whole == 0.5
+        assert found.limit.outcome is (other.outcome if len(asked) == 1 else PathOutcome.SETTLED)
         assert (found.bond[model.pair_contact == 0] == (0.0 if asked[-1] == (0, 0) else 1.0)).all()
-    unsettled = {key: replace(end, outcome=PathOutcome.BRACKET) for key, end in lost.items()}
-    before = with_bonds(model, Scripted(model, unsettled), pressed_to(0.0), np.ones(model.load.size)).rounds
-    script = Scripted(model, lost)
-    with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, before)
-    assert script.asked == [(1, 1), (1, 0)]  # a motion that had not settled broke bonds: nothing to begin with
 
 
 def test_a_bond_that_comes_back_and_opens_again_is_lost() -> None:

@@ -79,10 +79,10 @@ def bonds_of(failure: Failure) -> Bonds:
     limit, joints = failure.limit, failure.parts[0].model.joint_pairs
     lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
     if not limit.factor:
-        return Bonds(lost, limit.bonded)
+        return Bonds(lost, limit.bonded, entire=limit.entire)
     return Bonds(
         lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
-        limit.fell, limit.finer, limit.unrefined,
+        limit.fell, limit.finer, limit.finer_is_less, limit.unrefined, limit.entire,
     )  # fmt: skip
 
 

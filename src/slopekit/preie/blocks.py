@@ -39,6 +39,7 @@ from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     LIMIT_BALANCED,
+    MESH_CHANGE,
     TINY,
 )
 
@@ -97,7 +98,7 @@ class BlocksLimit:
     finer : the factor on finer node pairs where the motion did not settle there; `unrefined`: whether none were asked,
         as the motion has not settled; `lowest` is no more than `fell` and `finer`
     steps : factorisations of the path; bound_steps : of the bound
-    bonded : the factor with all bonds, where some are lost
+    bonded : the factor with all bonds, where some are lost; if not `entire` with those that falling strength leaves
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
         at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
     held : where it is spent, the factor of the group that was solved last, all others held, and how many blocks it has
@@ -139,12 +140,18 @@ class BlocksLimit:
     fell: float | None = None
     finer: float | None = None
     unrefined: bool = False
+    entire: bool = True
 
     @property
     def at_most(self) -> float:
         """What `lowest` may be at most: the least factor at which other bonds or ways, or finer pairs let it move."""
-        least = [one for one in (self.factor, self.sooner, self.fell, self.finer) if one is not None]
-        return min(least, default=math.inf)
+        finer = self.finer if self.finer_is_less else None
+        return min((one for one in (self.factor, self.sooner, self.fell, finer) if one is not None), default=math.inf)
+
+    @property
+    def finer_is_less(self) -> bool:
+        """Whether the factor on finer node pairs is less by more than refinement may move it."""
+        return self.finer is not None and self.finer < (self.factor or 0.0) * (1.0 - MESH_CHANGE)
 
 
 class Proposal(Protocol):
@@ -397,7 +404,7 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     if ended.unsettled is not None:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
     if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
-        limit = replace(limit, bonded=1.0 / ended.whole)
+        limit = replace(limit, bonded=1.0 / ended.whole, entire=ended.entire)
     if limit.factor is not None and ended.soonest and 1.0 / ended.soonest < limit.factor * (1.0 - _SOONER):
         sooner = 1.0 / ended.soonest
         limit = replace(limit, sooner=sooner, lowest=sooner if limit.lowest is None else min(limit.lowest, sooner))
@@ -501,7 +508,8 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
         frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,
-        path_end.factorisations, 0, bonded=ended.whole if farther else None, kept=ended.kept, kept_share=ended.share,
+        path_end.factorisations, 0, bonded=ended.whole if farther else None, entire=ended.entire,
+        kept=ended.kept, kept_share=ended.share,
         unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
         counted=ended.counted,
         sooner=ended.soonest if (ended.soonest or math.inf) < (path_end.parameter or 0.0) * (1.0 - _SOONER) else None,

@@ -56,7 +56,8 @@ class Bonded:
     ----------
     limit : its parameter is that without cohesion where its motion opens
     bond : (m,) 0 where a pair has lost its cohesion
-    whole : the parameter with all bonds
+    whole : the parameter of the first round, with all bonds or, where falling strength breaks some before, `entire` is
+        false
     least : of the rounds, the parameter at which blocks would move without the bonds that are kept; None where none is
     kept : contacts whose bond the motion opens and that keep it
     share : part of the motion's work that their cohesion did, and that of what it opens without having settled
@@ -78,6 +79,7 @@ class Bonded:
     rounds: "Rounds | None" = None
     counted: int = 0
     fell: float | None = None
+    entire: bool = True
 
 
 class Rounds:
@@ -95,6 +97,7 @@ class Rounds:
         self.late = np.zeros(contacts, dtype=bool)  # opened by a motion that does not settle once more
         self.broke = np.zeros(contacts)  # the parameter of the motion that opened it
         self.whole: float | None = None
+        self.entire = True
         self.least: float | None = None
         self.unsettled: float | None = None
         self.soonest: float | None = None
@@ -133,7 +136,8 @@ class Rounds:
         Not asked of the peak of a group of blocks, which would be another one after rounds of many groups: `counted`.
         """
         assert path_end.parameter is not None
-        self.whole = path_end.parameter if self.whole is None else self.whole
+        if self.whole is None:
+            self.whole, self.entire = path_end.parameter, not self.lost.any()
         sooner = min if self.load_grows else max
         self.soonest = sooner(path_end.parameter, path_end.parameter if self.soonest is None else self.soonest)
         bonded = self.bonded & ~self.lost
@@ -216,7 +220,12 @@ class Rounds:
         if somewhere is None:
             return None
         other = Rounds(self.model, self.working, self.load_grows)
-        other.whole, other.soonest, other.unsettled = self.whole, self.soonest, self.unsettled
+        other.whole, other.entire, other.soonest, other.unsettled = (
+            self.whole,
+            self.entire,
+            self.soonest,
+            self.unsettled,
+        )
         if (opens & ~somewhere).any():
             other.lost = lost | (opens & ~somewhere)
             other.gone = other.lost.copy()
@@ -373,7 +382,7 @@ def with_bonds(
         path_end, all_rest = once(rounds.bond, vouched)
         if rounds.inherits and not path_end.found:
             if all_rest:
-                return rounds.ended(path_end, pressed)
+                return replace(rounds.ended(path_end, pressed), entire=rounds.entire)
             vouched = True
             continue
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
@@ -391,7 +400,7 @@ def with_bonds(
             if not isinstance(sooner, Rounds):
                 last = sooner or last
                 rounds = last.rounds or rounds
-                last = rounds.touching_again(rounds.no_farther(last, once), once)
+                last = replace(rounds.touching_again(rounds.no_farther(last, once), once), entire=rounds.entire)
                 return _with_less(rounds, last, once)
             rounds, changed = sooner, True
         vouched = not changed
