@@ -50,6 +50,7 @@ _PROPOSED = 600  # unknowns from which a limit is proposed before the path is fo
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
 _FOLLOWED = 100  # blocks up to which bonds that falling strength breaks are found by following it
 _FINELY_FOLLOWED = 24  # and between finer node pairs
+_OF_HISTORY = 0.2  # of the work that is left, for a history
 _BITS = 40  # of a strength in parts of the largest: 12 digits
 _SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
 _FELL = 5e-3  # below a factor: steps of falling strength come no nearer to where blocks run
@@ -426,7 +427,8 @@ def _history(model: AssemblyModel, drive: Drive, ratio: float, start: float) -> 
         key = lost.tobytes()
         if key not in known:
             try:
-                known[key] = fallen(model, drive, ratio, start, lost)
+                with part(_OF_HISTORY):
+                    known[key] = fallen(model, drive, ratio, start, lost)
             except EffortSpentError:
                 known[key] = None
         return known[key]

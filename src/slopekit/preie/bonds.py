@@ -371,10 +371,12 @@ def with_bonds(
     ----------
     once : finds the limit with some bonds; pressed : contacts that are at rest
     working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
-    begun : what rounds between other node pairs of the same contacts came to: taken where they had all settled, and a
-        limit with their bonds settles and changes nothing; else the rounds begin anew
+    begun : what rounds between other node pairs of the same contacts came to: they go on from there, as long as motions
+        settle; the first limit that has not settled is returned as it is
+    falls : the histories of falling strength, or of the load that grows
     """
-    rounds, vouched, all_rest = Rounds(model, working, load_grows, falls), falls is None, False
+    rounds, all_rest = Rounds(model, working, load_grows, falls), False
+    vouched = falls is None or not rounds.bonded.any()
     if begun is not None and begun.bonded.any():
         rounds, vouched = begun.on(model, falls), True
     for _ in range(_MOST_ROUNDS):
@@ -386,6 +388,9 @@ def with_bonds(
             vouched = True
             continue
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
+        if not runs and rounds.fallen is not None and rounds.gone.any():  # without what a history broke: as if none were
+            rounds, vouched = Rounds(model, working, load_grows), True
+            continue
         if not runs or not rounds.bonded.any():
             whole = rounds.whole or path_end.parameter
             return Bonded(path_end, rounds.bond, whole, unsettled=rounds.unsettled, soonest=rounds.soonest)

@@ -51,7 +51,8 @@ def fallen(model: AssemblyModel, drive: Drive, ratio: float, start: float, lost:
     EffortSpentError
         The work that is allowed is done.
     """
-    bonded = np.bincount(model.pair_contact, model.cohesion, len(lost)) > 0.0
+    joints = model.joint_pairs  # a bolt has no pair that could be pressed
+    bonded = np.bincount(model.pair_contact[joints], model.cohesion[joints], len(lost)) > 0.0
 
     def bed(gone: Bools) -> Bed:
         return Bed(model, drive, np.where((lost | gone)[model.pair_contact], 0.0, 1.0), ratio)
@@ -73,11 +74,10 @@ def fallen(model: AssemblyModel, drive: Drive, ratio: float, start: float, lost:
 
     none = np.zeros_like(lost)
     for _ in range(ROUGHER + 1):
-        begun = bed(none)
-        start, flow = at_rest_first(begun, start, ROUGHER)
-        if flow.ended != "rest":
-            return None
-        flow, gone = settled(flow, start, none)
+        _, flow = at_rest_first(bed(none), start, 0)
+        gone = none
+        if flow.ended == "rest":
+            flow, gone = settled(flow, start, none)
         if flow.ended == "rest":
             break
         if drive.ramp is not None:
