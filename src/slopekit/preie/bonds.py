@@ -388,7 +388,7 @@ def with_bonds(
             vouched = True
             continue
         runs = path_end.found or (path_end.outcome is PathOutcome.BRACKET and path_end.parameter is not None)
-        if not runs and rounds.fallen is not None and rounds.gone.any():  # without what a history broke: as if none were
+        if not runs and rounds.fallen is not None and rounds.gone.any():  # no path leads on from what a history broke
             rounds, vouched = Rounds(model, working, load_grows), True
             continue
         if not runs or not rounds.bonded.any():
