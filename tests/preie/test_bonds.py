@@ -434,6 +434,7 @@ def test_a_history_ends_where_one_of_another_kind_does(number, cohesion, begins,
     lost = np.bincount(model.pair_contact, (left == 0.0) & (model.cohesion > 0.0), len(model.plus)) > 0
     assert lost.any()
     assert (found.gone ^ lost).sum() <= 1
+    assert (found.broken & ~found.gone).any() == (number in (27, 115))  # and then they ran
 
 
 @pytest.mark.parametrize(("number", "cohesion", "factor", "before", "begins"), [
