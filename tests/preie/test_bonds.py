@@ -303,6 +303,7 @@ def test_other_node_pairs_go_on_from_the_bonds_that_were_lost_and_never_begin_an
         (first, lost[1, 0], [(1, 0)]),
         (before, lost[1, 0], [(1, 0)]),
         (first, replace(lost[1, 0], outcome=PathOutcome.BRACKET), [(1, 0)]),
+        (first, ends(model, 0.6, [LIFTS, LIFTS], PathOutcome.BRACKET), [(1, 0)]),
         (first, ends(model, 0.6, [LIFTS, LIFTS]), [(1, 0), (0, 0)]),
     ]:
         script = Scripted(model, {**lost, (1, 0): other, (0, 0): ends(model, 0.7, [LIFTS, (0.0, 0.0, 2.0)])})
