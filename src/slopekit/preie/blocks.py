@@ -2,8 +2,8 @@
 
     S   the static bound of all blocks (`preie.bounds`): what exceeds it is no factor
     F   the limit of the elastic path (`preie.path`) from the strength 2/S downwards
-    B   a contact that does not touch at the limit, and a flat one that the limit's motion opens anywhere, which touches
-        along a line at most, lose all their cohesion, and the path starts again (`preie.bonds`)
+    B   a contact that is open all over at rest as strength falls, and a flat one that the limit's motion opens
+        anywhere, which touches along a line at most, lose all their cohesion: the path starts again (`preie.bonds`)
     M   [lowest, highest]: what the same mechanism can have under any admissible forces
 
 Where the blocks come to rest at no strength with all loads on at once, or where their motion does not settle, the loads

@@ -1,7 +1,9 @@
 """Which contacts of many blocks have lost their cohesion where they fail: rounds of limits, and of their motions.
 
-A contact that no node pair touches where the blocks are at their limit has opened on the way there, by elastic movement
-alone: its cohesion is gone before any motion begins, though the mechanism may well leave it as it is.
+A contact that is open all over as blocks rest on their elastic joints has lost its cohesion before any motion begins,
+though the mechanism may well leave it as it is. Falling strength is followed to see which (`preie.falling`), with what
+motions have opened gone from its start; where that takes too long contacts are asked at the limit alone. No limit lies
+beyond the history in which no motion has opened anything, if it counts on a bond that is broken there.
 A flat contact that a motion opens anywhere touches along a line at most: all its cohesion goes, and the limit is looked
 for again. A motion begins at its own factor and breaks nothing before. So where a lesser motion, at a lower factor,
 slides on a closed contact whose cohesion an earlier one has opened, settled or not, it is not there: strength that
