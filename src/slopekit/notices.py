@@ -75,12 +75,16 @@ class Bonds:
 
     Attributes
     ----------
-    lost : part of the node pairs that have lost it; begins : where the first motion begins with all of it, if farther
+    lost : part of the node pairs that have lost it; begins : where the first motion begins with all of it, if farther,
+        or, if not `entire`, with what is left of it until then
     kept, share : contacts that the motion opens and whose cohesion stands until then; the part of its work left out
     without : where blocks would move without that of `kept`, None where it was not asked
     unsettled : where a motion began that broke cohesion and had not settled, None where all had
     sooner : of all bonds that were tried, where a motion would begin first; None where that is not before the limit
     counted : contacts that are open before the motion and whose cohesion counts all the same
+    fell : where blocks run whose strength falls step by step, where that is before the limit
+    finer : the number on finer node pairs, where the motion did not settle there, and whether it is less by more than
+        refinement may move it; `unrefined`: none were asked
     """
 
     lost: float
@@ -91,17 +95,23 @@ class Bonds:
     unsettled: float | None = None
     sooner: float | None = None
     counted: int = 0
+    fell: float | None = None
+    finer: float | None = None
+    finer_is_less: bool = False
+    unrefined: bool = False
+    entire: bool = True
 
 
 def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterator[Notice]:
-    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W493, W494.
+    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W493 to W496.
 
     Parameters
     ----------
     shown : a factor or load as sentences have it; `of` : what the number is
     """
     if bonds.lost > 0.0:
-        before = f"; with all of it the first motion begins at {shown(bonds.begins)}" if bonds.begins else ""
+        of_it = "all of it" if bonds.entire else "what is left of it until then"
+        before = f"; with {of_it} the first motion begins at {shown(bonds.begins)}" if bonds.begins else ""
         yield Notice("W307", "contacts that are open before blocks move, or that the mechanism or motions on the way "
                      f"to it open, have lost their cohesion ({bonds.lost * 100:.2g} % of the node pairs): the {of} "
                      f"jumps where that happens{before}")  # fmt: skip
@@ -121,6 +131,15 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
     if bonds.sooner is not None:
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
+    if bonds.fell is not None:
+        yield Notice("W495", f"blocks whose strength falls step by step run at {shown(bonds.fell)}: the {of} is that "
+                     "of blocks without the cohesion that is lost from the start")  # fmt: skip
+    if bonds.finer is not None and bonds.finer_is_less:
+        yield Notice("W495", "the motion did not settle on finer node pairs, where blocks with the same cohesion were "
+                     f"last at rest at {shown(bonds.finer)}: the {of} is that on the coarser ones")  # fmt: skip
+    elif bonds.finer is not None or bonds.unrefined:
+        why = "the motion has not settled, and none were tried" if bonds.unrefined else "no motion settled on them"
+        yield Notice("W496", f"how far finer node pairs move the {of} is not known: {why}")
 
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:

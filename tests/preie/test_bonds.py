@@ -8,10 +8,15 @@ import pytest
 
 import slopekit as sk
 from benchmarks import populations
-from slopekit.preie import blocks, bonds
+from slopekit.design.files import with_values
+from slopekit.design.templates import path_of
+from slopekit.preie import blocks, bonds, ravelling
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis, limit_of_blocks
 from slopekit.preie.bonds import Bonded, with_bonds
+from slopekit.preie.falling import NEAR_RUNNING, Fallen, fallen
+from slopekit.preie.flow import Flow
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from tests.preie.block_scenes import boxes_in_space
 from tests.preie.path_oracle import breaking, model_of
@@ -19,20 +24,27 @@ from tests.preie.path_oracle import breaking, model_of
 # -- against a history ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("number", "cohesion", "factor", "before"), [
-    (73, 5.0, 8.3050, 9.2946), (107, 5.0, 1.3386, 1.3554), (15, 5.0, 2.0390, 2.0501), (27, 15.0, 2.8509, 3.1123),
+@pytest.mark.parametrize(("number", "cohesion", "factor", "before", "begins"), [
+    (73, 5.0, 8.0794, 9.2946, 4.5), (107, 5.0, 1.3386, 1.3554, 0.89), (15, 5.0, 2.0390, 2.0501, 1.36),
+    (27, 15.0, 2.8509, 3.1123, 1.9),
 ])  # fmt: skip
-def test_contacts_that_are_open_before_anything_moves_carry_no_cohesion(number, cohesion, factor, before) -> None:
-    """Histories end there; the mechanism leaves those contacts as they are, and once had their cohesion for nothing."""
+def test_contacts_that_are_open_before_anything_moves_carry_no_cohesion(
+    number, cohesion, factor, before, begins
+) -> None:
+    """Histories end there; the mechanism leaves those contacts as they are, and once had their cohesion for nothing.
+
+    Loads come on at strength divided by `begins`. At 5.5, and not at 5 and less, bench 73 ends at 8.305.
+    """
     design = populations.bench(number)
     design["strength"]["joint"]["c"] = cohesion
     model = model_of(design)
     found = limit_of_blocks(model, ranged=False)
     assert found.factor == pytest.approx(factor, rel=1e-4)
-    rests, runs, _ = breaking(model, 1.5 / factor)
+    rests, runs, _ = breaking(model, 1.0 / begins)
     assert rests < runs < 1.003 * rests
     assert 0.998 * rests < found.factor < runs < 0.997 * before
-    assert not (found.normal_force[found.bond == 0.0] > 0.0).any()
+    again = found.normal_force[found.bond == 0.0] > 0.0  # 73: an edge of a contact touches again, too late
+    assert again.sum() == (1 if number == 73 else 0)
 
 
 def test_a_first_motion_is_the_limit_where_the_last_begins_later() -> None:
@@ -43,10 +55,10 @@ def test_a_first_motion_is_the_limit_where_the_last_begins_later() -> None:
     found = limit_of_blocks(model, ranged=False)
     rests, runs, _ = breaking(model, 1.5 / 0.6)
     assert runs < 1.003 * rests
-    assert found.factor == pytest.approx(0.5025, rel=2e-4)
+    assert found.factor == pytest.approx(0.5041, rel=2e-4)
     first = found.factor / (1.0 - found.kept_share)
     assert found.factor < 0.97 * rests < first < rests
-    assert found.kept == 3
+    assert found.kept == 2
     assert found.basis == Basis.SETTLED
 
 
@@ -275,30 +287,31 @@ def test_what_a_search_in_unit_strength_reached_is_the_designs_strength_again() 
     assert (weaker.parameter, weaker.reached, weaker.peak) == (0.125, 0.1, (0.075, 0.05))
 
 
-def test_other_node_pairs_begin_with_the_bonds_that_were_lost_and_with_all_where_they_are_not_confirmed() -> None:
-    """Confirmed: one search. Where the motion opens another contact, or does not settle: as with none before."""
+def test_other_node_pairs_go_on_from_the_bonds_that_were_lost_and_never_begin_anew() -> None:
+    """Confirmed, or not settled: one search. Where its motion opens another contact as well the rounds go on there."""
     model = boxes()
     lost = {
         (1, 1): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
         (1, 0): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
     }
     first = with_bonds(model, Scripted(model, lost), pressed_to(0.0), np.ones(model.load.size))
+    unsettled = {key: replace(end, outcome=PathOutcome.BRACKET) for key, end in lost.items()}
+    before = with_bonds(model, Scripted(model, unsettled), pressed_to(0.0), np.ones(model.load.size))
     assert first.rounds is not None
-    for other, asked in [
-        (lost[1, 0], [(1, 0)]),
-        (replace(lost[1, 0], outcome=PathOutcome.BRACKET), [(1, 0), (1, 1), (1, 0)]),
-        (ends(model, 0.6, [LIFTS, LIFTS]), [(1, 0), (1, 1), (1, 0), (0, 0)]),
+    assert (before.unsettled, before.limit.outcome) == (0.5, PathOutcome.BRACKET)
+    for begun, other, asked in [
+        (first, lost[1, 0], [(1, 0)]),
+        (before, lost[1, 0], [(1, 0)]),
+        (first, replace(lost[1, 0], outcome=PathOutcome.BRACKET), [(1, 0)]),
+        (first, ends(model, 0.6, [LIFTS, LIFTS], PathOutcome.BRACKET), [(1, 0)]),
+        (first, ends(model, 0.6, [LIFTS, LIFTS]), [(1, 0), (0, 0)]),
     ]:
         script = Scripted(model, {**lost, (1, 0): other, (0, 0): ends(model, 0.7, [LIFTS, (0.0, 0.0, 2.0)])})
-        found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, first.rounds)
+        found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, begun.rounds)
         assert script.asked == asked
         assert found.whole == 0.5
+        assert found.limit.outcome is (other.outcome if len(asked) == 1 else PathOutcome.SETTLED)
         assert (found.bond[model.pair_contact == 0] == (0.0 if asked[-1] == (0, 0) else 1.0)).all()
-    unsettled = {key: replace(end, outcome=PathOutcome.BRACKET) for key, end in lost.items()}
-    before = with_bonds(model, Scripted(model, unsettled), pressed_to(0.0), np.ones(model.load.size)).rounds
-    script = Scripted(model, lost)
-    with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, before)
-    assert script.asked == [(1, 1), (1, 0)]  # a motion that had not settled broke bonds: nothing to begin with
 
 
 def test_a_bond_that_comes_back_and_opens_again_is_lost() -> None:
@@ -398,3 +411,203 @@ def test_the_first_motion_decides_where_what_it_breaks_lets_the_blocks_stand_lon
     assert (found.kept, found.soonest) == (1, 0.8)
     assert found.share == pytest.approx(0.1, rel=1e-12)
     assert (found.bond == 1.0).all()
+
+
+# -- falling strength -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("number", "cohesion", "begins", "parts"), [
+    (27, 5.0, 1.3, 0.02), (67, 5.0, 1.7, 0.003), (87, 5.0, 1.5, 0.003), (115, 5.0, 0.6, 0.003), (161, 15.0, 1.4, 0.003),
+    (187, 15.0, 80.0, 0.003), (234, 10.0, 1.4, 0.04),
+])  # fmt: skip
+def test_a_history_ends_where_one_of_another_kind_does(number, cohesion, begins, parts) -> None:
+    """Joints whose slip is incremental, and those of the path; most of their steps are not the same."""
+    design = populations.bench(number)
+    design["strength"]["joint"]["c"] = cohesion
+    model = model_of(design)
+    found = fallen(model, Drive(model.load.ravel()), 0.4, 1.0 / begins, np.zeros(len(model.plus), dtype=bool))
+    rests, runs, left = breaking(model, 1.0 / begins)
+    assert found is not None
+    assert found.runs is not None
+    assert found.parameter > found.runs > (1.0 - NEAR_RUNNING) * found.parameter
+    assert runs < 1.0035 * rests
+    assert 1.0 / found.parameter == pytest.approx(rests, rel=parts)
+    lost = np.bincount(model.pair_contact, (left == 0.0) & (model.cohesion > 0.0), len(model.plus)) > 0
+    assert lost.any()
+    assert (found.gone ^ lost).sum() <= 1
+    assert (found.broken & ~found.gone).any() == (number in (27, 115))  # and then they ran
+
+
+@pytest.mark.parametrize(("number", "cohesion", "factor", "before", "begins"), [
+    (161, 15.0, 2.4213, 2.8728, 1.4), (187, 15.0, 93.336, 174.97, 80.0), (234, 10.0, 2.5984, 2.8365, 1.9),
+])  # fmt: skip
+def test_no_bond_counts_that_falling_strength_breaks(number, cohesion, factor, before, begins) -> None:
+    """Benches that no rule was made with: contacts that touch at the limit state alone had their cohesion."""
+    design = populations.bench(number)
+    design["strength"]["joint"]["c"] = cohesion
+    found = sk.run(sk.load(design))
+    assert found.fos.limit == pytest.approx(factor, rel=2e-4)
+    rests, runs, _ = breaking(model_of(design), 1.0 / begins)
+    assert 0.99 * rests < found.fos.limit < 1.003 * runs < 0.95 * before
+
+
+def test_bolts_are_no_contacts_that_open() -> None:
+    """No node pair of a bolt is pressed: its strength is there all the same."""
+    alone = sk.load(path_of("blocks"))
+    bolt = {"force": "20 kN", "toward": "270/20", "block": "B2", "acts": "passive"}
+    found = sk.run(with_values(alone, {"support.bolts": [bolt], "loads.seismic.k": 0.15}))
+    without = sk.run(with_values(alone, {"loads.seismic.k": 0.15}))
+    assert found.fos.limit > 1.02 * without.fos.limit
+
+
+def test_finer_node_pairs_go_on_and_unsettled_ones_change_nothing() -> None:
+    """Bench 41: 1.6786 on the first pairs. On finer ones no motion settles: rounds of their own came to 0.645."""
+    found = sk.run(sk.load(populations.bench(41)))
+    rests, runs, _ = breaking(model_of(populations.bench(41)), 1.0 / 0.3)
+    assert found.fos.limit == pytest.approx(1.6786, rel=2e-4)
+    assert runs < 1.003 * rests
+    assert 0.95 * rests < found.fos.limit < rests
+
+
+def refining(monkeypatch, change):
+    """Component limits that a function changes: it gets the limit, and whether its node pairs are finer."""
+    whole = ravelling.component_limit
+
+    def changed(model, proposal=None, begun=None):
+        model, limit = whole(model, None, begun)
+        return model, change(limit, begun is not None)
+
+    monkeypatch.setattr(ravelling, "component_limit", changed)
+
+
+@pytest.mark.parametrize(("times", "code"), [(0.9, "W495"), (0.999, "W496"), (1.1, "W496")])
+def test_the_number_is_that_of_coarser_pairs_where_nothing_settles_on_finer(monkeypatch, times, code) -> None:
+    """The lowest factor is where the blocks were last at rest on the finer, and the sheet says of what it is."""
+    design = populations.bench(115) | {"acceptance": {"rules": ["fos >= 0.55", "fos.lowest >= 0.55"]}}
+    before = sk.run(sk.load(design)).fos
+    refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=times * limit.factor)
+             if finer and limit.factor else limit)  # fmt: skip
+    found = sk.run(sk.load(design))
+    (said,) = [notice.message for notice in found.warnings if notice.code in ("W495", "W496", "W494", "W312")]
+    assert found.fos.limit == pytest.approx(before.limit, rel=0.01)
+    assert code in [notice.code for notice in found.warnings]
+    if code == "W495":
+        assert found.fos.lowest == pytest.approx(0.9 * before.limit, rel=0.01)
+        assert f"last at rest at {found.fos.lowest:.4f}" in said
+        assert [found.judged(rule) for rule in found.design.rules] == [True, False]
+        assert "MET, but not with any forces locked in or on another way there (W495: down to" in " ".join(
+            str(found).split()
+        )
+    else:
+        assert said.endswith("no motion settled on them")
+        assert found.fos.lowest > 0.95 * before.lowest
+
+
+def test_of_many_blocks_that_did_not_settle_no_finer_pairs_are_tried(monkeypatch) -> None:
+    asked = []
+
+    def unsettled(limit, finer):
+        asked.append(finer)
+        return replace(limit, basis=Basis.PEAK) if limit.factor else limit
+
+    monkeypatch.setattr(ravelling, "_LARGE", 0)
+    refining(monkeypatch, unsettled)
+    found = sk.run(sk.load(populations.bench(115)))
+    assert not any(asked)
+    (said,) = [notice.message for notice in found.warnings if notice.code == "W496"]
+    assert said.endswith("the motion has not settled, and none were tried")
+
+
+def history(model: AssemblyModel, parameter: float, runs: float | None, gone=(), broken=(), opens=()) -> Fallen:
+    """A history that ends at a parameter, and what it did to contacts."""
+    still = np.zeros(model.load.size)
+    at_rest = Bed(model, Drive(model.load.ravel())).forces(still, parameter)
+    one, other = Flow(still, at_rest, "rest", still, 0.0), Flow(still + 1.0, at_rest, "runs", still, 0.0)
+    which = [np.isin(np.arange(len(model.plus)), some) for some in (gone, broken or gone, opens)]
+    return Fallen(which[0], parameter, runs, which[1], which[2], one, other)
+
+
+def followed(model: AssemblyModel, script: Scripted, ended: Fallen, working=None) -> Bonded:
+    """Rounds with one history for all of their bonds."""
+    working = np.ones(model.load.size) if working is None else working
+    return with_bonds(model, script, pressed_to(0.0), working, falls=lambda _: ended)
+
+
+SLIDE = [(1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
+
+
+def test_what_a_history_breaks_is_gone_from_the_first_round() -> None:
+    model = boxes()
+    script = Scripted(model, {(1, 0): ends(model, 0.5, SLIDE)})
+    found = followed(model, script, history(model, 0.501, 0.5, gone=(1,)))
+    assert script.asked == [(1, 0)]
+    assert (found.limit.parameter, found.entire, found.fell) == (0.5, False, 0.5)
+    assert (found.bond[model.pair_contact == 1] == 0.0).all()
+
+
+@pytest.mark.parametrize(("without", "parameter", "outcome"), [
+    (0.799, 0.799, PathOutcome.SETTLED), (0.7, 0.81, PathOutcome.BRACKET), (0.9, 0.81, PathOutcome.BRACKET),
+])  # fmt: skip
+def test_a_limit_beyond_a_history_is_where_that_runs(without, parameter, outcome) -> None:
+    """At λ 0.8 the upper bond breaks and the boxes run: a limit at 0.5 counts on it. Without it: there, or a rest."""
+    model = boxes()
+    script = Scripted(model, {(1, 1): ends(model, 0.5, SLIDE), (1, 0): ends(model, without, SLIDE)})
+    found = followed(model, script, history(model, 0.81, 0.8, broken=(1,)))
+    assert script.asked[:2] == [(1, 1), (1, 0)]
+    assert (found.limit.parameter, found.limit.outcome) == (parameter, outcome)
+    assert (found.bond[model.pair_contact == 1] == 0.0).all()
+
+
+def test_a_limit_within_the_steps_of_a_history_stays() -> None:
+    model = boxes()
+    script = Scripted(model, {(1, 1): ends(model, 0.798, SLIDE)})
+    found = followed(model, script, history(model, 0.802, 0.8, broken=(1,)))
+    assert (script.asked, found.limit.parameter) == ([(1, 1)], 0.798)
+
+
+def test_a_limit_beyond_a_history_with_its_bonds_says_where_that_runs() -> None:
+    model = boxes()
+    found = followed(model, Scripted(model, {(1, 0): ends(model, 0.5, SLIDE)}), history(model, 0.81, 0.8, gone=(1,)))
+    assert (found.limit.parameter, found.fell) == (0.5, 0.8)
+
+
+@pytest.mark.parametrize(("whole", "asked", "parameter"), [
+    (0.799, [(1, 0), (1, 1)], 0.799), (0.7, [(1, 0), (1, 1)], 0.8), (0.81, [(1, 0), (1, 1)], 0.8),
+])  # fmt: skip
+def test_a_bond_of_a_contact_that_touches_again_comes_back_where_the_history_does_not_mind(
+    whole, asked, parameter
+) -> None:
+    """Farther than the history it would be without its bond broken, or nearer: it stays broken."""
+    model = boxes()
+    pressing = replace(ends(model, 0.8, SLIDE), normal=np.where(model.pair_contact == 1, 1.0, 0.0))
+    script = Scripted(model, {(1, 0): pressing, (1, 1): ends(model, whole, SLIDE)})
+    found = followed(model, script, history(model, 0.802, 0.8, gone=(1,)))
+    assert script.asked == asked
+    assert found.limit.parameter == parameter
+    assert (found.bond[model.pair_contact == 1] == (1.0 if parameter == 0.799 else 0.0)).all()
+
+
+def test_without_a_path_for_what_a_history_broke_the_rounds_go_without() -> None:
+    model = boxes()
+    none = replace(ends(model, 1.0, SLIDE, PathOutcome.NO_REST), parameter=None)
+    script = Scripted(model, {(1, 0): none, (1, 1): ends(model, 0.5, SLIDE)})
+    found = followed(model, script, history(model, 0.81, 0.8, gone=(1,)))
+    assert (script.asked, found.limit.parameter, found.entire) == ([(1, 0), (1, 1)], 0.5, True)
+
+
+def test_a_limit_that_has_not_settled_knows_what_the_blocks_do_without_what_they_open_as_they_run() -> None:
+    model = boxes()
+    script = Scripted(model, {
+        (1, 1): ends(model, 0.8, SLIDE, PathOutcome.BRACKET), (1, 0): ends(model, 0.9, SLIDE),
+    })  # fmt: skip
+    found = followed(model, script, history(model, 0.802, 0.8, opens=(1,)))
+    assert (found.limit.parameter, found.soonest) == (0.8, 0.9)
+    assert script.asked == [(1, 1), (1, 0)]
+
+
+def test_a_load_that_grows_comes_no_farther_than_its_history() -> None:
+    model = boxes()
+    script = Scripted(model, {(1, 1): ends(model, 0.9, SLIDE), (1, 0): ends(model, 0.5, SLIDE)})
+    ended = history(model, 0.79, 0.8, broken=(1,))
+    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), True, falls=lambda _: ended)
+    assert (found.limit.parameter, found.limit.outcome) == (0.79, PathOutcome.BRACKET)

@@ -529,8 +529,8 @@ def test_the_range_is_that_of_the_part_that_fails_first_alone(monkeypatch) -> No
     assert len(ranges) == 1
     (low, high), fos = ranges[0], result.fos
     assert fos.highest / fos.limit == pytest.approx(high, rel=1e-9)
-    assert fos.lowest / fos.limit < low < 1.0  # another round of bonds ended lower (W494)
-    assert "W494" in [notice.code for notice in result.warnings]
+    assert fos.lowest / fos.limit < low < 1.0  # falling strength, step by step, runs before (W495)
+    assert "W495" in [notice.code for notice in result.warnings]
 
 
 # -- dilation ---------------------------------------------------------------------------------------------------------

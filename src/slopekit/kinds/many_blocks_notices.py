@@ -105,7 +105,7 @@ def _without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
 
 
 def said_of_bonds(failure: Failure) -> Iterator[Notice]:
-    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W494."""
+    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W493 to W496."""
     yield from bond_notices(bonds_of(failure), "{:.4f}".format, "factor of safety")
 
 
@@ -114,10 +114,11 @@ def bonds_of(failure: Failure) -> Bonds:
     limit, joints = failure.limit, failure.parts[0].model.joint_pairs
     lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
     if not limit.factor:
-        return Bonds(lost, limit.bonded)
+        return Bonds(lost, limit.bonded, entire=limit.entire)
     return Bonds(
-        lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted
-    )
+        lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
+        limit.fell, limit.finer, limit.finer_is_less, limit.unrefined, limit.entire,
+    )  # fmt: skip
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:

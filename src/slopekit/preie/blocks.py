@@ -2,8 +2,8 @@
 
     S   the static bound of all blocks (`preie.bounds`): what exceeds it is no factor
     F   the limit of the elastic path (`preie.path`) from the strength 2/S downwards
-    B   a contact that does not touch at the limit, and a flat one that the limit's motion opens anywhere, which touches
-        along a line at most, lose all their cohesion, and the path starts again (`preie.bonds`)
+    B   a contact that is open all over at rest as strength falls, and a flat one that the limit's motion opens
+        anywhere, which touches along a line at most, lose all their cohesion: the path starts again (`preie.bonds`)
     M   [lowest, highest]: what the same mechanism can have under any admissible forces
 
 Where the blocks come to rest at no strength with all loads on at once, or where their motion does not settle, the loads
@@ -24,11 +24,12 @@ from slopekit.core.onlooker import told_times
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.bonds import Bonded, Rounds, with_bonds
+from slopekit.preie.bonds import Bonded, Falls, Rounds, with_bonds
 from slopekit.preie.bound import StaticBound
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
+from slopekit.preie.falling import Fallen, fallen
 from slopekit.preie.flow import relaxed
 from slopekit.preie.loads_last import FIRST_LOAD, LoadsOn, loads_last
 from slopekit.preie.passes import Outcome
@@ -38,6 +39,7 @@ from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     LIMIT_BALANCED,
+    MESH_CHANGE,
     TINY,
 )
 
@@ -46,8 +48,12 @@ _STRONGEST = 100.0  # and not above this times what friction angles and cohesion
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
+_FOLLOWED = 100  # blocks up to which bonds that falling strength breaks are found by following it
+_FINELY_FOLLOWED = 24  # and between finer node pairs
+_OF_HISTORY = 0.2  # of the work that is left, for a history
 _BITS = 40  # of a strength in parts of the largest: 12 digits
 _SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
+_FELL = 5e-3  # below a factor: steps of falling strength come no nearer to where blocks run
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
@@ -89,8 +95,11 @@ class BlocksLimit:
         `lowest` is no more
     counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
     rounds : what the rounds of bonds came to, for other node pairs of the same contacts
+    fell : where blocks whose strength falls step by step run before the factor with these bonds, the factor there
+    finer : the factor on finer node pairs where the motion did not settle there; `unrefined`: whether none were asked,
+        as the motion has not settled; `lowest` is no more than `fell` and `finer`
     steps : factorisations of the path; bound_steps : of the bound
-    bonded : the factor with all bonds, where some are lost
+    bonded : the factor with all bonds, where some are lost; if not `entire` with those that falling strength leaves
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
         at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
     held : where it is spent, the factor of the group that was solved last, all others held, and how many blocks it has
@@ -129,6 +138,21 @@ class BlocksLimit:
     sooner: float | None = None
     counted: int = 0
     rounds: Rounds | None = None
+    fell: float | None = None
+    finer: float | None = None
+    unrefined: bool = False
+    entire: bool = True
+
+    @property
+    def at_most(self) -> float:
+        """What `lowest` may be at most: the least factor at which other bonds or ways, or finer pairs let it move."""
+        finer = self.finer if self.finer_is_less else None
+        return min((one for one in (self.factor, self.sooner, self.fell, finer) if one is not None), default=math.inf)
+
+    @property
+    def finer_is_less(self) -> bool:
+        """Whether the factor on finer node pairs is less by more than refinement may move it."""
+        return self.finer is not None and self.finer < (self.factor or 0.0) * (1.0 - MESH_CHANGE)
 
 
 class Proposal(Protocol):
@@ -189,7 +213,7 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
         tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
         unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
-        sooner=_times(limit.sooner, unit),
+        sooner=_times(limit.sooner, unit), fell=_times(limit.fell, unit),
     )  # fmt: skip
 
 
@@ -267,8 +291,25 @@ def _limit_of(
     def pressed(bond: Floats, reduction: float) -> Bools | None:
         return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
 
+    def falls(lost: Bools) -> Fallen | None:
+        """The history, and whom it shows to move."""
+        found = history(lost)
+        if found is not None and proposal is not None and found.flow.ended != "rest":
+            proposal.begins_with(found.flow.at - found.flow.before)
+        return found
+
+    history = _history(model, Drive(model.load.ravel()), ratio, _START / min(bound.factor or _STRONGEST, _STRONGEST))
+
     try:
-        ended = with_bonds(model, once, pressed, model.load.ravel(), False, begun)
+        ended = with_bonds(
+            model,
+            once,
+            pressed,
+            model.load.ravel(),
+            False,
+            begun,
+            falls if len(model.load) <= (_FOLLOWED if begun is None else _FINELY_FOLLOWED) else None,
+        )
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
@@ -299,7 +340,7 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or limit.factor
-    lowest = min(low or 0.0, limit.factor, limit.sooner or math.inf)
+    lowest = min(low or 0.0, limit.at_most)
     return replace(limit, lowest=lowest, highest=None if top is None else max(top, reached))
 
 
@@ -364,15 +405,35 @@ def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     if ended.unsettled is not None:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
     if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
-        limit = replace(limit, bonded=1.0 / ended.whole)
+        limit = replace(limit, bonded=1.0 / ended.whole, entire=ended.entire)
     if limit.factor is not None and ended.soonest and 1.0 / ended.soonest < limit.factor * (1.0 - _SOONER):
         sooner = 1.0 / ended.soonest
         limit = replace(limit, sooner=sooner, lowest=sooner if limit.lowest is None else min(limit.lowest, sooner))
+    if limit.factor is not None and ended.fell and 1.0 / ended.fell < limit.factor * (1.0 - _FELL):
+        fell = 1.0 / ended.fell
+        limit = replace(limit, fell=fell, lowest=fell if limit.lowest is None else min(limit.lowest, fell))
     if not ended.share or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
     unbonded = None if ended.least is None else 1.0 / ended.least
     return replace(limit, basis=basis, kept=ended.kept, kept_share=ended.share, unbonded=unbonded)
+
+
+def _history(model: AssemblyModel, drive: Drive, ratio: float, start: float) -> Falls:
+    """Histories from a parameter on, each followed once."""
+    known: dict[bytes, Fallen | None] = {}
+
+    def falls(lost: Bools) -> Fallen | None:
+        key = lost.tobytes()
+        if key not in known:
+            try:
+                with part(_OF_HISTORY):
+                    known[key] = fallen(model, drive, ratio, start, lost)
+            except EffortSpentError:
+                known[key] = None
+        return known[key]
+
+    return falls
 
 
 def _pressed(bed: Bed, parameter: float) -> Bools | None:
@@ -439,7 +500,8 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
             return None
 
     with allowed(MOST):
-        ended = with_bonds(model, once, pressed, grows, load_grows=True)
+        falls = _history(model, Drive(own, grows, reduction), SHEAR_TO_NORMAL, first)
+        ended = with_bonds(model, once, pressed, grows, True, falls=falls if len(model.load) <= _FOLLOWED else None)
     path_end, bond = ended.limit, ended.bond
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK
@@ -448,7 +510,8 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
         frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,
-        path_end.factorisations, 0, bonded=ended.whole if farther else None, kept=ended.kept, kept_share=ended.share,
+        path_end.factorisations, 0, bonded=ended.whole if farther else None, entire=ended.entire,
+        kept=ended.kept, kept_share=ended.share,
         unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
         counted=ended.counted,
         sooner=ended.soonest if (ended.soonest or math.inf) < (path_end.parameter or 0.0) * (1.0 - _SOONER) else None,

@@ -31,8 +31,12 @@ class Groups:
     group. Where they rest just before it, their strength along its motion used up or running beyond, it is that of all.
     """
 
-    def __init__(self, scene: WholeAssembly, there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
+    def __init__(
+        self, scene: WholeAssembly, there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints,
+        refine: Ints | None = None,
+    ) -> None:  # fmt: skip
         self.scene, self.there, self.blocks, self.model, self.patch = scene, there, blocks, model, patch
+        self.refine = refine
         gone = ~there & ~scene.assembly.fixed
         self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
         self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
@@ -48,7 +52,7 @@ class Groups:
         """The model of a group."""
         key = group.tobytes()
         if key not in self.known:
-            self.known[key] = model_of(self.scene, self.there, group)
+            self.known[key] = model_of(self.scene, self.there, group, self.refine)
         return self.known[key]
 
     def _bound(self, group: Ints, model: AssemblyModel) -> StaticBound:

@@ -79,7 +79,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
 def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathLimit:
     """The limit; `rested` gets the parameters at which the blocks are at rest on the way."""
     strength = bed.drive.ramp is None
-    parameter, flow = _started(bed, start, 0 if brief else ROUGHER)
+    parameter, flow = at_rest_first(bed, start, 0 if brief else ROUGHER)
     if flow.ended != "rest":
         without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return result_of(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
@@ -126,7 +126,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
             ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))
         trial = bed.drive.harder(parameter, ratio)
         say("path, strength divided by" if strength else "path, load times", 1.0 / trial if strength else trial)
-        tried = _tried(bed, at, trial)
+        tried = at_rest_next(bed, at, trial)
         if tried.ended != "rest":
             runs.append((trial, tried))
             continue
@@ -151,14 +151,14 @@ def first_peak(bed: Bed, peak: PathLimit) -> PathLimit:
     Where blocks snap from rest to rest the step decides which rest they come to, and so where they are last at rest.
     """
     ways = [peak]
-    parameter, flow = _started(bed, peak.started, 0)
+    parameter, flow = at_rest_first(bed, peak.started, 0)
     for ratio in _OTHER_WAYS if flow.ended == "rest" else ():
         good, rest, bad = parameter, flow, None
         while bad is None or 1.0 - bed.drive.gap(bad, good) > _NEARER[1]:
             trial = bed.drive.harder(good, ratio if bad is None else math.sqrt(bed.drive.gap(bad, good)))
             if trial < LEAST_STRENGTH * parameter:
                 break
-            tried = _tried(bed, rest.at, trial)
+            tried = at_rest_next(bed, rest.at, trial)
             if tried.ended not in ("rest", "runs"):
                 tried = relaxed(bed, tried.at, trial, max(tried.viscosity, THICK), runs_at=RUNS)
             if tried.ended == "rest":
@@ -178,7 +178,7 @@ def first_peak(bed: Bed, peak: PathLimit) -> PathLimit:
     )  # fmt: skip
 
 
-def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
+def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     """Gravity on at a strength that holds the blocks, or the load before it is raised."""
     none = np.zeros(bed.size)
     if bed.drive.ramp is not None:
@@ -198,7 +198,7 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     return parameter, flow
 
 
-def _tried(bed: Bed, at: Floats, parameter: float) -> Flow:
+def at_rest_next(bed: Bed, at: Floats, parameter: float) -> Flow:
     """From one state at rest to a worse parameter."""
     flow = relaxed(bed, at, parameter, 0.0, runs_at=RUNS, patience=_PATIENCE)
     if flow.ended == "rest" and flow.viscosity == 0.0:

@@ -223,9 +223,13 @@ def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
             model, patch = model_patch
-            large = model.unknowns == 6 and len(blocks) > _LARGE and model.lines is None
-            groups = Groups(scene, there, blocks, model, patch) if large else None
+            groups = Groups(scene, there, blocks, model, patch) if _large(model) else None
             yield Part(*component_limit(model, groups), blocks, patch, groups=groups)
+
+
+def _large(model: AssemblyModel) -> bool:
+    """Whether groups of a component propose its limit."""
+    return model.unknowns == 6 and len(model.load) > _LARGE and model.lines is None
 
 
 def component_limit(
@@ -286,14 +290,21 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         twists = _twisting(part)
         if not twists.any():
             break
+        if part.limit.basis is Basis.PEAK and part.limit.rounds is not None and _large(part.model):
+            return replace(part, limit=replace(part.limit, unrefined=True))  # the path of all, to another peak
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
         model_patch = model_of(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model, limit = component_limit(model_patch[0], begun=part.limit.rounds)
+        model, patch = model_patch
+        by_groups = _large(model) and bool(model.cohesion.any())
+        groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
+        model, limit = component_limit(model, groups, part.limit.rounds)
         if not limit.factor or not part.limit.factor:
             break
+        if limit.basis is Basis.PEAK and limit.rounds is not None:
+            return replace(part, limit=replace(part.limit, finer=limit.factor))
         change = abs(limit.factor / part.limit.factor - 1.0)
         part = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None

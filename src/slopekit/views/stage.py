@@ -155,7 +155,7 @@ class Stage:
         said = "limit, PRE-IE" if not led else "limit"
         parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} ({said})")
         known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
-        bonds = any(notice.get("code") == "W494" for notice in self.document.get("warnings") or ())
+        bonds = any(notice.get("code") in ("W494", "W495") for notice in self.document.get("warnings") or ())
         of = "same mechanism from"
         if bonds:
             of = "other cohesion, from" if fos.get("highest") is None else "other forces or cohesion, from"

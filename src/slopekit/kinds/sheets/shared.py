@@ -102,6 +102,10 @@ def _rounded_or_dash(value: float | str | None) -> str:
     return value if isinstance(value, str) else "-" if value is None else size_number(float(f"{value:.4g}"))
 
 
+#: How motions begin that the lowest factor may be of, by the notice that says so.
+_OTHERWISE = {"W494": "with other cohesion left", "W495": "on another way there"}
+
+
 @dataclass(frozen=True, slots=True)
 class Factor:
     """A line of the block FoS: the factor, or a range of them, what it is, and what the check says of it."""
@@ -119,9 +123,9 @@ def leading(result: Result) -> list[Factor]:
     name, value = result.leading
     lowest = "lowest of the same mechanism, whatever forces are locked in"
     if hangs_on_bonds(result):
-        lowest = "lowest with other cohesion left (W494)"
+        lowest = f"lowest {_otherwise(result)}"
         if has_range(result):
-            lowest = "lowest of the same mechanism under other forces, and of others with other cohesion left (W494)"
+            lowest = f"lowest of the same mechanism under other forces, and of others {_otherwise(result)}"
     what = lowest if name == "lowest" else JUDGED[name]
     return [Factor(value, f"{what}: the factor that ACCEPT hangs on")]
 
@@ -153,15 +157,21 @@ def locked_in(result: Result) -> Factor:
     what = "other ways to this peak, and its" if peak else "same"
     said = f"{what} mechanism, whatever forces are locked in"
     if hangs_on_bonds(result) and not has_range(result):
-        said = "where a motion begins with other cohesion left (W494); other forces were not looked at"
+        said = f"where a motion begins {_otherwise(result)}; other forces were not looked at"
     elif hangs_on_bonds(result):
-        said = f"{what} mechanism under other forces, or others with other cohesion left (W494)"
+        said = f"{what} mechanism under other forces, or others {_otherwise(result)}"
     return Factor(fos.lowest, said, to=fos.highest)
 
 
 def hangs_on_bonds(result: Result) -> bool:
-    """Whether the lowest factor may be that of a motion that begins with other cohesion left."""
-    return any(notice.code == "W494" for notice in result.warnings)
+    """Whether the lowest factor may be that of a motion that begins with other cohesion left, or on another way."""
+    return any(notice.code in _OTHERWISE for notice in result.warnings)
+
+
+def _otherwise(result: Result) -> str:
+    """How the motion begins that the lowest factor may be of."""
+    code = next(code for code in _OTHERWISE if any(notice.code == code for notice in result.warnings))
+    return f"{_OTHERWISE[code]} ({code})"
 
 
 def has_range(result: Result) -> bool:
@@ -292,8 +302,10 @@ def _judgement(result: Result, rule: Rule) -> str:
         lowest = result.fos.lowest
         if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
             if hangs_on_bonds(result):
-                forces = "any forces locked in or " if has_range(result) else ""
-                return f"MET, but not with {forces}other cohesion left (W494: down to {lowest:.4g})"
+                forces = "with any forces locked in or " if has_range(result) else ""
+                other = _otherwise(result)[:-1]
+                other = other.removeprefix("with ") if forces and other.startswith("with ") else other
+                return f"MET, but not {forces}{other}: down to {lowest:.4g})"
             return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
         return "MET"
     if result.without_basal is not None and not result.without_basal.meets(rule):
