@@ -98,6 +98,22 @@ def test_a_force_is_looked_for_from_none_upwards(monkeypatch, part) -> None:
     assert found.pre_ie.evaluations <= 9
 
 
+def test_the_end_of_the_path_stands_where_no_factor_is_found_beyond_it(monkeypatch) -> None:
+    """As for the published wall W3, refused with E319: 1.83 at its multiplier, not converged above, then none."""
+    own = by_factor._FactorRequest.samples
+
+    def samples(self, method, values):
+        lost = {"level": None, "label": "not_converged"}
+        return [replace(one, **lost) if 0.5 < one.at < 0.55 else one for one in own(self, method, values)]
+
+    monkeypatch.setattr(by_factor._FactorRequest, "samples", samples)
+    found = sk.solve(sk.load(COLUMN), KEY, fos=1.0)
+    assert found.answer is not None
+    assert found.answer.value == pytest.approx(0.5, rel=1e-9)
+    assert found.answer.strength_last == pytest.approx(math.tan(math.radians(60.0)) / 0.5, rel=1e-9)
+    assert [notice.code for notice in found.warnings] == ["W476"]
+
+
 def test_a_jump_beyond_the_end_of_the_other_history_says_both(monkeypatch) -> None:
     """The column that tips at 1/2, where another history is said to end before: both stand on the sheet."""
     monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.45, "topples", None))

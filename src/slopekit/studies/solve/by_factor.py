@@ -393,9 +393,12 @@ def _driven(
     if _level(other) * here.level < 0.0:
         _close_in(search, other, here)
     crossings = _crossings(search)
-    if crossings and crossings[0].how == "jump" and not crossings[0].rises:
+    if crossings and not crossings[0].rises:
         before = crossings[0].before
-        return AtLoad(before.at, crossings[0].after.label, None), True, []
+        if crossings[0].how == "jump":
+            return AtLoad(before.at, crossings[0].after.label, None), True, []
+        if crossings[0].how == "gap" and before.at == here.at:
+            return last, True, []  # beyond it no factor is found, then one below the target
     return None, False, crossings
 
 

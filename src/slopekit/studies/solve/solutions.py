@@ -351,7 +351,7 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
                              f"last their factor there is {last}")  # fmt: skip
     elif answer.jumps:
         yield Notice("W476", f"the factor jumps at {key.shown(answer.value)}: put back it is {last}, and just above it "
-                             f"is below {number(target)}, or there is none")  # fmt: skip
+                             f"is below {number(target)}, or none is found")  # fmt: skip
     if answer.load_last is not None and answer.load_last[0] != answer.value:
         value, runs = answer.load_last
         fail = f"are at their limit at {key.shown(value)}"
