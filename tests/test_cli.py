@@ -209,6 +209,29 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
     assert run.stdout.splitlines()[:1] + run.stdout.splitlines()[-1:] == [QUIET, "[]"]
 
 
+@pytest.mark.parametrize(
+    ("before", "is_ended_by_python"),
+    [
+        ("", False), ("import logging", True), ("sys.setprofile(lambda *_: None)", True),
+        ("threading.Thread(target=time.sleep, args=(1,)).start()", True),
+    ],
+)  # fmt: skip
+def test_a_process_ends_when_all_is_written(before, is_ended_by_python) -> None:
+    """Nothing is taken down first, but where something waits for that; output and exit code are the same."""
+    program = (
+        f"import atexit, sys, threading, time\n{before}\n"
+        "atexit.register(print, 'ended by Python')\n"
+        "sys.argv = ['slopekit', 'wedge', '--dips', '45/115', '45/245', '--quiet', '--accept-fos', '3']\n"
+        "from slopekit.cli import start\n"
+        "start()"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    said = ["ended by Python"] if is_ended_by_python else []
+    assert (run.returncode, run.stderr) == (1, "")
+    assert run.stdout.splitlines()[1:] == said
+    assert run.stdout.startswith(QUIET.partition("  W")[0].replace("agree", "agree  not met"))
+
+
 def test_templates_alone_shows_its_help() -> None:
     ran = slopekit("templates")
     assert (ran.returncode, ran.stderr) == (0, "")

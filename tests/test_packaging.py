@@ -73,7 +73,7 @@ def test_the_pure_wheel_says_what_the_project_says(pure) -> None:
         entries = wheel.read(f"{about}/entry_points.txt").decode()
         assert f"{about}/licenses/LICENSE" in wheel.namelist()
     assert (said["Name"], said["Version"], said["License-Expression"]) == ("slopekit", sk.__version__, "MIT")
-    assert "slopekit = slopekit.cli:main" in entries
+    assert "slopekit = slopekit.cli:start" in entries
     bare = {one for one in said.get_all("Requires-Dist") if "extra ==" not in one}
     assert {_library(one) for one in bare} == {_library(one) for one in PROJECT["dependencies"]}
     assert set(said.get_all("Provides-Extra")) == set(PROJECT["optional-dependencies"])

@@ -1,5 +1,5 @@
 """`python -m slopekit.cli`."""
 
-from slopekit.cli import main
+from slopekit.cli import start
 
-main()
+start()

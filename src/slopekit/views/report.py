@@ -97,19 +97,9 @@ def report_of(
         E140 without the extra, E371 neither result nor study, E372 one that is damaged, E376 a key of the project.
     """
     given = [documents] if isinstance(documents, Mapping) else list(documents)
-    named = [*names, *[""] * (len(given) - len(names))]
-    several, called, case_of = list[Mapping[str, Any]](), list[str](), list[str]()
-    for document, name in zip(given, named, strict=True):  # load cases follow their table
-        cases = by_case(document, name=name) if document.get("study") == "cases" else {}
-        several += [document, *cases.values()]
-        called += [name, *(f"{name}, case {case}".lstrip(", ") for case in cases)]
-        case_of += ["", *cases]
+    several, called, short = _with_cases(given, names)
     require_jinja(called[0])
     said = _project(several, project or {})
-    short = [
-        f"{k} {_short_name(document)}" + (f", {case}" if case else "")
-        for k, (document, case) in enumerate(zip(several, case_of, strict=True), 1)
-    ]
     notices, missing, articles = list[Notice](), list[str](), list[dict[str, Any]]()
     views, verified, drawn = _Views(), set[str](), dict[str, str]()
     for k, (document, name, sheet) in enumerate(
@@ -149,6 +139,23 @@ def report_of(
     })  # fmt: skip
     seen = tuple(picture.what for article in articles for picture in article["pictures"])
     return Report(html, seen, tuple(missing), tuple(notices))
+
+
+def _with_cases(
+    given: Sequence[Mapping[str, Any]], names: Sequence[str]
+) -> tuple[list[Mapping[str, Any]], list[str], list[str]]:
+    """The documents, load cases behind their table; what each is called in messages, and on the page."""
+    several, called, case_of = list[Mapping[str, Any]](), list[str](), list[str]()
+    for document, name in zip(given, [*names, *[""] * (len(given) - len(names))], strict=True):
+        cases = by_case(document, name=name) if document.get("study") == "cases" else {}
+        several += [document, *cases.values()]
+        called += [name, *(f"{name}, case {case}".lstrip(", ") for case in cases)]
+        case_of += ["", *cases]
+    short = [
+        f"{k} {_short_name(document)}" + (f", {case}" if case else "")
+        for k, (document, case) in enumerate(zip(several, case_of, strict=True), 1)
+    ]
+    return several, called, short
 
 
 def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[str]) -> InputTable | None:
