@@ -110,10 +110,10 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     answer = replace(answer, between=between)
     notes = [*result.warnings, *_notices(result, answer)]
     if factor < factors[0] and limit is not None:
-        below = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
-        notes.append(Notice("W501", f"elastic blocks {below}: their limit may lie between, below the {limit:.4f} under "
+        known = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
+        notes.append(Notice("W501", f"elastic blocks {known}: their limit may lie between, below the {limit:.4f} under "
                             "ELASTIC, which is without what is open at the first; --elastic-bracket looks for it"
-                            if ends is None else f"elastic blocks {below} from there: see the bracket"))  # fmt: skip
+                            if ends is None else f"elastic blocks {known} from there: see the bracket"))  # fmt: skip
     if not stands and limit is None:
         notes.append(_no_limit(spent, between))
     if other:
