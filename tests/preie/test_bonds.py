@@ -611,3 +611,19 @@ def test_a_load_that_grows_comes_no_farther_than_its_history() -> None:
     ended = history(model, 0.79, 0.8, broken=(1,))
     found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), True, falls=lambda _: ended)
     assert (found.limit.parameter, found.limit.outcome) == (0.79, PathOutcome.BRACKET)
+
+
+@pytest.mark.parametrize(("off", "asked"), [(0.0, [(1, 1)]), (1.0, [(1, 1), (1, 0)])])
+def test_a_limit_is_asked_what_is_open_where_its_forces_need_a_pair_that_pulls(monkeypatch, off, asked) -> None:
+    """The history says that nothing is: so it is, unless the forces do not balance without what pulls; for good."""
+    model = boxes()
+    monkeypatch.setattr(bonds.Rounds, "_off", lambda self, end: np.full(6, off if end.parameter == 0.5 else 0.0))
+    script = Scripted(model, {(1, 1): lifted(ends(model, 0.5, SLIDE), 1e-3, 1.0), (1, 0): ends(model, 0.6, SLIDE)})
+    followed(model, script, history(model, 0.51, 0.5))
+    assert script.asked == asked
+
+
+def test_a_bench_whose_limit_needs_a_pair_that_pulls_has_its_number() -> None:
+    design = populations.bench(241)
+    design["strength"]["joint"]["c"] = 2.0
+    assert sk.run(sk.load(design)).fos.limit == pytest.approx(1.6932, rel=2e-4)

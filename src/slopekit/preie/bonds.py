@@ -96,6 +96,7 @@ class Rounds:
         self.lost, self.kept = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=bool)
         self.times = np.zeros(contacts, dtype=np.int64)
         self.gone = np.zeros(contacts, dtype=bool)  # for good, before a motion begins
+        self.pulls = np.zeros(contacts, dtype=bool)  # and open at a limit whose forces need them
         self.late = np.zeros(contacts, dtype=bool)  # opened by a motion that does not settle once more
         self.broke = np.zeros(contacts)  # the parameter of the motion that opened it
         self.whole: float | None = None
@@ -129,13 +130,14 @@ class Rounds:
         if self.fallen is None:
             self.falls = None
             return
-        self.gone = self.fallen.gone & ~opened
+        self.gone = (self.fallen.gone | self.pulls) & ~opened
         self.lost, self.kept = opened | self.gone, self.kept & ~self.gone
 
     def open_before(self, path_end: PathLimit, all_rest: bool) -> bool:
         """Whether bonds are gone before the motion of a round begins: its contacts do not touch, whatever it does.
 
         Not asked of the peak of a group of blocks, which would be another one after rounds of many groups: `counted`.
+        Where falling strength was followed that says it: the limit is asked only if its forces need a pair that pulls.
         """
         assert path_end.parameter is not None
         if self.whole is None:
@@ -144,7 +146,9 @@ class Rounds:
         self.soonest = sooner(path_end.parameter, path_end.parameter if self.soonest is None else self.soonest)
         bonded = self.bonded & ~self.lost
         self.counted = 0
-        if not all_rest or not bonded.any() or self.fallen is not None:
+        if not all_rest or not bonded.any():
+            return False
+        if self.fallen is not None and float(np.abs(self._off(path_end)).max()) < LIMIT_BALANCED:
             return False
         apart, _ = self.model.opening_and_slip(path_end.displacement)
         touches = (path_end.normal > 0.0) | (apart <= _TOUCHES * abs(float(apart.min())))
@@ -156,9 +160,14 @@ class Rounds:
         if not gone.any():
             return False
         self.lost, self.gone, self.kept = self.lost | gone, self.gone | gone, self.kept & ~gone
+        self.pulls = self.pulls | gone
         left = np.where(gone[self.model.group_contact][:, None], 0.0, path_end.friction)
         held = self.model.unbalanced(path_end.normal, path_end.friction) - self.model.unbalanced(path_end.normal, left)
         return float(np.abs(held).max()) > LIMIT_BALANCED  # else the limit is the same without them
+
+    def _off(self, path_end: PathLimit) -> Floats:
+        """What is out of balance once no pair pulls, in parts of the load of the block it acts on."""
+        return self.model.unbalanced(np.maximum(path_end.normal, 0.0), path_end.friction)
 
     def after(self, path_end: PathLimit, all_rest: bool) -> bool:
         """Whether bonds break, are kept or come back after a round."""
