@@ -227,6 +227,7 @@ def test_a_block_whose_turning_raises_its_factor_is_said_with_what_it_has_withou
     said = {notice.code: notice.message for notice in found.warnings}
     assert wedge.fos.closed_form < found.fos.limit
     assert f"without turning, as closed forms count, it is {wedge.fos.closed_form:.4f};" in said["W479"]
+    assert found.fos.lowest == pytest.approx(wedge.fos.closed_form, rel=1e-9)
     straight = changes.run(populations.bench(171))  # on one plane, and lower than where joints dilate
     assert straight.status == "slides"
     assert "W479" not in {notice.code for notice in straight.warnings}

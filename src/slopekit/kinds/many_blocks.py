@@ -19,7 +19,7 @@ from slopekit.design.reader import Reader
 from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.many_blocks_design import AssemblyDesign
-from slopekit.kinds.many_blocks_notices import bonds_of, notices_of, said_of_bonds
+from slopekit.kinds.many_blocks_notices import bonds_of, notices_of, said_of_bonds, without_turning
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_sizes import with_sizes
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
@@ -247,6 +247,9 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     bound = mechanisms[0].static_bound if mechanisms else None
     governing = ravelling.failures[0].limit if ravelling.failures else None
     low, high = (governing.lowest, governing.highest) if governing is not None and sure else (None, None)
+    straight = without_turning(scene, ravelling.failures[0]) if ravelling.failures else None
+    if straight is not None and sure:
+        low = straight if low is None else min(low, straight)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
@@ -278,7 +281,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if all_pairs is None else all_pairs_of(all_pairs),
-        warnings=(*notices_of(design, scene, ravelling, mechanisms), *of_kind),
+        warnings=(*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
         findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
     )  # fmt: skip

@@ -30,9 +30,15 @@ _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on j
 
 
 def notices_of(
-    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism]
-) -> Iterator[Notice]:
-    """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on."""
+    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
+    straight: float | None,
+) -> Iterator[Notice]:  # fmt: skip
+    """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on.
+
+    Parameters
+    ----------
+    straight : the factor of its block `without_turning`
+    """
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
     if not mechanisms:
@@ -71,15 +77,14 @@ def notices_of(
         more = (first.static_bound / first.fos - 1.0) * 100.0
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
-    alone = _without_turning(scene, ravelling.failures[0])
-    if alone is not None:
+    if straight is not None:
         yield Notice("W479", f"{first.blocks[0].name} turns as it goes, which raises its factor: without turning, as "
-                     f"closed forms count, it is {alone:.4f}; of a wedge (kind: wedge) no credit is taken for "
+                     f"closed forms count, it is {straight:.4f}; of a wedge (kind: wedge) no credit is taken for "
                      "that")  # fmt: skip
     yield from said_of_bonds(ravelling.failures[0])
 
 
-def _without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
+def without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
     """The factor at which a block would slide without turning, where that is lower than the limit of its motion.
 
     Asked of one block in space that no other presses on, without dilation, passive bolts or curved strength: else

@@ -155,10 +155,11 @@ class Stage:
         said = "limit, PRE-IE" if not led else "limit"
         parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} ({said})")
         known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
-        bonds = any(notice.get("code") in ("W494", "W495") for notice in self.document.get("warnings") or ())
+        codes = {notice.get("code") for notice in self.document.get("warnings") or ()}
+        others = ["without turning"] * ("W479" in codes) + ["other cohesion"] * bool(codes & {"W494", "W495"})
         of = "same mechanism from"
-        if bonds:
-            of = "other cohesion, from" if fos.get("highest") is None else "other forces or cohesion, from"
+        if others:
+            of = " or ".join([*["other forces"] * (fos.get("highest") is not None), *others]) + ", from"
         parts += [] if known else [f"{of} {lowest:.4f}"]
         searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
         parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]

@@ -103,7 +103,7 @@ def _rounded_or_dash(value: float | str | None) -> str:
 
 
 #: How motions begin that the lowest factor may be of, by the notice that says so.
-_OTHERWISE = {"W494": "with other cohesion left", "W495": "on another way there"}
+OTHERWISE = {"W479": "without turning", "W494": "with other cohesion left", "W495": "on another way there"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ def leading(result: Result) -> list[Factor]:
         return []
     name, value = result.leading
     lowest = "lowest of the same mechanism, whatever forces are locked in"
-    if hangs_on_bonds(result):
+    if of_another_motion(result):
         lowest = f"lowest {_otherwise(result)}"
         if has_range(result):
             lowest = f"lowest of the same mechanism under other forces, and of others {_otherwise(result)}"
@@ -156,22 +156,22 @@ def locked_in(result: Result) -> Factor:
     peak = findings is not None and bool(findings.mechanisms) and findings.mechanisms[0].basis == "peak"
     what = "other ways to this peak, and its" if peak else "same"
     said = f"{what} mechanism, whatever forces are locked in"
-    if hangs_on_bonds(result) and not has_range(result):
+    if of_another_motion(result) and not has_range(result):
         said = f"where a motion begins {_otherwise(result)}; other forces were not looked at"
-    elif hangs_on_bonds(result):
+    elif of_another_motion(result):
         said = f"{what} mechanism under other forces, or others {_otherwise(result)}"
     return Factor(fos.lowest, said, to=fos.highest)
 
 
-def hangs_on_bonds(result: Result) -> bool:
-    """Whether the lowest factor may be that of a motion that begins with other cohesion left, or on another way."""
-    return any(notice.code in _OTHERWISE for notice in result.warnings)
+def of_another_motion(result: Result) -> bool:
+    """Whether the lowest factor may be that of a motion that begins in another way than the limit's."""
+    return any(notice.code in OTHERWISE for notice in result.warnings)
 
 
 def _otherwise(result: Result) -> str:
-    """How the motion begins that the lowest factor may be of."""
-    code = next(code for code in _OTHERWISE if any(notice.code == code for notice in result.warnings))
-    return f"{_OTHERWISE[code]} ({code})"
+    """How the motions begin that the lowest factor may be of."""
+    said = {notice.code for notice in result.warnings}
+    return " or ".join(f"{how} ({code})" for code, how in OTHERWISE.items() if code in said)
 
 
 def has_range(result: Result) -> bool:
@@ -301,7 +301,7 @@ def _judgement(result: Result, rule: Rule) -> str:
     if result.judged(rule):
         lowest = result.fos.lowest
         if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
-            if hangs_on_bonds(result):
+            if of_another_motion(result):
                 forces = "with any forces locked in or " if has_range(result) else ""
                 other = _otherwise(result)[:-1]
                 other = other.removeprefix("with ") if forces and other.startswith("with ") else other

@@ -7,7 +7,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds.ladders import Rung
 from slopekit.kinds.sheets.many_blocks import limit_in_words
-from slopekit.kinds.sheets.shared import accept, hangs_on_bonds, has_range, leading, locked_in, methods
+from slopekit.kinds.sheets.shared import accept, has_range, leading, locked_in, methods, of_another_motion
 from slopekit.result import JUDGED
 from slopekit.studies.check.run import Check, Finding
 from slopekit.studies.words import head
@@ -53,7 +53,7 @@ def _factors(checked: Check) -> list[str]:
     lines = [f"{factor_text(value)}  {name}" for value, name in named]
     if fos.lowest is not None or fos.highest is not None:
         ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
-        if hangs_on_bonds(checked.result) and not has_range(checked.result):
+        if of_another_motion(checked.result) and not has_range(checked.result):
             ends = factor_text(fos.lowest)
         lines.insert(2, f"{ends}  {locked_in(checked.result).what}")
     lines[:0] = [f"{factor_text(one.value)}  {one.what}" for one in leading(checked.result)]
