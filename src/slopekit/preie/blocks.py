@@ -280,8 +280,8 @@ def _limit_of(
         )  # fmt: skip
     if ended.share > 1.0 - NO_STRENGTH:  # all that holds the motion is cohesion that it opens
         nothing_left = replace(ended.limit, outcome=PathOutcome.NO_REST, parameter=None)
-        held = _limit(model, nothing_left, ended.bond, bound, steps, loads)
-        return replace(held, rounds=ended.rounds, bonded=1.0 / ended.whole if ended.whole else None)
+        alone = _limit(model, nothing_left, ended.bond, bound, steps, loads)
+        return replace(alone, rounds=ended.rounds, bonded=1.0 / ended.whole if ended.whole else None)
     return _with_evidence(_limit(model, ended.limit, ended.bond, bound, steps, loads), ended)
 
 
