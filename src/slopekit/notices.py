@@ -113,15 +113,15 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
         of_it = "all of it" if bonds.entire else "what is left of it until then"
         before = f"; with {of_it} the first motion begins at {shown(bonds.begins)}" if bonds.begins else ""
         yield Notice("W307", "contacts that are open before blocks move, or that the mechanism or motions on the way "
-                     f"to it open, have lost their cohesion ({bonds.lost * 100:.2g} % of the node pairs): the {of} "
+                     f"to it open, have lost their cohesion ({_percent(bonds.lost)} of the node pairs): the {of} "
                      f"jumps where that happens{before}")  # fmt: skip
     if bonds.kept:
         without = f" (without it blocks would move at {shown(bonds.without)})" if bonds.without is not None else ""
         yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
                      f"{bonds.kept} contact{'s' if bonds.kept > 1 else ''}: what it would do there, "
-                     f"{bonds.share * 100:.2g} % of the work, is left out of the {of}")  # fmt: skip
+                     f"{_percent(bonds.share)} of the work, is left out of the {of}")  # fmt: skip
     if bonds.unsettled is not None:
-        less = f", less {bonds.share * 100:.2g} % of the work" if bonds.share and not bonds.kept else ""
+        less = f", less {_percent(bonds.share)} of the work" if bonds.share and not bonds.kept else ""
         yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
                      f"{shown(bonds.unsettled)}): the {of} is that without it{less}, and which other contacts that "
                      "motion would have opened is not known")  # fmt: skip
@@ -140,6 +140,15 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
     elif bonds.finer is not None or bonds.unrefined:
         why = "the motion has not settled, and none were tried" if bonds.unrefined else "no motion settled on them"
         yield Notice("W496", f"how far finer node pairs move the {of} is not known: {why}")
+
+
+def _percent(part: float) -> str:
+    """A part in two digits.
+
+    >>> _percent(0.123), _percent(0.997)
+    ('12 %', '100 %')
+    """
+    return f"{float(f'{part * 100:.2g}'):g} %"
 
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:

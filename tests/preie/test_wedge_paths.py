@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from benchmarks.wedge_paths import compared
+from benchmarks.wedge_paths import as_assembly, compared
 from slopekit.core.arrays import frozen
 from slopekit.core.onlooker import Clock
 from slopekit.kinds import analyse, cut
 from slopekit.kinds.moments import _bond_gone
 from slopekit.kinds.one_block_limit import find_limit
 from slopekit.kinds.wedge.design import wedge_design
+from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.one_path import by_path, on_flat_contacts, path_limit, range_of
@@ -168,3 +169,15 @@ def test_bolts_and_joints_are_the_rows_of_the_model() -> None:
     # a pair opens by the first and the turns of its contact, and slips by the others: what the stiffness is made of
     assert np.abs(whole.normal_rows[:, 1:4]).max() < 1e-12
     assert np.abs(whole.slip_rows[:, :, [0, 4, 5]]).max() < 1e-12
+
+
+def test_a_block_that_only_cohesion_holds_which_its_motion_opens_has_no_factor() -> None:
+    """Nearly afloat (number 105 of seed 20): all work of the motion was left out: 8e-302 and a crash."""
+    wedge = {
+        "dips": [[57.58, 359.13], [41.85, 99.09]], "face": [74.4, 74.49], "upper": [16.92, 74.49], "height": 22.0,
+        "c": [16.5, 2.0], "phi": [24.1, 49.8], "unit_weight": 22.77, "water": [25.5, 81.8],
+    }  # fmt: skip
+    whole, _ = as_assembly(cut(wedge_design(wedge)).scene_at(0))
+    found = limit_of_blocks(whole)
+    assert (found.outcome, found.factor, found.lowest) == (Outcome.NO_REST, None, None)
+    assert found.bonded > 0.01

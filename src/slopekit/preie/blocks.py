@@ -40,6 +40,7 @@ from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     LIMIT_BALANCED,
     MESH_CHANGE,
+    NO_STRENGTH,
     TINY,
 )
 
@@ -318,8 +319,11 @@ def _limit_of(
             unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None,
             held=None if held is None else (held[0] / unit, held[1]),
         )  # fmt: skip
-    bond = ended.bond
-    return _with_evidence(_limit(model, ended.limit, bond, bound, steps, loads), ended)
+    if ended.share > 1.0 - NO_STRENGTH:  # all that holds the motion is cohesion that it opens
+        nothing_left = replace(ended.limit, outcome=PathOutcome.NO_REST, parameter=None)
+        alone = _limit(model, nothing_left, ended.bond, bound, steps, loads)
+        return replace(alone, rounds=ended.rounds, bonded=1.0 / ended.whole if ended.whole else None)
+    return _with_evidence(_limit(model, ended.limit, ended.bond, bound, steps, loads), ended)
 
 
 def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None = None) -> BlocksLimit:

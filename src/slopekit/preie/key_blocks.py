@@ -55,6 +55,8 @@ def sliding_factors(block: Ints, normals: Floats, forces: Floats, cohesion: Floa
     >>> up, face = np.array([[0.0, 0.0, 1.0]]), np.zeros(1, dtype=np.int64)
     >>> sliding_factors(face, up, np.array([[3.0, 0.0, -4.0]]), np.zeros(1), np.array([0.75])).tolist()
     [1.0]
+    >>> sliding_factors(face, up, np.array([[0.0, 0.0, 4.0]]), np.zeros(1), np.array([0.75])).tolist()  # is lifted
+    [inf]
     """
     faces = np.arange(len(block))
     ends = np.searchsorted(block, np.arange(len(forces)), side="right")
@@ -83,7 +85,7 @@ def sliding_factors(block: Ints, normals: Floats, forces: Floats, cohesion: Floa
     face = begins[way] + other
     opening = (normals[face] * along[way]).sum(axis=1) / pull[way]
     blocked = np.bincount(way, opening < -PARALLEL, len(a)) > 0
-    held = np.bincount(way, np.where(opening < PARALLEL, cohesion[face], 0.0), len(a))
+    held = np.bincount(way, np.where(opening < PARALLEL, cohesion[face], 0.0), len(a)).astype(np.float64)  # none: ints
     held += on_first[slides] * tan_friction[a] + on_second[slides] * tan_friction[b]
     factors = np.full(len(forces), np.inf)
     np.minimum.at(factors, block[a[~blocked]], held[~blocked] / pull[~blocked])
