@@ -212,7 +212,7 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
 @pytest.mark.parametrize(
     ("before", "is_ended_by_python"),
     [
-        ("", False), ("import logging", True), ("sys.setprofile(lambda *_: None)", True),
+        ("", False), ("import logging", True), ("import cProfile", True), ("sys.setprofile(lambda *_: None)", True),
         ("threading.Thread(target=time.sleep, args=(1,)).start()", True),
     ],
 )  # fmt: skip

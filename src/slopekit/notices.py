@@ -132,7 +132,8 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
     if bonds.fell is not None:
-        yield Notice("W495", f"blocks whose strength falls step by step run at {shown(bonds.fell)}: the {of} is that "
+        history = "load grows" if of == "load" else "strength falls"
+        yield Notice("W495", f"blocks whose {history} step by step run at {shown(bonds.fell)}: the {of} is that "
                      "of blocks without the cohesion that is lost from the start")  # fmt: skip
     if bonds.finer is not None and bonds.finer_is_less:
         yield Notice("W495", "the motion did not settle on finer node pairs, where blocks with the same cohesion were "

@@ -2,7 +2,9 @@
 
 import json
 import math
+import py_compile
 import re
+import shutil
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -35,6 +37,35 @@ def _slab(tmp_path):
     forget_kinds()
 
 
+def forget_folder() -> None:
+    for known in (registry._files, registry._is_shipped, registry._of_byte_code):
+        known.cache_clear()
+
+
+@pytest.mark.parametrize("packed", [True, False], ids=["zip", "byte code"])
+def test_kinds_are_found_where_no_file_of_text_is(tmp_path, monkeypatch, packed) -> None:
+    """A zip, or a package of byte code alone as bundlers make: by what the code binds."""
+    forget_kinds()
+    folder = tmp_path / "kinds"
+    folder.mkdir()
+    for name in ("footing", "plane", "words"):
+        source = Path(kinds.__file__).with_name(f"{name}.py")
+        if packed:
+            shutil.copy(source, folder)
+        else:
+            py_compile.compile(str(source), str(folder / f"{name}.pyc"))
+    if packed:
+        folder = Path(shutil.make_archive(str(tmp_path / "packed"), "zip", tmp_path, "kinds")) / "kinds"
+    monkeypatch.setattr(registry, "_FOLDER", folder)
+    forget_folder()
+    try:
+        assert (list(KINDS), len(KINDS), "words" in KINDS) == (["plane", "footing"], 2, False)
+        assert KINDS["plane"] == "slopekit.kinds.plane"
+    finally:
+        monkeypatch.undo()
+        forget_folder()
+
+
 def test_a_file_in_the_folder_of_kinds_is_a_kind(tmp_path, monkeypatch) -> None:
     """What ships needs no line elsewhere: it is found by `KIND = ...`, told after the others, and a helper is none."""
     forget_kinds()
@@ -45,10 +76,11 @@ def test_a_file_in_the_folder_of_kinds_is_a_kind(tmp_path, monkeypatch) -> None:
     (folder / "helper.py").write_text("KINDS = 1\n", encoding="utf-8")
     (folder / "berm/__init__.py").write_text('"""Soon."""\n\nKIND = None\n', encoding="utf-8")
     (folder / "notes").mkdir()
+    (folder / ".#slab.py").symlink_to("nobody")  # of an editor
+    (folder / "slab copy.py").write_text(code, encoding="utf-8")
     monkeypatch.setattr(registry, "_FOLDER", folder)
     monkeypatch.setattr(kinds, "__path__", [*kinds.__path__, str(folder)])
-    for known in (registry._files, registry._says_a_kind):
-        known.cache_clear()
+    forget_folder()
     try:
         assert (list(KINDS), "helper" in KINDS, "notes" in KINDS) == (["berm", "slab"], False, False)
         assert sk.run(SLAB).fos.limit == pytest.approx(exact(), rel=1e-9)
@@ -56,8 +88,7 @@ def test_a_file_in_the_folder_of_kinds_is_a_kind(tmp_path, monkeypatch) -> None:
         monkeypatch.undo()
         vars(kinds).pop("slab", None)
         sys.modules.pop("slopekit.kinds.slab", None)
-        for known in (registry._files, registry._says_a_kind):
-            known.cache_clear()
+        forget_folder()
     assert list(KINDS) == ["wedge", "plane", "footing", "surface", "topple", "bench", "blocks"]
 
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
 from slopekit.preie import traced as traced_room
@@ -238,3 +239,12 @@ def test_of_many_blocks_no_other_rounding_is_tried_where_the_least_gets_nowhere(
     rest = (np.zeros(6), 1.0)
     assert traced_room.traced(SimpleNamespace(size=size), rest, rest, 0.9) is None
     assert len(begun) == tried
+
+
+def test_a_path_that_is_thrown_far_off_is_none() -> None:
+    """Bench 619: Newton's method went to slips of 1e270, where strength does no work, and there divided by zero."""
+    design = populations.bench(619, 40)
+    design["strength"]["joint"]["c"] = 0.0
+    found = sk.run(design)
+    assert "W317" in [notice.code for notice in found.warnings]
+    assert 0.0 < found.fos.limit <= found.fos.static_bound

@@ -37,6 +37,7 @@ def _at2(head="ACCELERATION TIME SERIES IN UNITS OF G", points="NPTS=   200, DT=
     _columns("time [s],acc [ms-2]", VALUES * GRAVITY), "Station G\nunits: g\n" + _columns("time,acc"),
     "Station Gal, acceleration in g\n" + _columns("t,a"), "[g]\n" + _columns("time,acc"),
     _columns("time,acc\ns,g"), "Station G\nin m/s²\n" + _columns("time,acc", VALUES * GRAVITY),
+    "# g\n" + _columns("Kobe,1995"),
 ])  # fmt: skip
 def test_one_motion_in_many_files(tmp_path, text) -> None:
     path = tmp_path / "motion.txt"
@@ -58,6 +59,7 @@ def test_one_motion_in_many_files(tmp_path, text) -> None:
     (_columns("time (s),acceleration (g)").replace("0.1000,", "0.1000,1,"), "E512", "line 7 has 3 columns"),
     (_columns("time (s),acceleration (g)").replace("0.1000,", "nan,"), "E513", "line 7"),
     (_columns("time (s),acceleration (g)").replace("0.0000,", "0.0000,O", 1), "E513", "line 2 holds 'O"),
+    (_columns("time (s),acceleration (g)").replace("0.0000,", "nan,", 1), "E513", "line 2 holds 'nan"),
     (_columns("time ms,acceleration (g)"), "E514", "times are in ms"),
     (_columns("time (s),acceleration (g)", 0.0 * VALUES), "E516", "nothing but zeros"),
     ("time (s),acceleration (g)\n0,0.1\n", "E516", "1 sample"),

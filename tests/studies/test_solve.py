@@ -280,6 +280,12 @@ def test_roots_at_the_edge_of_validity_are_found() -> None:
     assert edges[-1] == (pytest.approx(22.909807125, abs=1e-8), "E203")
 
 
+def test_water_that_its_crack_does_not_hold_is_no_missing_block() -> None:
+    (refused,) = solve(sk.load(path_of("plane")), "crack.water", fos=1.0).closed_form.refused
+    assert refused[0] == pytest.approx(4.35, rel=1e-6)
+    assert refused[2:] == ("E207", "the crack or its water does not fit the block")
+
+
 # -- kinds without a quick closed form --------------------------------------------------------------------------------
 
 

@@ -4,6 +4,7 @@ import json
 import math
 from contextlib import suppress
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,6 +16,7 @@ from slopekit.design.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
+from slopekit.notices import Bonds, bond_notices
 from slopekit.preie import blocks, effort
 from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
@@ -370,12 +372,12 @@ def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, s
 
 
 def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had_not_settled(monkeypatch) -> None:
-    """W484 and W486 with the load's unit, and only those that the path in the load does not say from the factor."""
+    """W484, W486 and W495 with the load's unit, only those that the path in the load does not say from the factor."""
 
     def kept(*args, **keys):
         found = whole(*args, **keys)
         at = found.limit.parameter
-        return replace(found, kept=2, share=0.03, least=0.4 * at, unsettled=0.5 * at)
+        return replace(found, kept=2, share=0.03, least=0.4 * at, unsettled=0.5 * at, fell=0.6 * at)
 
     whole = blocks.with_bonds
     limit = sk.solve(_slab(), KEY, fos=1.0).answer.value
@@ -384,6 +386,19 @@ def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had
     assert f"(without it blocks would move at {0.4 * limit:.4g})" in said["W484"]
     assert "on 2 contacts: what it would do there, 3 % of the work, is left out of the load" in said["W484"]
     assert f"(it began beyond {0.5 * limit:.4g}): the load is that without it, and" in said["W486"]
+    assert f"blocks whose load grows step by step run at {0.6 * limit:.4g}: the load is that of" in said["W495"]
+
+
+def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
+    """Whatever the factor there has to do with cohesion, of the path in strength and of finer node pairs as well."""
+    bonds = Bonds(0.2, 2.0, 1, 0.03, 0.9, 0.95, 0.8, 1, 0.7, 0.6, finer_is_less=True)
+    notes = tuple(bond_notices(bonds, "{:.4f}".format, "factor of safety"))
+    assert {notice.code for notice in notes} == {"W307", "W484", "W486", "W493", "W494", "W495"}
+    point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
+    for key, at in ((KEY, f"of the factor of safety at {KEY} = 0.2: "), ("strength.joint.phi", "")):
+        asked = SimpleNamespace(key=SimpleNamespace(path=key, shown=lambda value, _: f"{value:g}"))
+        said = [notice.message for notice in by_factor._of_factor(asked, 0.2, point)]
+        assert said == [at + notice.message for notice in notes]
 
 
 def test_notes_of_a_point_go_through_a_journal_and_older_journals_have_none() -> None:

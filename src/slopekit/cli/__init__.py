@@ -209,9 +209,11 @@ def start() -> NoReturn:
         raise
 
 
-#: Modules that write, wait or clear away when Python ends.
+#: Modules that write, wait or clear away when Python ends; `_lsprof`: cProfile, of which `sys.getprofile` says nothing
+#: from Python 3.12 on.
 _ENDED_BY_PYTHON = {
-    "concurrent.futures", "coverage", "distributed", "logging", "matplotlib", "multiprocessing", "pyvista", "tempfile",
+    "_lsprof", "concurrent.futures", "coverage", "distributed", "logging", "matplotlib", "multiprocessing", "pyvista",
+    "tempfile",
 }  # fmt: skip
 
 _PIPE_CLOSED = 128 + 13  # 1 would be a criterion that is not met

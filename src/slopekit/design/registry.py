@@ -26,7 +26,7 @@ class _Kinds(MutableMapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         if name in self._from_outside:
             return self._from_outside[name]
-        if name in _files() and _says_a_kind(name):
+        if _is_shipped(name):
             return f"slopekit.kinds.{name}"
         raise KeyError(name)
 
@@ -37,7 +37,7 @@ class _Kinds(MutableMapping[str, Any]):
         del self._from_outside[name]
 
     def __iter__(self) -> Iterator[str]:
-        shipped = {name for name in _files() if _says_a_kind(name)}
+        shipped = {name for name in _files() or _of_byte_code() if _is_shipped(name)}
         yield from sorted(shipped, key=_place)
         yield from (name for name in self._from_outside if name not in shipped)
 
@@ -47,16 +47,36 @@ class _Kinds(MutableMapping[str, Any]):
 
 @cache
 def _files() -> dict[str, Path]:
-    """Where the modules of the folder stand, by their names."""
-    names = os.listdir(_FOLDER)
+    """Where the modules of the folder stand, by their names; none in a zip, or of byte code alone."""
+    names = os.listdir(_FOLDER) if _FOLDER.is_dir() else []
+    if not any(name.endswith(".py") for name in names):
+        return {}
     folders = {name: _FOLDER / name / "__init__.py" for name in names if "." not in name}
-    return folders | {name.removesuffix(".py"): _FOLDER / name for name in names if name.endswith(".py")}
+    files = {name.removesuffix(".py"): _FOLDER / name for name in names if name.endswith(".py")}
+    return {name: path for name, path in (folders | files).items() if name.isidentifier()}  # none of an editor's own
 
 
 @cache
-def _says_a_kind(name: str) -> bool:
-    path = _files()[name]
-    return path.is_file() and b"\nKIND = " in path.read_bytes()
+def _is_shipped(name: str) -> bool:
+    if not _files():
+        return name in _of_byte_code()
+    path = _files().get(name)
+    return path is not None and path.is_file() and b"\nKIND = " in path.read_bytes()
+
+
+@cache
+def _of_byte_code() -> frozenset[str]:
+    """The kinds of a package without files of text, by what the code of its modules binds: none of them is loaded."""
+    from dis import get_instructions
+    from pkgutil import iter_modules
+
+    found = set[str]()
+    for module in iter_modules([str(_FOLDER)]):
+        spec: Any = module.module_finder.find_spec(f"slopekit.kinds.{module.name}", None)
+        code = spec.loader.get_code(spec.name)
+        if any(step.opname == "STORE_NAME" and step.argval == "KIND" for step in get_instructions(code)):
+            found.add(module.name)
+    return frozenset(found)
 
 
 def _place(name: str) -> tuple[int, str]:

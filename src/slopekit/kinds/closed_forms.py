@@ -46,7 +46,8 @@ class ClosedForms:
         """
         name, factor = self.names[self.outcome[design]], float(self.factor[design])
         if name.startswith("E"):
-            raise GeometryError([Fault(name, "the planes enclose no block")])
+            what = "the crack or its water does not fit the block" if name == "E207" else "the planes enclose no block"
+            raise GeometryError([Fault(name, what)])
         return ClosedForm(None if math.isnan(factor) else factor, name)
 
     def tractions_kpa(self) -> list[float]:

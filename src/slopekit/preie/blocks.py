@@ -484,7 +484,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
 
     The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
     their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ; `bonded`, `unbonded`,
-    `unsettled` and `sooner` are multipliers.
+    `unsettled`, `sooner` and `fell` are multipliers.
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
@@ -519,6 +519,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
         unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
         counted=ended.counted,
         sooner=ended.soonest if (ended.soonest or math.inf) < (path_end.parameter or 0.0) * (1.0 - _SOONER) else None,
+        fell=ended.fell if (ended.fell or math.inf) < (path_end.parameter or 0.0) * (1.0 - _FELL) else None,
     )  # fmt: skip
 
 

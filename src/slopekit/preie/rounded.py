@@ -21,7 +21,7 @@ from dataclasses import fields
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import SolverError
+from slopekit.core.errors import Fault, SolverError
 from slopekit.core.records import dataclass
 from slopekit.preie.bed import Bed
 from slopekit.preie.cones import along_rows
@@ -357,6 +357,8 @@ class RoundedPath:
         solver = bed.factored(bed.mixed(springs, tangent, by_strength, follows))
         by_reduction = solver(self._on_blocks(np.zeros_like(at.normal), by_strength * strength[:, None]))
         gained = float(bed.working @ by_reduction)
+        if not gained:  # far off any curve, where forces overflow
+            raise SolverError([Fault("E505", "the work of the rounded path does not hang on its strength")])
         opened = at.gap * float(at.normal.mean()) > at.normal * float(at.gap.mean())
 
         def solve(residual: _Residual) -> _CurvePoint:

@@ -49,6 +49,7 @@ _NO_TIMES = re.compile(r"(?:^|[^a-z])(freq|frequency|period|hz)(?![a-z])")
 _NO_ACCELERATIONS = re.compile(r"^(vel|velocity|disp|displ|displacement|spectral|sa|psa|sv|sd)(?![a-z])")
 _OTHER_TIMES = re.compile(r"(?:^|[^a-z])(ms|msec|milliseconds?|min|minutes?|h|hours?)(?![a-z])")
 _OTHER_DT = re.compile(r"\bDT\s*=\s*[\d.eEdD+-]+\s*(ms|msec|millisec\w*|min\w*)\b", re.IGNORECASE)
+_NO_VALUES = ("nan", "inf", "infinity", "na", "null", "none")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?")
 _STEPS = (
     re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eEdD+-]+)", re.IGNORECASE),
@@ -383,8 +384,9 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     _not_a_sample(name, [(line, cells(text)) for line, text in rows[max(first - 1, 0) : first + 2]])
     width = len(cells(rows[first][1]))
     above = cells(rows[first - 1][1]) if first else []
-    if len(above) == width and any(map(_is_number, above)):  # a sample, and no header
-        bad, line = next(cell for cell in above if not _is_number(cell)), rows[first - 1][0]
+    others = [cell for cell in above if not _is_number(cell)]
+    if len(above) == width > len(others) and not any(map(_is_word, others)):  # a sample, and no header or title
+        bad, line = others[0], rows[first - 1][0]
         raise DesignError(
             [Fault("E513", f"{name}: line {line} holds {bad[:40]!r}, a number is needed", f"{name}:{line}")]
         )
@@ -440,6 +442,11 @@ def _is_number(text: str) -> bool:
         return math.isfinite(float(_with_e(text)))
     except ValueError:
         return False
+
+
+def _is_word(text: str) -> bool:
+    """Whether a cell beside a number is of a title (Kobe 1995), and no number that was typed wrong: nan, O.1, x."""
+    return text[:2].isalpha() and text.lower() not in _NO_VALUES
 
 
 def _heads(line: str, mark: str | None, width: int) -> list[str]:

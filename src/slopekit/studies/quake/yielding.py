@@ -58,7 +58,7 @@ class Yield:
     runs : where the coefficient is that of the last state at rest, the first at which the blocks run
     not_compared : of many blocks, why the other of the two histories of the shaking says nothing of the coefficient
     beyond : where no k up to 2 moves them, that at which they fail as the shaking comes on last
-    notes : of many blocks, what the coefficient has to do with their cohesion: W307, W484, W486, W500
+    notes : of many blocks, what the coefficient has to do with their cohesion: W307, W484, W486, W493 to W496, W500
     before : the factor of safety without an earthquake; inf where nothing drives
     agree : whether the methods agree there on the same assumptions; None where that is not judged
     """

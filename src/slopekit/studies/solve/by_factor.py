@@ -50,7 +50,6 @@ _ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
 _SAME = 2e-3  # a step that other node pairs make in the factor of PRE-IE: no jump
 _SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
 _LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
-_HAS_FACTORS = ("W307", "W484", "W486", "W493", "W494")
 _K, _UNIT_LOAD = "loads.seismic.k", 1.0
 _OF_PATH = 0.5  # of the work that is allowed, for the path in a load
 _PUT_BACK = 0.1 * effort.MOST  # for the factor of a limit state: it vouches for itself
@@ -471,7 +470,7 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
 def _of_factor(asked: _FactorRequest, value: float, there: Point) -> Iterator[Notice]:
     """What the factor at a value says of cohesion: its numbers are factors, and a load's are loads."""
     for notice in () if there.factors is None else there.factors.notes:
-        if notice.code in _HAS_FACTORS and _LOAD.fullmatch(asked.key.path):
+        if _LOAD.fullmatch(asked.key.path):
             where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
             notice = Notice(notice.code, where + notice.message)
         yield notice
