@@ -64,6 +64,22 @@ def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path) -> None:
     assert other.asked == 60
 
 
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="Windows has no such signal")
+def test_ctrl_c_as_workers_start_is_for_the_one_who_asked(tmp_path) -> None:
+    """A terminal sends it to all: a worker that died of it broke the pool, and Python waited for it without end."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import os, signal\n"
+        "if __name__ != '__main__':\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "from slopekit.studies.running import Crew, run_all\n"
+        "if __name__ == '__main__':\n"
+        "    print(run_all(abs, [-1, 2, -3], Crew(2)), signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))\n"
+    )
+    run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60)
+    assert (run.stdout, run.stderr) == ("[1, 2, 3] False\n", "")
+
+
 def test_a_journal_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path) -> None:
     journal = Journal.of(tmp_path, "sweep", "x")
     for number in range(10):

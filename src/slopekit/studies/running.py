@@ -301,7 +301,7 @@ def _executor(crew: Crew) -> Iterator[Executor]:
         if getattr(multiprocessing.current_process(), "_inheriting", False):
             raise SystemExit(_NO_GUARD)  # a worker that runs its script: the one who asked says so
         # spawned: the same on every system, and no threads of ours are copied half-way
-        pool = ProcessPoolExecutor(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
+        pool = _Pool(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
         try:
             yield pool
         except BaseException:
@@ -311,6 +311,26 @@ def _executor(crew: Crew) -> Iterator[Executor]:
                 process.terminate()
             raise
         pool.shutdown()
+
+
+class _Pool(ProcessPoolExecutor):
+    """Workers that Ctrl-C, which a terminal sends to all, does not end while they start.
+
+    One that died then broke the pool whose tasks were just called off, and Python waited for it without end.
+    """
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **keys: Any) -> Future[Any]:
+        """A task more; workers begin here, and with the signals that their parent holds back."""
+        if not hasattr(signal, "pthread_sigmask"):  # Windows
+            return super().submit(fn, *args, **keys)
+        from multiprocessing import resource_tracker
+
+        resource_tracker.ensure_running()  # as it starts it lets Ctrl-C through again
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            return super().submit(fn, *args, **keys)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _quiet_worker() -> None:
