@@ -292,7 +292,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
         limit = replace(part.limit, **changes)
         changed = replace(failure, parts=(replace(part, limit=limit, mesh_change=mesh_change),))
         sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
-        notices = notices_of(design, scene, sequence, [mechanism(changed, scene)])
+        notices = notices_of(design, scene, sequence, [mechanism(changed, scene)], None)
         return {notice.code: notice.message for notice in notices}
 
     assert said() == {}
