@@ -19,7 +19,7 @@ class FactorsOfSafety:
     limit : PRE-IE, zero (or the given) dilation: the answer; closed_form : of the kind (Hoek & Bray); static_bound :
     an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for; lowest, highest : of
     the same mechanism of many blocks, whatever forces are locked in; lowest no more than where a motion begins with
-    other cohesion left (W494).
+    other cohesion left (W494), or on another way there (W495).
     """
 
     limit: float | None = None

@@ -329,7 +329,11 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     ----------
     proposal : the one that the limit was found with
     """
-    if limit.factor is None or model.lines is not None:
+    if limit.factor is None:
+        return limit
+    if limit.at_most < limit.factor:  # whatever range there is
+        limit = replace(limit, lowest=min(limit.at_most, limit.at_most if limit.lowest is None else limit.lowest))
+    if model.lines is not None:
         return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
         span = _span(model, limit, proposal)

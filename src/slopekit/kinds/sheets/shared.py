@@ -170,8 +170,8 @@ def hangs_on_bonds(result: Result) -> bool:
 
 def _otherwise(result: Result) -> str:
     """How the motion begins that the lowest factor may be of."""
-    code = next(code for code in _OTHERWISE if any(notice.code == code for notice in result.warnings))
-    return f"{_OTHERWISE[code]} ({code})"
+    codes = [code for code in _OTHERWISE if any(notice.code == code for notice in result.warnings)]
+    return f"{' or '.join(_OTHERWISE[code] for code in codes)} ({', '.join(codes)})"
 
 
 def has_range(result: Result) -> bool:
