@@ -480,6 +480,20 @@ def refining(monkeypatch, change):
     monkeypatch.setattr(ravelling, "component_limit", changed)
 
 
+def test_the_lowest_factor_is_no_more_than_on_finer_pairs_without_a_range_as_well(monkeypatch) -> None:
+    """Where nobody looked at other forces; random bench 619 had 0.5009 for 0.4658. Both reasons stand on the sheet."""
+    design = populations.bench(115) | {"acceptance": {"rules": ["fos >= 0.55"]}}
+    before = sk.run(sk.load(design)).fos
+    refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=0.9 * limit.factor)
+             if finer and limit.factor else replace(limit, sooner=0.95 * before.limit))  # fmt: skip
+    monkeypatch.setattr(blocks, "_span", lambda *_: None)
+    found = sk.run(sk.load(design))
+    assert found.fos.lowest == pytest.approx(0.9 * before.limit, rel=0.01)
+    said = " ".join(str(found).split())
+    assert "where a motion begins with other cohesion left or on another way there (W494, W495); other" in said
+    assert "MET, but not with other cohesion left or on another way there (W494, W495: down to" in said
+
+
 @pytest.mark.parametrize(("times", "code"), [(0.9, "W495"), (0.999, "W496"), (1.1, "W496")])
 def test_the_number_is_that_of_coarser_pairs_where_nothing_settles_on_finer(monkeypatch, times, code) -> None:
     """The lowest factor is where the blocks were last at rest on the finer, and the sheet says of what it is."""

@@ -333,7 +333,12 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     ----------
     proposal : the one that the limit was found with
     """
-    if limit.factor is None or model.lines is not None:
+    factor = limit.factor
+    if factor is None:
+        return limit
+    if limit.at_most < factor:  # whatever range there is
+        limit = replace(limit, lowest=min(limit.at_most, limit.at_most if limit.lowest is None else limit.lowest))
+    if model.lines is not None:
         return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
         span = _span(model, limit, proposal)
@@ -343,7 +348,7 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
         return limit
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
-    reached = limit.highest or limit.factor
+    reached = limit.highest or factor
     lowest = min(low or 0.0, limit.at_most)
     return replace(limit, lowest=lowest, highest=None if top is None else max(top, reached))
 
