@@ -91,6 +91,11 @@ def test_exit_codes(arguments, code) -> None:
     assert slopekit(*PAPER, *arguments).returncode == code
 
 
+def test_the_package_is_the_command_too() -> None:
+    run = subprocess.run([sys.executable, "-m", "slopekit", "--version"], capture_output=True, text=True, timeout=60)
+    assert (run.returncode, run.stdout) == (0, f"slopekit {sk.__version__}\n")
+
+
 def test_a_slope_that_fails_is_an_answer() -> None:
     run = slopekit(*PAPER, "--water", "u=200kPa", "--c", "0", "--json")
     assert run.returncode == 0

@@ -206,6 +206,9 @@ def test_a_bound_that_was_not_found_is_missed() -> None:
     text = str(replace(found, fos=unproved, static_bound_proved=False))
     bound = "1.5000 static bound (joints free to dilate; upper bound, not proved)"
     assert f"{bound}, 20.0 % above the limit" in part(text, "FoS")
+    for times, said in ((10.9, "990.0 % above the limit"), (11.0, "11 times the limit"), (3e5, "300000 times the")):
+        text = str(replace(found, fos=replace(unproved, static_bound=1.25 * times)))
+        assert f"upper bound), {said}" in part(text, "FoS")
     text = str(replace(found, fos=replace(unproved, static_bound=1.2500001)))
     assert "upper bound), no higher than the limit" in part(text, "FoS")
 

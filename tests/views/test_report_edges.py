@@ -90,7 +90,9 @@ def test_what_a_number_without_comparison_rests_on() -> None:
 
 @pytest.mark.parametrize(
     ("bound", "said"), [(21.8889, "practically the same"), (21.8836, "practically the same"),
-                        (22.9778, "lies 5.0 % above"), (20.0, "8.6 % below the limit, which an upper bound cannot")],
+                        (22.9778, "lies 5.0 % above"),
+                        (21.8836 * 300.0, "is 300 times the limit: it lets joints dilate"),
+                        (20.0, "8.6 % below the limit, which an upper bound cannot")],
 )  # fmt: skip
 def test_where_the_static_bound_lies(bound, said) -> None:
     found = document("wedge")

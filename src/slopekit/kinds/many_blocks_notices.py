@@ -9,6 +9,7 @@ from slopekit.findings import Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
+from slopekit.kinds.words import many_times
 from slopekit.notices import (
     SQUARE,
     Bonds,
@@ -74,8 +75,9 @@ def notices_of(
         yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
                      "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
     if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
-        more = (first.static_bound / first.fos - 1.0) * 100.0
-        yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
+        times = many_times(first.static_bound / first.fos)
+        more = f"{times} as much" if times else f"{(first.static_bound / first.fos - 1.0) * 100.0:.0f} % more"
+        yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if straight is not None:
         yield Notice("W479", f"{first.blocks[0].name} turns as it goes, which raises its factor: without turning, as "

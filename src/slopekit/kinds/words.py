@@ -211,6 +211,20 @@ def line_in_words(line: Line) -> str:
     return f"{line.trend_deg % 360.0:03.0f}/{line.plunge_deg:.1f}"
 
 
+def many_times(ratio: float) -> str:
+    """A ratio too large to be read as a percentage in words, nothing of another.
+
+    >>> many_times(35.98), many_times(261880.93), many_times(10.9)
+    ('36 times', '262000 times', '')
+    """
+    rounded = float(f"{ratio:.3g}")
+    return "" if ratio < _MANY else f"{rounded:.0f} times" if rounded < 1e9 else f"{rounded:g} times"
+
+
+#: A ratio from which on it is said instead of a percentage: 1000 % above.
+_MANY = 11.0
+
+
 def size_number(value: float) -> str:
     """Six significant digits without an exponent where a person would not write one."""
     if value == 0.0:

@@ -7,6 +7,7 @@ from typing import Any
 from slopekit.core.errors import HARMLESS
 from slopekit.core.sheet import factor_text
 from slopekit.kinds.sheets.many_blocks import path_in_words
+from slopekit.kinds.words import many_times
 from slopekit.result import JUDGED
 
 _SAME = 0.05  # percent
@@ -174,4 +175,6 @@ def _bound(percent: float) -> str:
             f"The static bound lies {-percent:.2g} % below the limit, which an upper bound cannot: neither is known "
             "better than that."
         )
-    return f"The static bound lies {percent:.1f} % above the limit: it lets joints dilate, and is unsafe as an answer."
+    times = many_times(percent / 100.0 + 1.0)
+    lies = f"is {times} the limit" if times else f"lies {percent:.1f} % above the limit"
+    return f"The static bound {lies}: it lets joints dilate, and is unsafe as an answer."

@@ -28,7 +28,7 @@ from slopekit.kinds.sheets.shared import (
     series,
     verdict,
 )
-from slopekit.kinds.words import first_and_last, in_order, line_in_words, names_in_runs, size_number
+from slopekit.kinds.words import first_and_last, in_order, line_in_words, many_times, names_in_runs, size_number
 from slopekit.result import Result
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
@@ -136,6 +136,8 @@ def _factors(result: Result) -> list[Factor]:
         if fos.limit:
             more = (fos.static_bound / fos.limit - 1.0) * 100
             above = f", {more:.1f} % above the limit" if more >= 0.05 else ", no higher than the limit"
+            times = many_times(fos.static_bound / fos.limit)
+            above = f", {times} the limit" if times else above
         proved = "" if result.static_bound_proved else ", not proved"
         rows.append(Factor(fos.static_bound, f"static bound (joints free to dilate; upper bound{proved}){above}"))
     elif fos.limit is not None:

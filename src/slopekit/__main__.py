@@ -1,0 +1,5 @@
+"""`python -m slopekit`."""
+
+from slopekit.cli import start
+
+start()
