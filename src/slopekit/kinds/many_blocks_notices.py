@@ -188,10 +188,11 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
         if limit.static_bound is None
         else "; the static bound says that forces in balance exist, not that they arise"
     )
-    bonds = "without the cohesion that is lost, " if limit.bonded else ""
-    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried "
-                  "(mostly such blocks tip: a wider base or bolts hold them, more strength does not): no factor of "
-                  f"safety is given{exist}")  # fmt: skip
+    bonds, tip = "without the cohesion that is lost, ", ""
+    if not limit.bonded:
+        bonds, tip = "", " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
+    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
+                  f"{tip}: no factor of safety is given{exist}")  # fmt: skip
 
 
 def _drawn_out(part: Part) -> bool:
