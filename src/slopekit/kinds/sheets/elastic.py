@@ -40,7 +40,7 @@ def _limit(blocks: ElasticBlocks) -> str:
         words = f"{_percent(blocks.opened_share)} of the contact area{also} is pulled open {at}"
         return f"{factor}  limit of elastic blocks, that of rigid ones: {words}, where there is no cohesion to lose"
     lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open {at}"
-    also = f" without {_percent(blocks.rigid_lost_share)}" if blocks.rigid_lost_share else ""
+    also = f" without that of {_percent(blocks.rigid_lost_share)}" if blocks.rigid_lost_share else ""
     return f"{factor}  limit of elastic blocks, {lost}; rigid {rigid}{also}"
 
 
