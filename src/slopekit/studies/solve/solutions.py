@@ -358,9 +358,10 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
         if runs is not None:
             fail = f"were last at rest at {key.shown(value)} and run at {key.shown(runs)}"
         comes = "falls past" if answer.jumps else "comes to"
+        safe = "; the first is on the safe side" if (value < answer.value) != answer.rises else ""
         yield Notice("W477", f"the order of loads counts: as this load comes on last the blocks {fail}; with the "
                              f"strength divided last their factor {comes} {number(target)} at "
-                             f"{key.shown(answer.value)}, which is given")  # fmt: skip
+                             f"{key.shown(answer.value)}, which is given{safe}")  # fmt: skip
     elif answer.strength_last is not None and answer.runs is None and not answer.jumps:
         yield Notice("W477", "the order of loads counts: as this load comes on last the blocks are at their limit at "
                              f"{key.shown(answer.value)}, which is given; with the strength divided last their factor "
