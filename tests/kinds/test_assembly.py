@@ -14,7 +14,7 @@ from benchmarks import populations
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut, kind_of
-from slopekit.preie.blocks import Basis
+from slopekit.preie.blocks_limit import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
 

@@ -11,7 +11,8 @@ from scipy.optimize import linprog
 
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
 from tests.closed_form.blocks import two_blocks

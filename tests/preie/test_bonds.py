@@ -13,7 +13,8 @@ from slopekit.design.templates import path_of
 from slopekit.preie import blocks, bonds, ravelling
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import Basis, limit_of_blocks
+from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.blocks_limit import Basis
 from slopekit.preie.bonds import Bonded, with_bonds
 from slopekit.preie.falling import NEAR_RUNNING, Fallen, fallen
 from slopekit.preie.flow import Flow

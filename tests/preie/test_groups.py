@@ -8,7 +8,8 @@ import pytest
 
 from benchmarks.benches import bench
 from slopekit.preie import blocks, groups, ravelling
-from slopekit.preie.blocks import Basis, limit_of_blocks
+from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.blocks_limit import Basis
 from slopekit.preie.path_limit import PathOutcome
 from tests.preie.block_scenes import boxes_in_space, first_part
 

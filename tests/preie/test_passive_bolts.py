@@ -22,7 +22,8 @@ from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.components import whole_model
 from slopekit.preie.distance import Distance
 from slopekit.preie.limit import limit_analysis

@@ -15,7 +15,8 @@ from slopekit.loads import PassiveBolts
 from slopekit.preie import blocks, path, proposal
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, BedForces, Drive, NewtonStep
-from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
+from slopekit.preie.blocks import limit_of_blocks, load_limit
+from slopekit.preie.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.bounds import held_by_normals, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.flow import Flow

@@ -14,7 +14,7 @@ from benchmarks.benches import bench
 from slopekit.preie import traced as traced_room
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import Basis
+from slopekit.preie.blocks_limit import Basis
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.flow import stepped
 from slopekit.preie.path import follow

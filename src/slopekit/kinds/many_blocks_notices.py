@@ -19,7 +19,7 @@ from slopekit.notices import (
     mesh_notices,
     undrawn_notice,
 )
-from slopekit.preie.blocks import Basis, BlocksLimit
+from slopekit.preie.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.loads_last import STRONGER
 from slopekit.preie.passes import Outcome

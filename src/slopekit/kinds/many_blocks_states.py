@@ -15,7 +15,7 @@ from slopekit.kinds.many_blocks_scene import AssemblyScene
 from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads, line_of_action
-from slopekit.preie.blocks import Basis
+from slopekit.preie.blocks_limit import Basis
 from slopekit.preie.components import block_sizes, whole_model
 from slopekit.preie.effort import MOST, EffortSpentError, allowed
 from slopekit.preie.passes import Outcome

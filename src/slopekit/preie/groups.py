@@ -9,7 +9,8 @@ from slopekit.geometry.patches import Assembly
 from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import Span, first_limit, unit_bound
+from slopekit.preie.blocks import first_limit, unit_bound
+from slopekit.preie.blocks_limit import Span
 from slopekit.preie.bound import StaticBound
 from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.components import WholeAssembly, model_of

@@ -19,7 +19,8 @@ from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit, with_range
+from slopekit.preie.blocks import limit_of_blocks, load_limit, with_range
+from slopekit.preie.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.bonds import Rounds
 from slopekit.preie.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.groups import Groups

@@ -20,7 +20,8 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, BedForces, Drive
-from slopekit.preie.blocks import Basis, BlocksLimit, load_limit
+from slopekit.preie.blocks import load_limit
+from slopekit.preie.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.path_limit import BORDERED
 from slopekit.preie.ravelling import Part
 from slopekit.preie.tolerances import MOVES, NO_MOTION, OPENS_ROUGHLY, TINY

@@ -18,7 +18,8 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import BlocksLimit, load_limit
+from slopekit.preie.blocks import load_limit
+from slopekit.preie.blocks_limit import BlocksLimit
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.effort import EffortSpentError
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit
