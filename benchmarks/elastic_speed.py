@@ -14,7 +14,7 @@ from unittest.mock import patch
 import numpy as np
 
 import slopekit as sk
-from slopekit.kinds import elastic, kind_of
+from slopekit.kinds import elastic, elastic_scene, kind_of
 
 PAPER_S, COARSE_S, STATE_S, BEDROCK_S = 305.0, 3.0, 1.0, 30.0  # Table 7; what we may take
 
@@ -56,7 +56,7 @@ def main(halved: int = 3) -> None:
         assert found is not None
         _said(f"{bedrock} bedrock: limit {found.limit:.5f}, {found.cells} elements, {found.unknowns} unknowns", took,
               BEDROCK_S if bedrock == "elastic" else COARSE_S)  # fmt: skip
-        scene = elastic._one_block(design, kind_of(design).cut(design))
+        scene = elastic_scene.scene_of_one(design, kind_of(design).cut(design))
         began = time.process_time()
         _, state = elastic._at_rest(scene, scene.model, 1.0)
         scene.limit_without(state.parted)

@@ -140,7 +140,7 @@ def test_displacements_on_nodes_of_both_bodies_give_the_same_forces() -> None:
     from slopekit.elastic.model import with_blocks
     from slopekit.geometry.section import FACE, UPPER
     from slopekit.kinds import cut
-    from slopekit.kinds.elastic import _of_model
+    from slopekit.kinds.elastic_scene import elastic_model
 
     made = cut(sk.load(PLANE | {"rock": {"density": 2600, "modulus": "0.1 GPa"}}))
     scene, rock = made.scene_at(3), Rock(1e5, 0.25)
@@ -151,7 +151,7 @@ def test_displacements_on_nodes_of_both_bodies_give_the_same_forces() -> None:
     block = Elements(split_evenly(mesh_of(outline, fanned([range(len(outline))])), 5.0), rock)
     box = box_around(flat, [FACE, UPPER], 0.0)
     mesh = graded(box.mesh, points[:, [0, 2]], 3.0, 10_000)
-    model = with_blocks(_of_model(scene.model), (
+    model = with_blocks(elastic_model(scene.model), (
         (flexibility(block, points, axes, rows, scene.model.length_scale), np.arange(rows.shape[0]), np.arange(3)),
     ))  # fmt: skip
     model = on_bedrock(model, bedrock(box, mesh, rock, points, axes).by_force)
@@ -225,6 +225,6 @@ def test_where_bedrock_stays_rigid_it_is_refused_in_words(monkeypatch: pytest.Mo
         assert [fault.code for fault in caught.value.faults] == ["E291"]
     with pytest.raises(DesignError, match="it is rigid or elastic"):
         sk.wedge(("45/115", "45/245"), bedrock="soft")
-    monkeypatch.setattr("slopekit.kinds.elastic._MOST_CELLS", 300)
+    monkeypatch.setattr("slopekit.kinds.elastic_scene._MOST_CELLS", 300)
     with pytest.raises(DesignError, match=r"E290 .* of the bedrock"):
         sk.run(PLANE, elastic=True)

@@ -14,7 +14,7 @@ from slopekit.elastic import rest
 from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
-from slopekit.kinds.elastic import _many_blocks
+from slopekit.kinds.elastic_scene import scene_of_many
 
 
 def wall(cohesion: float = 0.0, high: int = 4) -> dict:
@@ -39,10 +39,10 @@ def scenes():
     """The wall, condensed and with its flexibilities in dense matrices."""
     design = sk.load(wall())
     given = design, cut(design), sk.analyse(design)
-    condensed = _many_blocks(*given)
+    condensed = scene_of_many(*given)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("slopekit.elastic.model._DENSE", 10**6)
-        dense = _many_blocks(*given)
+        dense = scene_of_many(*given)
     assert not condensed.model.is_dense
     assert dense.model.is_dense
     return condensed, dense
@@ -107,7 +107,7 @@ def test_a_wall_rests_as_with_all_its_flexibilities(scenes) -> None:
 def test_what_still_parts_is_not_at_rest() -> None:
     """Rounds or steps that run out leave bonds in tension: that is no rest."""
     design = sk.load(wall(cohesion=1.0))
-    scene = _many_blocks(design, cut(design), sk.analyse(design))
+    scene = scene_of_many(design, cut(design), sk.analyse(design))
     assert RestSearch(scene.model, scene.stiffness).rest(1.0).parted.any()
     search = RestSearch(scene.model, scene.stiffness)
     search.releases = 2
@@ -122,7 +122,7 @@ def test_what_still_parts_is_not_at_rest() -> None:
 def test_many_bonds_that_part_at_once_lead_to_the_same_rest(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a crowd a quarter part together: fewer rounds, and the same bonds are gone as group after group."""
     design = sk.load(wall(cohesion=3.0))
-    scene = _many_blocks(design, cut(design), sk.analyse(design))
+    scene = scene_of_many(design, cut(design), sk.analyse(design))
     states = []
     for crowd in (10**9, 4):
         monkeypatch.setattr(rest, "_CROWD", crowd)
@@ -154,9 +154,9 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     """The work for it may run out: the state stays, the sheet says that the limit was not found."""
 
     def without_limit(*given):
-        return replace(_many_blocks(*given), limit_without=lambda parted: (None, True))
+        return replace(scene_of_many(*given), limit_without=lambda parted: (None, True))
 
-    monkeypatch.setattr("slopekit.kinds.elastic._many_blocks", without_limit)
+    monkeypatch.setattr("slopekit.kinds.elastic.scene_of_many", without_limit)
     found = sk.run(wall(cohesion=1.0, high=2), elastic=True)
     assert found.elastic.limit is None
     assert found.elastic.bracket is None
@@ -177,10 +177,10 @@ def test_a_limit_that_is_not_found_has_two_ends(monkeypatch: pytest.MonkeyPatch,
     scenes = []
 
     def without_limit(*asked):
-        scenes.append(_many_blocks(*asked))
+        scenes.append(scene_of_many(*asked))
         return replace(scenes[-1], limit_without=lambda parted: (None, True))
 
-    monkeypatch.setattr("slopekit.kinds.elastic._many_blocks", without_limit)
+    monkeypatch.setattr("slopekit.kinds.elastic.scene_of_many", without_limit)
     found = sk.run(given, **asked)
     assert found.elastic.limit is None
     low, high = found.elastic.between
@@ -203,7 +203,7 @@ def test_tension_that_a_rest_may_have_is_beyond_the_static_bound() -> None:
     design = wall(cohesion=2.0, high=2)
     design["strength"]["joint"]["tension"] = 1.0
     loaded = sk.load(design)
-    scene = _many_blocks(loaded, cut(loaded), sk.analyse(loaded))
+    scene = scene_of_many(loaded, cut(loaded), sk.analyse(loaded))
     assert scene.bound_without(np.zeros(len(scene.model.area), dtype=bool)) is None
 
 

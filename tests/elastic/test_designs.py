@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
-from slopekit.kinds.elastic import _many_blocks
+from slopekit.kinds.elastic_scene import scene_of_many
 from slopekit.preie.contact import ContactMode
 
 WEDGE = {"dips": ("45/115", "45/245"), "shear_stiffness": 1e5, "edge": "65 m"}
@@ -99,7 +99,7 @@ def test_columns_do_not_hang_on_what_is_open() -> None:
 
 def test_open_pairs_carry_nothing() -> None:
     design = sk.load(columns(0))
-    scene = _many_blocks(design, cut(design), sk.analyse(design))
+    scene = scene_of_many(design, cut(design), sk.analyse(design))
     found = RestSearch(scene.model, scene.stiffness).rest(1.0)
     assert found.stands
     open_ = found.modes == ContactMode.DEBOND
@@ -117,7 +117,7 @@ def test_what_is_refused() -> None:
     many = columns(0)
     many["columns"] |= {"heights": [3] * 301, "width": 1}
     design = sk.load(many)
-    assert faults(lambda: _many_blocks(design, cut(design), None)) == ["E289"]
+    assert faults(lambda: scene_of_many(design, cut(design), None)) == ["E289"]
 
 
 def test_without_scikit_fem_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_
 from slopekit.elastic.model import with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
-from slopekit.kinds.elastic import _of_model
+from slopekit.kinds.elastic_scene import elastic_model
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.contact import JointStiffness, tractions
 from slopekit.preie.equilibrium import equilibrium
@@ -35,7 +35,7 @@ def blocks(modulus: float, order: int = 2, **more):
     give = flexibility(
         elements, scene.pairs.points, local_axes(scene.pairs.normals), model.flat_rows, model.length_scale
     )
-    plain = _of_model(model)
+    plain = elastic_model(model)
     whole = with_blocks(plain, ((give, np.arange(3 * len(scene.pairs)), np.arange(6)),))
     return whole, elements, scene, model
 

@@ -12,8 +12,8 @@ from slopekit.core.errors import DesignError
 from slopekit.elastic.flexibility import body
 from slopekit.elastic.model import with_blocks
 from slopekit.elastic.rest import RestSearch
-from slopekit.kinds import cut, elastic
-from slopekit.kinds.elastic import _many_blocks
+from slopekit.kinds import cut
+from slopekit.kinds.elastic_scene import scene_of_many
 from slopekit.preie.contact import ContactMode
 from slopekit.preie.model import local_axes
 from tests.elastic.test_rest import STIFFNESS, blocks
@@ -118,7 +118,7 @@ def bench():
 
 def test_blocks_of_a_bench_balance(bench) -> None:
     design, answer = bench
-    scene = _many_blocks(design, cut(design), answer)
+    scene = scene_of_many(design, cut(design), answer)
     model = scene.model
     assert not model.is_dense
     found = RestSearch(model, scene.stiffness).rest(1.0)
@@ -138,7 +138,7 @@ def test_blocks_of_a_bench_balance(bench) -> None:
 def test_lighter_dashpots_lead_to_rest_where_the_others_give_up(bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """With no rounds of the heavy ones: another way, to forces within 5 % of the largest, in balance."""
     design, answer = bench
-    scene = _many_blocks(design, cut(design), answer)
+    scene = scene_of_many(design, cut(design), answer)
     usual = RestSearch(scene.model, scene.stiffness).rest(1.0)
     left, lightened = list[float](), RestSearch._lightened
 
@@ -162,7 +162,7 @@ def test_lighter_dashpots_lead_to_rest_where_the_others_give_up(bench, monkeypat
 def test_stiff_rock_is_rigid_in_space(bench) -> None:
     design, answer = bench
     stiff = replace(design, modulus_kpa=1e14)
-    scene = _many_blocks(stiff, cut(stiff), answer)
+    scene = scene_of_many(stiff, cut(stiff), answer)
     found = RestSearch(scene.model, scene.stiffness).rest(1.0)
     exact = RestSearch(scene.model.rigid(), scene.stiffness).rest(1.0)
     assert found.stands
@@ -181,12 +181,12 @@ def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> No
     assert found.fos.highest > 1.01 * found.fos.lowest
     (said,) = [str(notice) for notice in found.warnings if notice.code == "W485"]
     assert f"{found.fos.lowest:.4f} .. {found.fos.highest:.4f}" in said
-    scene = _many_blocks(design, cut(design), found)
+    scene = scene_of_many(design, cut(design), found)
     monkeypatch.setattr("slopekit.elastic.condensed._MOST_BYTES", 1e3)
     with pytest.raises(DesignError) as caught:
         RestSearch(scene.model, scene.stiffness)
     assert [fault.code for fault in caught.value.faults] == ["E290"]
-    monkeypatch.setattr(elastic, "_MOST_OF_MANY", 50)
+    monkeypatch.setattr("slopekit.kinds.elastic_scene._MOST_OF_MANY", 50)
     with pytest.raises(DesignError) as caught:
-        _many_blocks(design, cut(design), found)
+        scene_of_many(design, cut(design), found)
     assert [fault.code for fault in caught.value.faults] == ["E290"]

@@ -7,53 +7,37 @@ no longer come to rest is the proof, where it is asked for.
 
 import math
 import time
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints, frozen
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.errors import Notice
 from slopekit.core.onlooker import say
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.elastic.bedrock import Bedrock, bedrock, box_around, graded
-from slopekit.elastic.flexibility import CondensedBlock, Elements, Flexibility, Rock, body, flexibility
-from slopekit.elastic.meshing import (
-    cells_of,
-    edges_of,
-    fanned,
-    is_convex,
-    is_convex_outline,
-    mesh_of,
-    numbered,
-    split_evenly,
-)
-from slopekit.elastic.model import ElasticModel, dense_or_sparse, on_bedrock, with_blocks
+from slopekit.elastic.bedrock import Bedrock
+from slopekit.elastic.flexibility import CondensedBlock, Flexibility
+from slopekit.elastic.model import ElasticModel
 from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
-from slopekit.geometry import rockmass, section
-from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.elastic_scene import (
+    ELASTIC,
+    RIGID,
+    ElasticScene,
+    elastic_stiffness,
+    rock_of,
+    scene_of_many,
+    scene_of_one,
+)
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.protocol import Kind
-from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
-from slopekit.preie.assembly import section_axes
-from slopekit.preie.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
-from slopekit.preie.model import Model, local_axes
+from slopekit.kinds.solver_inputs import joint_stiffness
+from slopekit.preie.contact import CloughDuncan
 from slopekit.result import Result
 
-MODULUS_KPA, POISSON = 2e7, 0.25
-ORDER = 2
-RIGID, ELASTIC = "rigid", "elastic"  # bedrock
-_MOST_BLOCKS, _MOST_PAIRS, _MOST_OF_MANY = 300, 1500, 12_000
-_MOST_CELLS, _AUTO_CELLS = 20_000, 1500  # of all blocks; of one with `edge: auto`
-_HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of a block is halved, `edge: auto`
-_FEW = 50  # blocks in space; of more the edges are not halved
-_MOST_REFINED = 5
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
 _LINES = 12  # rounds of strength lines that follow the normal forces
-_WITHOUT = 0.4  # of the work of one analysis, for the limit without what is open; the rest is the elastic blocks' own
 _WORK_OF_LINES = 2.4e7  # steps of Newton's method times rows of the model: four minutes
 _LINES_STEADY = 1e-6
 _SAME = 1e-6
@@ -71,7 +55,7 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)
     made = kind.cut(design)
-    scene = _one_block(design, made) if isinstance(made, Cut) else _many_blocks(design, made, result)
+    scene = scene_of_one(design, made) if isinstance(made, Cut) else scene_of_many(design, made, result)
     stands = result.status == "no_driving_force"
     if scene.rigid_limit is None and not stands:
         said = Notice("W450", f"no elastic blocks: {result.status_text}, nothing comes to rest at any strength")
@@ -122,7 +106,7 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
-def _between(scene: "_ElasticBlocks", last: Rest) -> tuple[float, float] | None:
+def _between(scene: "ElasticScene", last: Rest) -> tuple[float, float] | None:
     """Where elastic blocks rest, and the static bound without what is open there: above it no forces hold them.
 
     What has parted stays so, and all forces of a rest are in balance, within strength and pressing: whatever the way
@@ -169,64 +153,19 @@ def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
                            f"between the blocks can make it {lowest:.4f} .. {far}; --elastic-bracket finds where the "
                            "elastic blocks no longer come to rest"))  # fmt: skip
     if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
-        shear = _stiffness(result.design, result.findings is not None).tangential
+        shear = elastic_stiffness(result.design, result.findings is not None).tangential
         said.append(Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³"))
     return said
-
-
-def _stiffness(design: Design, many: bool) -> JointStiffness:
-    """The design's, with a constant in place of Clough and Duncan's hyperbola: k₁ γ_w, of many blocks that of the path.
-
-    With the paper's parameters the hyperbola cannot reach the strength of a joint pressed by less than 43 kPa, which
-    elastic blocks have along their edges.
-    """
-    given = joint_stiffness(design)
-    law = given.tangential
-    if not isinstance(law, CloughDuncan):
-        return given
-    shear = SHEAR_TO_NORMAL * given.normal if many else law.modulus_number * law.water_unit_weight
-    return replace(given, tangential=shear)
 
 
 def _number(value: float | None) -> str:
     return "none" if value is None else f"{value:.4f}"
 
 
-# -- what is solved ---------------------------------------------------------------------------------------------------
+# -- at rest ----------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _ElasticBlocks:
-    """Elastic blocks in arrays, and what the rigid code makes of them.
-
-    Attributes
-    ----------
-    redrawn : tan φ of the pairs at normal forces (n,) kN where laws are curved, None where none is
-    limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
-    points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
-    names : of the blocks, empty of one; unknowns : of each block; bedrock : None where it is rigid
-    bound_without : of many blocks, the static bound without the bonds of pairs (n,), None where it bounds nothing
-    """
-
-    model: ElasticModel
-    stiffness: JointStiffness
-    redrawn: Callable[[Floats], Floats] | None
-    rigid_limit: float | None
-    limit_without: Callable[[Bools], tuple[float | None, bool]]
-    points: Floats
-    normals: Floats
-    joint: Sequence[str]
-    axes: Floats
-    names: Sequence[str]
-    unknowns: int
-    length: float
-    edge: float
-    blocks: Sequence[Flexibility | CondensedBlock]
-    bedrock: Bedrock | None = None
-    bound_without: Callable[[Bools], float | None] | None = None
-
-
-def _at_rest(scene: _ElasticBlocks, model: ElasticModel, factor: float) -> tuple[RestSearch, Rest]:
+def _at_rest(scene: ElasticScene, model: ElasticModel, factor: float) -> tuple[RestSearch, Rest]:
     """Rest at a factor, where laws are curved on the lines of its own normal forces."""
     search = RestSearch(model, scene.stiffness)
     rest = search.rest(factor)
@@ -246,316 +185,14 @@ def _at_rest(scene: _ElasticBlocks, model: ElasticModel, factor: float) -> tuple
     return search, rest
 
 
-def _rock(design: Design) -> tuple[Rock, tuple[str, ...]]:
-    """The rock, and what of it was not given."""
-    given = {"modulus": design.modulus_kpa, "poisson": design.poisson}
-    taken = tuple(name for name, value in given.items() if value is None)
-    return Rock(design.modulus_kpa or MODULUS_KPA, POISSON if design.poisson is None else design.poisson, ORDER), taken
-
-
-def _meshed(mesh: Any, edge: float, name: str) -> Any:
-    """A mesh with no edge longer than `edge`; E290 where that are too many elements."""
-    cells = mesh.t.shape[1] * (2.0 ** len(mesh.p)) ** _times(mesh, edge)
-    if cells > _MOST_CELLS:
-        message = f"edges of {edge:.4g} m make {cells:.3g} finite elements of {name}, at most {_MOST_CELLS} are taken"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
-    return split_evenly(mesh, edge)
-
-
-def _times(mesh: Any, edge: float) -> int:
-    """How often the edges of a mesh are halved until none is longer than `edge`."""
-    return max(0, math.ceil(math.log2(float(edges_of(mesh).max()) / edge * (1.0 - 1e-9))))
-
-
-def _auto(mesh: Any, halved: int) -> float:
-    """The longest edge of elements that is taken where none is given: fewer are taken of a body of many faces."""
-    while halved > 0 and mesh.t.shape[1] * 2 ** (len(mesh.p) * halved) > _AUTO_CELLS:
-        halved -= 1
-    return math.ldexp(float(edges_of(mesh).max()), -halved)
-
-
-def _refuse(why: str, advice: str = "Leave --elastic out.") -> DesignError:
-    return DesignError([Fault("E288", f"no elastic blocks of this design: {why}", "--elastic", advice)])
-
-
-def _no_bedrock(why: str) -> DesignError:
-    message = f"no elastic bedrock of this design: {why}"
-    return DesignError([Fault("E291", message, "analysis.elastic.bedrock", "Leave it rigid.")])
-
-
-def _bedrock(made: Cut, rock: Rock, edge: float, points: Floats, axes: Floats, in_section: bool) -> Bedrock:
-    """The rock around a block, in axes along the slope: out of it, along it, up."""
-    if made.face is None:
-        raise _no_bedrock("nothing is known of the slope around its block")
-    ids = section if in_section else rockmass
-    faces = {key: np.asarray(face) for key, face in made.block.faces.items()}
-    out = _outward(faces[ids.FACE])
-    turn = np.array([[out[0], out[1], 0.0], [-out[1], out[0], 0.0], [0.0, 0.0, 1.0]])
-    turned = {key: face @ turn.T for key, face in faces.items()}
-    if in_section:  # its sides alone, each between its corners on one end
-        turned = {key: face[face[:, 1] > face[:, 1].mean()][:, [0, 2]] for key, face in turned.items()
-                  if np.ptp(face[:, 1]) > 0.0}  # fmt: skip
-    lowest = min(float(face[:, -1].min()) for face in turned.values())
-    box = box_around(turned, [key for key in (ids.FACE, ids.UPPER) if key in turned], min(lowest, 0.0))
-    own = points @ turn.T
-    mesh = graded(box.mesh, own[:, [0, 2]] if in_section else own, edge, _MOST_CELLS)
-    if mesh.t.shape[1] > _MOST_CELLS:
-        message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements of the bedrock"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
-    return bedrock(box, mesh, rock, own, axes @ turn.T)
-
-
-def _outward(face: Floats) -> Floats:
-    """The horizontal direction (2,) out of a face, its corners anticlockwise seen from outside."""
-    around = face - face.mean(axis=0)
-    normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)[:2]
-    direction: Floats = normal / math.sqrt(float(normal @ normal))
-    return direction
-
-
-def _one_block(design: Design, made: Cut) -> _ElasticBlocks:
-    """A convex block on flat joints."""
-    (rock, _), block = _rock(design), made.block
-    if not made.loads.parts["weight"].any():
-        raise _refuse("the block has no weight, and what loads it stands on its surface")
-    coarse = made.scene_at(0)
-    if coarse.bedding is None:
-        raise _refuse("the block lies on a curved surface, and is not convex")
-    in_section = coarse.model.translations == 2
-    points, faces = numbered(block.faces.values())
-    if not is_convex(points, faces):
-        raise _refuse("the block is not convex")
-    if in_section:
-        side = next(np.asarray(face) for face in block.faces.values() if np.ptp(np.asarray(face)[:, 1]) < 1e-9)
-        outline = side[:, [0, 2]]
-        mesh = mesh_of(outline, fanned([range(len(outline))]))
-    else:
-        mesh = mesh_of(points, cells_of(points, fanned(faces)))
-    edge = design.elastic_edge_m or _auto(mesh, _HALVED["one"])
-    joint_edge = max(float(np.sqrt((np.diff(corners, axis=0, append=corners[:1]) ** 2).sum(axis=1)).max())
-                     for corners in map(np.asarray, coarse.bedding.polygons.values()))  # fmt: skip
-    refine = max(made.refine, math.ceil(math.log2(joint_edge / edge * (1.0 - 1e-9))))
-    scene = made.scene_at(min(max(refine, 0), _MOST_REFINED))
-    if len(scene.pairs) > _MOST_PAIRS:
-        message = f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
-    elements, model = Elements(_meshed(mesh, edge, "the block"), rock), scene.model
-    axes = local_axes(scene.pairs.normals)
-    give = flexibility(elements, scene.pairs.points, axes, model.flat_rows, model.length_scale)
-    rigid = made.limit(model)
-    settled = rigid.model or model
-    plain = _of_model(settled)
-    rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
-    whole, around = with_blocks(plain, ((give, rows, own),)), None
-    if design.elastic_bedrock == ELASTIC:
-        around = _bedrock(made, rock, edge, scene.pairs.points, axes, in_section)
-        whole = on_bedrock(whole, around.by_force)
-    turn = np.eye(3) if made.axes is None else made.axes
-
-    def limit_without(parted: Bools) -> tuple[float | None, bool]:
-        without = replace(settled, cohesion=frozen(settled.cohesion * ~parted))
-        return made.limit(without).governing.factor or None, False
-
-    def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.strength_lines import drawn
-
-        return drawn(settled, np.maximum(normal, 0.0) / settled.force_scale).tan_friction
-
-    called = {interface.key: interface.name for interface in made.interfaces}
-    return _ElasticBlocks(
-        whole, _stiffness(design, False),
-        None if settled.lines is None else redrawn, rigid.governing.factor or None, limit_without,
-        scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
-        [called[key] for key in scene.pairs.interface.tolist()], turn, (), model.unknowns, model.length_scale, edge,
-        (give,), around,
-    )  # fmt: skip
-
-
-def _of_model(model: Model) -> ElasticModel:
-    """The rigid model of one block in kN, m and kPa."""
-    area = model.control_area * model.area_scale
-    per_area = model.force_scale / area
-    return ElasticModel(
-        model.flat_rows, model.load * model.force_scale, area, model.cohesion * per_area, model.tension * per_area,
-        model.tan_friction, model.tan_dilation, model.bolt_rows, model.bolt_capacity * model.force_scale,
-    )  # fmt: skip
-
-
-# -- many blocks ------------------------------------------------------------------------------------------------------
-
-
-def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _ElasticBlocks:
-    """Convex blocks on flat contacts."""
-    from slopekit.preie import effort
-    from slopekit.preie.blocks import bound_of
-    from slopekit.preie.components import whole_model
-    from slopekit.preie.ravelling import ravel
-
-    assembly, (rock, _) = scene.assembly, _rock(design)
-    if design.elastic_bedrock == ELASTIC:
-        raise _no_bedrock("it is taken around one block, on many blocks it stays rigid")
-    moving = int((~assembly.fixed).sum())
-    if moving > _MOST_BLOCKS:
-        message = f"{moving} blocks move, elastic ones are at most {_MOST_BLOCKS}"
-        raise DesignError([Fault("E289", message, "--elastic", "Leave --elastic out, or make the slope smaller.")])
-    bodies = _bodies(scene)
-    meshes = {block: bodies(block) for block in np.flatnonzero(~assembly.fixed).tolist()}
-    halved = _HALVED["section"] if assembly.in_section else _HALVED["space"] * (moving <= _FEW)
-    own_edges = {block: design.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
-    edge = float(np.median(list(own_edges.values())))
-    halved_by = np.zeros(len(assembly) + 1, dtype=np.int64)  # bedrock last
-    for block, mesh in meshes.items():
-        halved_by[block] = _times(mesh, own_edges[block])
-    levels = np.maximum(halved_by[assembly.patches.plus], halved_by[assembly.patches.minus])
-    split, origin = _split(scene, 2**levels) if assembly.in_section else (scene, np.arange(len(assembly.patches)))
-    strength, loads = joint_strength(scene.strengths), scene_loads(split)
-    refine = None if assembly.in_section else np.minimum(levels, _MOST_REFINED)
-    whole = whole_model(split.assembly, loads, strength, refine)
-    if whole is None:
-        raise _refuse("its blocks touch nothing")
-    pairs = whole.joint_pairs.stop
-    if pairs > _MOST_OF_MANY:
-        message = f"{pairs} node pairs between elastic blocks, at most {_MOST_OF_MANY} are taken"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or fewer blocks.")])
-    rows, bolt_rows = _rows(whole, pairs)
-    contact = whole.pair_contact[:pairs]
-    patch = whole.patch[contact]
-    patches = split.assembly.patches
-    plus, minus = whole.plus[contact], whole.minus[contact]
-    turned = whole.moving[plus] != patches.plus[patch]
-    normals = patches.normals[patch] * np.where(turned, -1.0, 1.0)[:, None]
-    axes = section_axes(normals) if assembly.in_section else local_axes(normals)
-    area = whole.control_area[:pairs] * whole.area_scale
-    group = whole.group_of_pair[:pairs]
-    bolted = slice(pairs, None)
-    plain = ElasticModel(
-        dense_or_sparse(rows), whole.load.ravel() * whole.force_scale, area,
-        whole.cohesion[:pairs] * whole.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
-        whole.tan_friction[group], whole.tan_dilation[group], bolt_rows, whole.cohesion[bolted] * whole.force_scale,
-    )  # fmt: skip
-    flexible, cells = list[tuple[Flexibility | CondensedBlock, Ints, Ints]](), 0
-    for k, block in enumerate(whole.moving.tolist()):
-        own = np.flatnonzero((plus == k) | (minus == k))
-        at = (3 * own[:, None] + np.arange(3)).ravel()
-        unknowns = k * whole.unknowns + np.arange(whole.unknowns)
-        mesh = _meshed(meshes[block], own_edges[block], scene.names[block])
-        cells += mesh.t.shape[1]
-        if cells > _MOST_CELLS:
-            message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements"
-            raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
-        sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
-        elements = Elements(mesh, rock, scene.thickness or 1.0)
-        where, length = whole.points[own], whole.length_scale
-        if plain.is_dense:
-            part = plain.rows[at][:, unknowns]
-            give: Flexibility | CondensedBlock = flexibility(elements, where, sides, part, length)
-        else:
-            give = body(elements, where, sides, length)
-        flexible.append((give, at, unknowns))
-
-    def limit_without(parted: Bools) -> tuple[float | None, bool]:
-        lost = np.bincount(origin[patch], area * parted, len(assembly.patches))
-        share = np.divide(lost, assembly.patches.areas, out=np.zeros_like(lost), where=assembly.patches.areas > 0.0)
-        given = joint_strength(scene.strengths)
-        joint = assembly.patches.joint
-        if not (share * given.cohesion[joint]).any():
-            return result.fos.limit, False
-        each = replace(
-            given, cohesion=given.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
-            tan_friction=given.tan_friction[joint], tan_dilation=given.tan_dilation[joint],
-            tension=given.tension[joint], laws=tuple(given.laws[k] for k in joint.tolist()) if given.laws else (),
-        )  # fmt: skip
-        own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
-        with effort.allowed(_WITHOUT * effort.MOST):
-            failures = ravel(own, scene_loads(scene), each, ranged=False).failures
-        return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
-
-    def bound_without(parted: Bools) -> float | None:
-        if whole.lines is not None or plain.tension.any() or plain.tan_dilation.any():
-            return None  # forces of a rest are not those that it looks at
-        kept = whole.cohesion.copy()
-        kept[:pairs][parted] = 0.0
-        return bound_of(replace(whole, cohesion=frozen(kept)))
-
-    def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.strength_lines import drawn
-
-        scaled = np.append(np.maximum(normal, 0.0) / whole.force_scale, np.zeros(len(whole.bolts)))
-        return drawn(whole, scaled).tan_friction[group]
-
-    names = [scene.names[block] for block in whole.moving.tolist()]
-    return _ElasticBlocks(
-        with_blocks(plain, tuple(flexible)), _stiffness(design, True), None if whole.lines is None else redrawn,
-        result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
-        [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
-        whole.length_scale, edge, [one for one, *_ in flexible], bound_without=bound_without,
-    )  # fmt: skip
-
-
-def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:
-    """The mesh of a block, one element where it can be; refused where it is not convex."""
-    assembly = scene.assembly
-
-    def body(block: int) -> Any:
-        name = scene.names[block]
-        if assembly.in_section:
-            shown = [outline for called, outline in scene.outlines.items() if called != "bedrock" or called == name]
-            outline = np.asarray(scene.outlines.get(name, shown[block % len(shown)]))
-            if not is_convex_outline(outline):
-                raise _refuse(f"{name} is not convex")
-            return mesh_of(outline, fanned([range(len(outline))]))
-        own = assembly.triangles[assembly.triangle_block == block]
-        points, faces = numbered(assembly.vertices[own])
-        if not is_convex(points, faces):
-            raise _refuse(f"{name} is not convex")
-        return mesh_of(points, cells_of(points, np.array(faces)))
-
-    return body
-
-
-def _split(scene: AssemblyScene, parts: Ints) -> tuple[AssemblyScene, Ints]:
-    """A section with each contact split into parts (k,), no longer than its elements; the contact of each part."""
-    assembly, patches = scene.assembly, scene.assembly.patches
-    ends = patches.corners.reshape(-1, 2, 3)
-    origin = np.repeat(np.arange(len(patches)), parts)
-    first = np.repeat(np.cumsum(parts) - parts, parts)
-    at = (np.arange(len(origin)) - first)[:, None] / parts[origin][:, None]
-    step = (ends[origin, 1] - ends[origin, 0]) / parts[origin][:, None]
-    start = ends[origin, 0] + at * (ends[origin, 1] - ends[origin, 0])
-    corners = np.stack([start, start + step], axis=1)
-    finer = replace(
-        patches, plus=patches.plus[origin], minus=patches.minus[origin], joint=patches.joint[origin],
-        normals=patches.normals[origin], areas=patches.areas[origin] / parts[origin],
-        centroids=corners.mean(axis=1), corners=corners.reshape(-1, 3), first=2 * np.arange(len(origin) + 1),
-    )  # fmt: skip
-    where = patches.centroids if scene.water_points is None else scene.water_points
-    own = replace(assembly, patches=finer)
-    return replace(scene, assembly=own, pressures=scene.pressures[origin], water_points=where[origin]), origin
-
-
-def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
-    """B with three rows a pair, and the rows of passive bolts."""
-    from scipy import sparse
-
-    every, tangents, groups = len(model.control_area), model.slip_rows.shape[1], len(model.group_contact)
-    padded = sparse.vstack([model.kinematics, sparse.csr_matrix((1, model.kinematics.shape[1]))]).tocsr()
-    index = np.full((pairs, 3), padded.shape[0] - 1)
-    index[:, 0] = np.arange(pairs)
-    slip = every + tangents * model.group_of_pair[:pairs]
-    for k in range(tangents):
-        index[:, 1 + k] = slip + k
-    bolts = every + tangents * np.arange(groups - len(model.bolts), groups)
-    return padded[index.ravel()], padded[bolts].toarray()
-
-
 # -- the answer -------------------------------------------------------------------------------------------------------
 
 
 def _answer(
-    design: Design, scene: _ElasticBlocks, rest: Rest, rigid: Rest, limits: tuple[float | None, float | None],
+    design: Design, scene: ElasticScene, rest: Rest, rigid: Rest, limits: tuple[float | None, float | None],
     bracket: tuple[float, float] | None, at_bracket: tuple[float | None, bool], steps: int,
 ) -> ElasticBlocks:  # fmt: skip
-    model, (rock, taken) = scene.model, _rock(design)
+    model, (rock, taken) = scene.model, rock_of(design)
     area = model.area
     elastic, stiff = (state.forces.reshape(-1, 3)[:, 0] / area for state in (rest, rigid))
     joints = {}
@@ -590,7 +227,7 @@ def _answer(
     )  # fmt: skip
 
 
-def _displacements(scene: _ElasticBlocks, model: ElasticModel, state: Rest) -> Floats:
+def _displacements(scene: ElasticScene, model: ElasticModel, state: Rest) -> Floats:
     """The mean displacement of each block in the user's axes, (b, 3) m."""
     out = np.zeros((len(model.seen), 3))
     in_section = scene.unknowns <= 3
