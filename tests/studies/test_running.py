@@ -162,11 +162,25 @@ def test_dask_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None
             killed.start()  # in the middle of the work
         told.append(count)
 
+    from distributed import Client
+
+    gathered, lost = Client._gather, []
+
+    async def gather_and_lose(self, futures, *args, **keys):
+        """The worker dies after its result is there, and before anyone asks how the task is."""
+        results = await gathered(self, futures, *args, **keys)
+        if not lost and told and len(futures) == 1:
+            lost.append(futures[0])
+            futures[0]._state.lose()
+        return results
+
+    monkeypatch.setattr(Client, "_gather", gather_and_lose)
     crew = checked_crew(1, address)
     assert run_all(slow_square, range(120), crew, advance=advance, at_once=2) == [n * n for n in range(120)]
     killed.join()
     assert workers[0].wait(10) == -9
     assert sum(told) == 120
+    assert lost
     monkeypatch.setattr(running, "__version__", "another")
     with pytest.raises(DesignError) as caught:
         run_all(square, [1], crew)

@@ -16,11 +16,15 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future,
 from contextlib import ExitStack, contextmanager
 from dataclasses import field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, writing
 from slopekit.core.records import dataclass
+
+if TYPE_CHECKING:
+    from distributed import Client
+    from distributed import Future as DaskFuture
 
 _EVERY_S = 1.0
 #: What a task gives: JSON values, as the journal keeps them.
@@ -367,7 +371,36 @@ def _dask(address: str) -> Iterator[Executor]:
         if wrong:
             message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
             raise DesignError([Fault("E306", message, "", "Install the same slopekit on every worker.")])
-        yield client.get_executor(pure=False)
+        yield _Cluster(client)
+
+
+class _Cluster(Executor):
+    """Workers of a Dask client.
+
+    Dask's own executor asks how a task is after it has the result, and stops with an error of its own where the worker
+    died in between.
+    """
+
+    def __init__(self, client: "Client") -> None:
+        self.client = client
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **keys: Any) -> Future[Any]:
+        """A task more; what a dead worker had finished is done again by another."""
+        given: Future[Any] = Future()
+        asked = self.client.submit(fn, *args, pure=False, **keys)
+        given.add_done_callback(lambda one: asked.cancel() if one.cancelled() else None)
+        asked.add_done_callback(lambda one: _pass_on(one, given))
+        return given
+
+
+def _pass_on(asked: "DaskFuture", given: Future[Any]) -> None:
+    """What became of a task of Dask, to who waits for it."""
+    if not given.set_running_or_notify_cancel():
+        return
+    try:
+        given.set_result(asked.result())
+    except BaseException as error:  # what went wrong there is for who asked
+        given.set_exception(CancelledError() if asked.cancelled() else error)
 
 
 def _version_here() -> str:
