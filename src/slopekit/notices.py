@@ -84,7 +84,7 @@ class Bonds:
     counted : contacts that are open before the motion and whose cohesion counts all the same
     fell : where blocks run whose strength falls step by step, where that is before the limit
     finer : the number on finer node pairs, where the motion did not settle there, and whether it is less by more than
-        refinement may move it; `unrefined`: none were asked
+        refinement may move it; `unrefined`: why there is none on them
     """
 
     lost: float
@@ -98,7 +98,7 @@ class Bonds:
     fell: float | None = None
     finer: float | None = None
     finer_is_less: bool = False
-    unrefined: bool = False
+    unrefined: str | None = None
     entire: bool = True
 
 
@@ -139,7 +139,7 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
         yield Notice("W495", "the motion did not settle on finer node pairs, where blocks with the same cohesion were "
                      f"last at rest at {shown(bonds.finer)}: the {of} is that on the coarser ones")  # fmt: skip
     elif bonds.finer is not None or bonds.unrefined:
-        why = "the motion has not settled, and none were tried" if bonds.unrefined else "no motion settled on them"
+        why = bonds.unrefined or "no motion settled on them"
         yield Notice("W496", f"how far finer node pairs move the {of} is not known: {why}")
 
 

@@ -100,6 +100,10 @@ JUDGED: Mapping[str, str] = {
     "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
     "static_bound": "static bound", **METHODS, "all_equilibrium": "columns in all equilibrium",
 }  # fmt: skip
+#: How motions begin that the lowest factor of many blocks may be of, by the notice that says so.
+OTHERWISE: Mapping[str, str] = {
+    "W479": "without turning", "W494": "with other cohesion left", "W495": "on another way there",
+}  # fmt: skip
 _SAME = 5e-5  # factors that differ by less than this part look the same
 
 

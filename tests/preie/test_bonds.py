@@ -533,6 +533,16 @@ def test_of_many_blocks_that_did_not_settle_no_finer_pairs_are_tried(monkeypatch
     assert said.endswith("the motion has not settled, and none were tried")
 
 
+@pytest.mark.parametrize(("most", "why"), [(0, "they would be too many"), (6000, "no factor was found on them")])
+def test_a_limit_without_finer_pairs_says_why(monkeypatch, most, why) -> None:
+    """Of the coarse ones alone nobody knows how far the number is off."""
+    monkeypatch.setattr(ravelling, "_MOST_PAIRS", most)
+    refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.NONE, factor=None) if finer else limit)
+    found = sk.run(sk.load(populations.bench(115)))
+    (said,) = [notice.message for notice in found.warnings if notice.code == "W496"]
+    assert said == f"how far finer node pairs move the factor of safety is not known: {why}"
+
+
 def history(model: AssemblyModel, parameter: float, runs: float | None, gone=(), broken=(), opens=()) -> Fallen:
     """A history that ends at a parameter, and what it did to contacts."""
     still = np.zeros(model.load.size)

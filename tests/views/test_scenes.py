@@ -260,15 +260,15 @@ def test_the_answer_says_what_decides() -> None:
         ({"fos": base["fos"] | {"lowest": 1.4321}}, "same mechanism from 1.4321"),
         (
             {"fos": base["fos"] | {"lowest": 1.4321, "highest": 1.6}, "warnings": [{"code": "W494"}]},
-            "other forces or other cohesion, from 1.4321",
+            "under other forces or with other cohesion left from 1.4321",
         ),
         (
             {"fos": base["fos"] | {"lowest": 1.4321, "highest": None}, "warnings": [{"code": "W494"}]},
-            "other cohesion, from 1.4321",
+            "· with other cohesion left from 1.4321",
         ),
         (
             {"fos": base["fos"] | {"lowest": 1.4321, "highest": 1.6}, "warnings": [{"code": "W479"}]},
-            "other forces or without turning, from 1.4321",
+            "under other forces or without turning from 1.4321",
         ),
         ({"accepted": False}, "acceptance NOT MET"),
         ({"fos": base["fos"] | {"all_pairs_failed": 1.55}}, "all pairs failed 1.5500"),

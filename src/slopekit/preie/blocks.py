@@ -133,7 +133,7 @@ def _limit_of(
     begun: Rounds | None,
 ) -> BlocksLimit:  # fmt: skip
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
-    steps, loads = 0, LoadsOn()
+    steps, loads, drive = 0, LoadsOn(), Drive(model.load.ravel())
     snapped: set[bytes] = set()  # bonds with which a peak was taken for a round
 
     def once(bond: Floats, vouched: bool) -> tuple[PathLimit, bool]:
@@ -167,7 +167,10 @@ def _limit_of(
         return path_end, True
 
     def pressed(bond: Floats, reduction: float) -> Bools | None:
-        return _pressed(Bed(model, Drive(model.load.ravel()), bond, ratio), reduction)
+        return _pressed(Bed(model, drive, bond, ratio), reduction)
+
+    history = _history(model, drive, ratio, _START / min(bound.factor or _STRONGEST, _STRONGEST))
+    followed = len(model.load) <= (_FOLLOWED if begun is None else _FINELY_FOLLOWED)
 
     def falls(lost: Bools) -> Fallen | None:
         """The history, and whom it shows to move."""
@@ -176,18 +179,8 @@ def _limit_of(
             proposal.begins_with(found.flow.at - found.flow.before)
         return found
 
-    history = _history(model, Drive(model.load.ravel()), ratio, _START / min(bound.factor or _STRONGEST, _STRONGEST))
-
     try:
-        ended = with_bonds(
-            model,
-            once,
-            pressed,
-            model.load.ravel(),
-            False,
-            begun,
-            falls if len(model.load) <= (_FOLLOWED if begun is None else _FINELY_FOLLOWED) else None,
-        )
+        ended = with_bonds(model, once, pressed, drive.working, False, begun, falls if followed else None)
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost

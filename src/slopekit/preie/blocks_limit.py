@@ -24,6 +24,14 @@ class Basis(StrEnum):
     NONE = "no factor"
 
 
+class Unrefined(StrEnum):
+    """Why a limit that twists contacts has none on finer node pairs."""
+
+    UNSETTLED = "the motion has not settled, and none were tried"
+    TOO_MANY = "they would be too many"
+    NO_FACTOR = "no factor was found on them"
+
+
 @dataclass(frozen=True, slots=True)
 class BlocksLimit:
     """The limit of an assembly.
@@ -50,8 +58,8 @@ class BlocksLimit:
     counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
     rounds : what the rounds of bonds came to, for other node pairs of the same contacts
     fell : where blocks whose strength falls step by step run before the factor with these bonds, the factor there
-    finer : the factor on finer node pairs where the motion did not settle there; `unrefined`: whether none were asked,
-        as the motion has not settled; `lowest` is no more than `fell` and `finer`
+    finer : the factor on finer node pairs where the motion did not settle there; `lowest` is no more than it and `fell`
+    unrefined : why it is not known how far finer node pairs move the factor; None where that is known, or not asked
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost; if not `entire` with those that falling strength leaves
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
@@ -94,7 +102,7 @@ class BlocksLimit:
     rounds: Rounds | None = None
     fell: float | None = None
     finer: float | None = None
-    unrefined: bool = False
+    unrefined: Unrefined | None = None
     entire: bool = True
 
     @property

@@ -231,12 +231,8 @@ class Rounds:
         if somewhere is None:
             return None
         other = Rounds(self.model, self.working, self.load_grows)
-        other.whole, other.entire, other.soonest, other.unsettled = (
-            self.whole,
-            self.entire,
-            self.soonest,
-            self.unsettled,
-        )
+        other.whole, other.entire = self.whole, self.entire
+        other.soonest, other.unsettled = self.soonest, self.unsettled
         if (opens & ~somewhere).any():
             other.lost = lost | (opens & ~somewhere)
             other.gone = other.lost.copy()

@@ -20,7 +20,7 @@ from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import limit_of_blocks, load_limit, with_range
-from slopekit.preie.blocks_limit import Basis, BlocksLimit
+from slopekit.preie.blocks_limit import Basis, BlocksLimit, Unrefined
 from slopekit.preie.bonds import Rounds
 from slopekit.preie.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.groups import Groups
@@ -292,18 +292,19 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if not twists.any():
             break
         if part.limit.basis is Basis.PEAK and part.limit.rounds is not None and _large(part.model):
-            return replace(part, limit=replace(part.limit, unrefined=True))  # the path of all, to another peak
+            return replace(part, limit=replace(part.limit, unrefined=Unrefined.UNSETTLED))
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
         model_patch = model_of(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
-            break
+            return _unrefined(part, Unrefined.TOO_MANY)
         model, patch = model_patch
         by_groups = _large(model) and bool(model.cohesion.any())
         groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
         model, limit = component_limit(model, groups, part.limit.rounds)
-        if not limit.factor or not part.limit.factor:
-            break
+        if not limit.factor:
+            return _unrefined(part, Unrefined.NO_FACTOR)
+        assert part.limit.factor is not None  # what twists contacts has one
         if limit.basis is Basis.PEAK and limit.rounds is not None:
             return replace(part, limit=replace(part.limit, finer=limit.factor))
         change = abs(limit.factor / part.limit.factor - 1.0)
@@ -313,6 +314,11 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if change < MESH_CHANGE:
             break
     return part
+
+
+def _unrefined(part: Part, why: Unrefined) -> Part:
+    """A part that says why nobody knows how far finer node pairs move its factor; of some `mesh_change` says it."""
+    return part if part.mesh_change is not None else replace(part, limit=replace(part.limit, unrefined=why))
 
 
 def _twisting(part: Part) -> Bools:

@@ -11,7 +11,7 @@ from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import first_and_last, size_number
-from slopekit.result import JUDGED, METHODS, STATUSES, Result
+from slopekit.result import JUDGED, METHODS, OTHERWISE, STATUSES, Result
 
 #: The rules on cohesion where moments open part of a contact.
 RULES = {
@@ -100,10 +100,6 @@ def _size_or_dash(value: float | None) -> str:
 def _rounded_or_dash(value: float | str | None) -> str:
     """Four digits."""
     return value if isinstance(value, str) else "-" if value is None else size_number(float(f"{value:.4g}"))
-
-
-#: How motions begin that the lowest factor may be of, by the notice that says so.
-OTHERWISE = {"W479": "without turning", "W494": "with other cohesion left", "W495": "on another way there"}
 
 
 @dataclass(frozen=True, slots=True)
