@@ -25,6 +25,17 @@ def above_zero(value: object, kind: str, name: str, code: str, where: str) -> fl
     return result
 
 
+def between(
+    value: object, kind: str, name: str, ends: tuple[float, float], code: str, where: str, advice: str = "",
+    unit: str = "",
+) -> float:  # fmt: skip
+    result = quantity(value, kind, name, where)
+    if not ends[0] <= result <= ends[1]:
+        message = f"the {name} is {number(result)}{unit}, it lies between {number(ends[0])} and {number(ends[1])}"
+        raise DesignError([Fault(code, message, where, advice)])
+    return result
+
+
 def point(value: object, name: str, where: str) -> tuple[float, float, float]:
     parts = re.split(r"\s*,\s*", value.strip()) if isinstance(value, str) else value
     if not isinstance(parts, Sequence) or len(parts) != 3:

@@ -11,6 +11,7 @@ stored, moves, is lost in friction, and what implicit Euler damps.
 
 import math
 from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 
@@ -33,6 +34,7 @@ _MOST_AFTER = 20.0  # s after the end of the record
 class Work:
     """Work from rest to rest, kJ; `unbalanced` is what the others leave of the input."""
 
+    JSON_ALSO: ClassVar = ("unbalanced",)
     put_in: float
     friction: float
     stored: float

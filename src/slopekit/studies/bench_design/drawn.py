@@ -15,7 +15,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, number, parse_plane
 from slopekit.core.units import quantity
 from slopekit.design.distributions import (
@@ -84,22 +84,19 @@ def joints_of_sets(source: Any, seed: int, count: int = DRAWN) -> JointList:
     if not nodes:
         advice = "slopekit sets survey.csv writes such a block; a survey itself is a .csv or .xlsx file."
         raise DesignError([Fault("E418", f"{name} holds no joint sets under sets: or joints:", name, advice)])
-    faults: list[Fault] = []
+    faults = Faults()
     planes: dict[str, Fisher | Angles | Plane] = {}
     values: dict[str, _Values] = {}
     for own, parts in nodes.items():
-        try:
+        with faults.kept():
             planes[own], values[own] = _set(own, parts)
-        except DesignError as error:
-            faults += error.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return _drawn(name, planes, values, seed, count)
 
 
 def _set(name: str, parts: list[Node]) -> tuple[Fisher | Angles | Plane, _Values]:
     """The plane of a set, and its numbers."""
-    faults: list[Fault] = []
+    faults = Faults()
     given: dict[str, Node] = {}
     for part in parts:
         for key, node in part.items():
@@ -110,21 +107,12 @@ def _set(name: str, parts: list[Node]) -> tuple[Fisher | Angles | Plane, _Values
             given.setdefault(key, node)
     values: _Values = {}
     for key, (kind, least, most) in {**_NUMBERS, **_PARTS}.items():
-        if key not in given:
-            continue
-        try:
-            values[key] = number_or_scatter(given[key], kind, f"{key} of {name}", least, most, key in _NUMBERS)
-        except DesignError as error:
-            faults += error.faults
-    plane: Fisher | Angles | Plane | None = None
-    at = given.get("plane")
-    if at is None:
+        with faults.kept():
+            if key in given:
+                values[key] = number_or_scatter(given[key], kind, f"{key} of {name}", least, most, key in _NUMBERS)
+    if "plane" not in given:
         faults.append(Fault("E420", f"{name} has no plane", str(parts[0].place), "Write plane: 54/142."))
-    else:
-        try:
-            plane = _plane(at, name)
-        except DesignError as error:
-            faults += error.faults
+    plane = faults.of(lambda: _plane(given["plane"], name)) if "plane" in given else None
     if faults or plane is None:
         raise DesignError(faults)
     scatter = values.pop("scatter", 0.0)

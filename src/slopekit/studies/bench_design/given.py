@@ -17,6 +17,7 @@ from slopekit.core.units import quantity
 from slopekit.design.distributions import Distribution
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
+from slopekit.design.words import between
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import BenchSite
 from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
@@ -250,18 +251,7 @@ def _toward(given: object, where: str) -> float:
         raise DesignError(
             [Fault("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")]
         )
-    direction_deg = quantity(given, "angle", "dip direction", f"{where} {given}")
-    if not 0.0 <= direction_deg <= 360.0:
-        raise DesignError(
-            [
-                Fault(
-                    "E102",
-                    f"the dip direction is {number(direction_deg)}, it lies between 0 and 360",
-                    f"{where} {given}",
-                )
-            ]
-        )
-    return direction_deg % 360.0
+    return between(given, "angle", "dip direction", (0.0, 360.0), "E102", f"{where} {given}") % 360.0
 
 
 def _number(name: str, given: object, where: str) -> float | None:

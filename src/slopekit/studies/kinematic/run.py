@@ -27,6 +27,7 @@ from slopekit.core.units import quantity
 from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.design.parts import Strength
+from slopekit.design.words import between
 from slopekit.studies.axes import Axes, axes_of
 from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of, planes_of_poles
@@ -278,12 +279,8 @@ def _friction(value: object, where: str) -> float:
 
 
 def _limit(value: object, option: str) -> float:
-    limit_deg = quantity(value, "angle", "lateral limit", f"{option} {value}")
-    if not 0.0 <= limit_deg <= 90.0:
-        message = f"the lateral limit is {number(limit_deg)}°, it lies between 0 and 90"
-        advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
-        raise DesignError([Fault("E337", message, f"{option} {value}", advice)])
-    return limit_deg
+    advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
+    return between(value, "angle", "lateral limit", (0.0, 90.0), "E337", f"{option} {value}", advice, "°")
 
 
 def _faces(given: Any, key: Key) -> tuple[float, ...]:

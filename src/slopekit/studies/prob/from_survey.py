@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
@@ -164,7 +164,7 @@ def surveyed(
         E430 not a wedge with joints of its own, E431 a way to draw, or samples that are not Monte Carlo, E432 a rank
         correlation with the orientation of a joint, E433 sets where there are none; those of the list.
     """
-    faults = []
+    faults = Faults()
     drawn = kind_of(design).drawn_planes
     plain = design.source.root.plain() if design.source is not None else None
     given = plain.get("joints") if isinstance(plain, dict) else None
@@ -183,8 +183,7 @@ def surveyed(
         if _is_of(one, paths) or _is_of(other, paths):
             message = f"{one} and {other} are correlated, the planes come from a survey"
             faults.append(Fault("E432", message, "correlation", "Leave this correlation out."))
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     listed = joint_list(survey, None, False, 2)
     joint_sets: tuple[FoundSet, ...] = ()
     if draw == "sets":

@@ -15,7 +15,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
@@ -248,7 +248,7 @@ class Probability(StudyOutcome):
             ],
             "pre_ie": json_of(self.confirmation),
             **({} if self.bolts is None else {"bolts_without_force": json_of(self.bolts)}),
-            "sizes": None if self.sizes is None else self.sizes.to_dict(),
+            "sizes": json_of(self.sizes),
             **({} if self.cracks is None else {"worst_crack": json_of(self.cracks)}),
             "defaults": list(self.design.defaults),
             "timing_s": dict(self.timing_s),
@@ -447,7 +447,7 @@ def _asked(
     near: float | None, confidence: float, accept: float | None,
 ) -> ProbabilityOptions:  # fmt: skip
     """What was asked for, checked."""
-    faults = []
+    faults = Faults()
     if not design.variables:
         advice = "Write one: phi: {dist: normal, mean: 20, sd: 2}."
         faults.append(Fault("E302", "nothing in this design scatters: no number is a distribution", "", advice))
@@ -473,8 +473,7 @@ def _asked(
             advice = "A part of all is written 0.95 or 95%." if name in ("confidence", "near") else ""
             advice = "It is a probability of failure, 0.05 or 5%, no factor of safety." if name == "accept" else advice
             faults.append(Fault("E307", message, "", advice))
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     checked_limits(design)
     return ProbabilityOptions(n, seed, method, chosen, target, confirm_count, near, confidence, accept)
 

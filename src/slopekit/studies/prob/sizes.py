@@ -1,11 +1,12 @@
 """How large it is what the samples form: percentiles of volume, setback, width, height; what limits made of it."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import field
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, NDArray
+from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import SlopekitError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
@@ -23,12 +24,7 @@ class SizeStatistics:
 
     mean: float
     quantiles: Mapping[float, float]
-    most: float
-
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON values."""
-        return {"mean": self.mean, "quantiles": {f"{share:g}": value for share, value in self.quantiles.items()},
-                "max": self.most}  # fmt: skip
+    most: float = field(metadata={"json": "max"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,22 +54,10 @@ class SampleSizes:
     limits : None where the design has none
     """
 
-    columns: Mapping[str, Floats]
+    columns: Mapping[str, Floats] = field(metadata=NO_JSON)  # the samples themselves are in the CSV
     forming: Mapping[str, SizeStatistics]
     failing: Mapping[str, SizeStatistics]
     limits: LimitedSamples | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON values; the samples themselves are in the CSV."""
-        limits = self.limits
-        return {
-            "forming": {key: one.to_dict() for key, one in self.forming.items()},
-            "failing": {key: one.to_dict() for key, one in self.failing.items()},
-            "limits": None if limits is None else {
-                "by": limits.by, "scaled": limits.scaled, "scaled_by": dict(limits.scaled_by),
-                "filtered": limits.filtered, "too_small": limits.too_small,
-            },
-        }  # fmt: skip
 
 
 def sizes_of_samples(

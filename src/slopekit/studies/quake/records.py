@@ -11,6 +11,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import counted
 from slopekit.design.on_disk import read_bytes
 
 #: Standard gravity, of which accelerations in g are parts.
@@ -112,10 +114,7 @@ class Record:
 
     def scaled(self, pga_g: float) -> "Record":
         """The record with another peak."""
-        factor = pga_g / self.pga_g
-        return Record(
-            self.name, self.times_s, frozen(self.accelerations * factor), self.unit, self.is_pulse, self.notices
-        )
+        return replace(self, accelerations=frozen(self.accelerations * (pga_g / self.pga_g)))
 
 
 def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", is_pulse: bool = False) -> Record:
@@ -129,32 +128,34 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
     """
     t, a = np.asarray(times_s, dtype=np.float64).ravel(), np.asarray(accelerations, dtype=np.float64).ravel()
     if len(t) != len(a):
-        raise DesignError([Fault("E512", f"{name}: {len(t)} times and {len(a)} accelerations", name)])
+        raise _refused("E512", name, f"{len(t)} times and {len(a)} accelerations")
     if not (np.isfinite(t).all() and np.isfinite(a).all()):
         at = int(np.flatnonzero(~(np.isfinite(t) & np.isfinite(a)))[0])
-        raise DesignError([Fault("E513", f"{name}: sample {at + 1} is not a finite number", name)])
+        raise _refused("E513", name, f"sample {at + 1} is not a finite number")
     a = a * _factor_of(unit, name)
     if len(a) < 2 or not a.any():
-        what = f"{len(a)} sample{'s' if len(a) != 1 else ''}" if len(a) < 2 else "nothing but zeros"
+        what = counted(len(a), "sample") if len(a) < 2 else "nothing but zeros"
         raise DesignError([Fault("E516", f"{name} has {what}: no record of an earthquake", name)])
     steps = np.diff(t)
     falls = np.flatnonzero(steps < 0.0 if is_pulse else steps <= 0.0)
     if len(falls):
         k = int(falls[0])
-        message = (
-            f"{name}: time does not rise from sample {k + 1} ({number(t[k])} s) to the next ({number(t[k + 1])} s)"
-        )
-        raise DesignError([Fault("E514", message, name)])
+        message = f"time does not rise from sample {k + 1} ({number(t[k])} s) to the next ({number(t[k + 1])} s)"
+        raise _refused("E514", name, message)
     largest = float(np.abs(a).max()) / GRAVITY
     if largest > _LARGEST_G:
         in_other = (
             f"In cm/s² it would be {number(float(f'{largest * GRAVITY / _UNITS[unit] * 0.01 / GRAVITY:.3g}'))} g."
         )
-        message = f"{name}: the peak is {largest:.4g} g as {unit}, more than any earthquake's (up to {_LARGEST_G:g} g)"
-        raise DesignError([Fault("E519", message, name, in_other if unit in ("g", "m/s2") else "")])
+        message = f"the peak is {largest:.4g} g as {unit}, more than any earthquake's (up to {_LARGEST_G:g} g)"
+        raise _refused("E519", name, message, advice=in_other if unit in ("g", "m/s2") else "")
     record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
-    said = () if is_pulse else tuple(_said_of(record))
-    return Record(record.name, record.times_s, record.accelerations, unit, is_pulse, said)
+    return record if is_pulse else replace(record, notices=tuple(_said_of(record)))
+
+
+def _refused(code: str, name: str, what: str, line: int | None = None, advice: str = "") -> DesignError:
+    """What is wrong with a record, at a line of it."""
+    return DesignError([Fault(code, f"{name}: {what}", name if line is None else f"{name}:{line}", advice)])
 
 
 def _said_of(record: Record) -> Iterator[Notice]:
@@ -221,7 +222,7 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     called = [
         record
         if names.count(record.name) == 1
-        else _called(record, f"{record.name} ({names[: k + 1].count(record.name)})")
+        else replace(record, name=f"{record.name} ({names[: k + 1].count(record.name)})")
         for k, record in enumerate(records)
     ]
     first: dict[bytes, str] = {}
@@ -229,15 +230,8 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
         content = record.times_s.tobytes() + record.accelerations.tobytes()
         if (before := first.setdefault(content, record.name)) != record.name:
             said = f"{record.name} is {before} once more, sample by sample: it counts twice in medians and percentiles"
-            called[k] = _called(record, record.name, (*record.notices, Notice("W490", said)))
+            called[k] = replace(record, notices=(*record.notices, Notice("W490", said)))
     return tuple(called)
-
-
-def _called(record: Record, name: str, notices: tuple[Notice, ...] | None = None) -> Record:
-    return Record(
-        name, record.times_s, record.accelerations, record.unit, record.is_pulse,
-        record.notices if notices is None else notices,
-    )  # fmt: skip
 
 
 def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record:
@@ -266,9 +260,9 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     if any(_step_in(line) for line in lines[:8]):
         return _with_coarse_steps_said(_at2(name, lines))
     if said := next((k for k, line in enumerate(lines[:8], 1) if _NOT_STEPS.search(line)), None):
-        message = f"{name}: line {said} says no number of points and no time step that could be read"
+        message = f"line {said} says no number of points and no time step that could be read"
         advice = f"It is {lines[said - 1].strip()[:60]!r}; NPTS= 4000, DT= .0050 SEC is needed."
-        raise DesignError([Fault("E515", message, f"{name}:{said}", advice)])
+        raise _refused("E515", name, message, said, advice)
     return _with_coarse_steps_said(_columns(name, lines, unit))
 
 
@@ -281,7 +275,7 @@ def _with_coarse_steps_said(record: Record) -> Record:
         f"{record.name}: the time step is {usual:.6g} s, records have 0.05 s or less: times in ms, numbers of samples, "
         "or no record of an earthquake?"
     )
-    return _called(record, record.name, (Notice("W497", message), *record.notices))
+    return replace(record, notices=(Notice("W497", message), *record.notices))
 
 
 def _text_of(content: bytes, name: str) -> str:
@@ -310,15 +304,14 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
     """PEER's AT2: four lines of header, the third with the unit, the fourth with NPTS and DT, then values."""
     head = next(k for k, line in enumerate(lines) if _step_in(line))
     count, step = _step_in(lines[head]) or (0, 0.0)
-    where = f"{name}:{head + 1}"
     if not (step > 0.0 and math.isfinite(step)):
-        raise DesignError([Fault("E515", f"{name}: DT is {step:g}, a time step above 0 is needed", where)])
+        raise _refused("E515", name, f"DT is {step:g}, a time step above 0 is needed", head + 1)
     if other := _OTHER_DT.search(lines[head]):
-        raise DesignError([Fault("E514", f"{name}: DT is in {other[1]}, in seconds it is needed", where)])
+        raise _refused("E514", name, f"DT is in {other[1]}, in seconds it is needed", head + 1)
     said = " ".join(lines[:head])
     match = re.search(r"UNITS\s+OF\s+([^\s,;]+)", said, re.IGNORECASE)
     if match is None:
-        raise DesignError([Fault("E511", f"{name}: no line says ACCELERATION ... IN UNITS OF G", f"{name}:3")])
+        raise _refused("E511", name, "no line says ACCELERATION ... IN UNITS OF G", 3)
     if re.search(r"\b(VELOCITY|DISPLACEMENT)\b", said, re.IGNORECASE) and not re.search(
         r"\bACCEL", said, re.IGNORECASE
     ):
@@ -329,8 +322,8 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
     for k, line in enumerate(lines[head + 1 :], head + 2):
         values += [_value(word, name, k) for word in _words_of(line)]
     if len(values) != count:
-        message = f"{name}: NPTS is {count}, {len(values)} values follow"
-        raise DesignError([Fault("E515", message, where, "The file is cut off, or has been edited.")])
+        message = f"NPTS is {count}, {len(values)} values follow"
+        raise _refused("E515", name, message, head + 1, "The file is cut off, or has been edited.")
     unit = match[1].strip("().").lower()
     return record_of(name, step * np.arange(count), values, unit)
 
@@ -356,10 +349,12 @@ def _value(word: str, name: str, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise DesignError(
-            [Fault("E513", f"{name}: line {line} holds {word[:40]!r}, a number is needed", f"{name}:{line}")]
-        )
+        raise _no_number(name, line, word)
     return value
+
+
+def _no_number(name: str, line: int, word: str) -> DesignError:
+    return _refused("E513", name, f"line {line} holds {word[:40]!r}, a number is needed", line)
 
 
 def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
@@ -378,46 +373,39 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     first = next((k for k, (_, line) in enumerate(rows) if all(map(_is_number, cells(line)))), None)
     if first is None:
         line, text = rows[min(1, len(rows) - 1)]
-        raise DesignError(
-            [Fault("E513", f"{name}: no line holds numbers alone, line {line} is {text[:40]!r}", f"{name}:{line}")]
-        )
+        raise _refused("E513", name, f"no line holds numbers alone, line {line} is {text[:40]!r}", line)
     _not_a_sample(name, [(line, cells(text)) for line, text in rows[max(first - 1, 0) : first + 2]])
     width = len(cells(rows[first][1]))
     above = cells(rows[first - 1][1]) if first else []
     others = [cell for cell in above if not _is_number(cell)]
     if len(above) == width > len(others) and not any(map(_is_word, others)):  # a sample, and no header or title
-        bad, line = others[0], rows[first - 1][0]
-        raise DesignError(
-            [Fault("E513", f"{name}: line {line} holds {bad[:40]!r}, a number is needed", f"{name}:{line}")]
-        )
+        raise _no_number(name, rows[first - 1][0], others[0])
     heads = _heads(rows[first - 1][1], mark, width) if first else []
     at = _places(name, heads, width, rows[first][0])
     if heads:
         _are_a_motion(name, heads[at[0]], heads[at[1]], rows[first - 1][0])
     if heads and _plain(heads[at[0]]).partition(" ")[0] in _TIMES and (other := _OTHER_TIMES.search(heads[at[0]])):
-        message = f"{name}: times are in {other[1]}, in seconds they are needed"
+        message = f"times are in {other[1]}, in seconds they are needed"
         advice = "Divide them by 1000: time (s)." if other[1].startswith("m") and "min" not in other[1] else ""
-        raise DesignError([Fault("E514", message, f"{name}:{rows[first - 1][0]}", advice)])
+        raise _refused("E514", name, message, rows[first - 1][0], advice)
     stated = _unit_of_head(heads[at[1]]) if heads else None
     stated = stated or _unit_above(lines[: rows[first][0] - 1])
     if stated is None and unit is None:
         advice = f"Name it in the header (time (s), acceleration (g)), or give --unit: {_KNOWN}."
-        raise DesignError([Fault("E511", f"{name}: nothing says the unit of the acceleration", f"{name}:1", advice)])
+        raise _refused("E511", name, "nothing says the unit of the acceleration", 1, advice)
     times, values, faults = list[float](), list[float](), Faults()
     for line, text in rows[first:]:
         parts = cells(text)
-        if len(parts) != width:
-            faults.append(
-                Fault("E512", f"{name}: line {line} has {len(parts)} columns, the first has {width}", f"{name}:{line}")
-            )
-        else:
-            with faults.kept():
-                time, value = (_value(parts[k], name, line) for k in at)
-                if times and not time > times[-1]:
-                    message = f"{name}: time does not rise at line {line}: {number(times[-1])} s, then {number(time)} s"
-                    faults.append(Fault("E514", message, f"{name}:{line}"))
-                times.append(time)
-                values.append(value)
+        with faults.kept():
+            if len(parts) != width:
+                message = f"line {line} has {len(parts)} columns, the first has {width}"
+                raise _refused("E512", name, message, line)
+            time, value = (_value(parts[k], name, line) for k in at)
+            if times and not time > times[-1]:
+                message = f"time does not rise at line {line}: {number(times[-1])} s, then {number(time)} s"
+                faults += _refused("E514", name, message, line).faults
+            times.append(time)
+            values.append(value)
         if len(faults) >= _MOST_FAULTS:
             break
     faults.refuse()
@@ -469,8 +457,7 @@ def _places(name: str, heads: Sequence[str], width: int, line: int) -> tuple[int
             return times[0], accelerations[0]
     if width != 2:
         advice = "Two columns, time and acceleration, or name them so in the header."
-        message = f"{name}: {width} column{'s' if width != 1 else ''}, which are time and acceleration?"
-        raise DesignError([Fault("E512", message, f"{name}:{line}", advice)])
+        raise _refused("E512", name, f"{counted(width, 'column')}, which are time and acceleration?", line, advice)
     return 0, 1
 
 
@@ -483,15 +470,14 @@ def _are_a_motion(name: str, time: str, acceleration: str, line: int) -> None:
         E511 two units, E515.
     """
     if len(units := _units_in(acceleration)) > 1:
-        message = f"{name}: the column {acceleration[:40]!r} names {' and '.join(sorted(units))}, one unit is needed"
-        raise DesignError([Fault("E511", message, f"{name}:{line}")])
+        message = f"the column {acceleration[:40]!r} names {' and '.join(sorted(units))}, one unit is needed"
+        raise _refused("E511", name, message, line)
     for head, known, other, needed in (
         (time, _TIMES, _NO_TIMES, "times"), (acceleration, _ACCELERATIONS, _NO_ACCELERATIONS, "accelerations"),
     ):  # fmt: skip
         if _plain(head) not in known and other.search(head):
-            message = f"{name}: the column {head[:40]!r} holds no {needed}"
             advice = "A record is time and acceleration of the ground, no spectrum, velocity or displacement."
-            raise DesignError([Fault("E515", message, f"{name}:{line}", advice)])
+            raise _refused("E515", name, f"the column {head[:40]!r} holds no {needed}", line, advice)
 
 
 def _unit_of_head(head: str) -> str | None:
@@ -531,7 +517,7 @@ def _unit_above(lines: Sequence[str]) -> str | None:
 def _factor_of(unit: str, name: str) -> float:
     spelled = _spelled(unit).strip()
     if spelled not in _UNITS:
-        raise DesignError([Fault("E511", f"{name}: {unit!r} is no unit of acceleration", name, f"Known: {_KNOWN}.")])
+        raise _refused("E511", name, f"{unit!r} is no unit of acceleration", advice=f"Known: {_KNOWN}.")
     return _UNITS[spelled]
 
 
@@ -547,25 +533,24 @@ def _pulse(text: str) -> Record:
         E517.
     """
     match = _PULSE.fullmatch(text.replace(" ", ""))
-    advice = _PULSES
     if match is None:
         message = f"{text} is no pulse (rectangular, triangular or sine), nor a file"
-        raise DesignError([Fault("E517", message, text, advice)])
+        raise DesignError([Fault("E517", message, text, _PULSES)])
     shape = match[1].lower()
-    peak = _measured(match[2], {unit: _UNITS[unit] for unit in ("g", "m/s2", "cm/s2", "gal")}, text, advice)
+    peak = _measured(match[2], {unit: _UNITS[unit] for unit in ("g", "m/s2", "cm/s2", "gal")}, text)
     if shape == "sine":
-        frequency = _measured(match[3], {"hz": 1.0}, text, advice)
-        cycles = 1.0 if match[4] is None else _measured(match[4], {"": 1.0, "cycles": 1.0}, text, advice, 0.0)
+        frequency = _measured(match[3], {"hz": 1.0}, text)
+        cycles = 1.0 if match[4] is None else _measured(match[4], {"": 1.0, "cycles": 1.0}, text, 0.0)
         if cycles != int(cycles) or not 1 <= cycles <= 100:
-            raise DesignError([Fault("E517", f"{text}: 1 to 100 whole cycles, not {match[4]}", text, advice)])
+            raise _refused("E517", text, f"1 to 100 whole cycles, not {match[4]}", advice=_PULSES)
         parts = int(cycles) * _CYCLE
         times = np.arange(parts + 1) / (_CYCLE * frequency)
         values = peak * np.sin(2.0 * np.pi * np.arange(parts + 1) / _CYCLE)
         values[:: _CYCLE // 2] = 0.0
         return record_of(text, times, values, is_pulse=True)
     if match[4] is not None:
-        raise DesignError([Fault("E517", f"{text}: a {shape} pulse has a peak and a duration", text, advice)])
-    long = _measured(match[3], {"s": 1.0, "ms": 1e-3}, text, advice)
+        raise _refused("E517", text, f"a {shape} pulse has a peak and a duration", advice=_PULSES)
+    long = _measured(match[3], {"s": 1.0, "ms": 1e-3}, text)
     share = np.linspace(0.0, 1.0, _PARTS + 1)  # it is linear between fewer: these are for the picture
     if shape == "rectangular":
         values = np.concatenate([[0.0], np.full(_PARTS + 1, peak), [0.0]])
@@ -573,15 +558,15 @@ def _pulse(text: str) -> Record:
     return record_of(text, long * share, peak * (1.0 - np.abs(2.0 * share - 1.0)), is_pulse=True)
 
 
-def _measured(text: str, units: dict[str, float], pulse: str, advice: str, least: float = 1e-6) -> float:
+def _measured(text: str, units: dict[str, float], pulse: str, least: float = 1e-6) -> float:
     match = re.fullmatch(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)", text)
     factor = units.get(match[2].lower().replace("²", "2")) if match else None
     if match is None or factor is None:
         needs = ", ".join(unit for unit in units if unit) or "a number"
-        raise DesignError([Fault("E517", f"{pulse}: {text} needs a number with {needs}", pulse, advice)])
+        raise _refused("E517", pulse, f"{text} needs a number with {needs}", advice=_PULSES)
     value = float(match[1]) * factor
     if not least <= abs(value) < 1e3 or (value < 0.0 and "g" not in units):
         low, high = (f"{end / factor:.4g}" for end in (least, 1e3))
         allowed = f"{low} to {high} {match[2]} is" if "cycles" not in units else "1 to 100 whole cycles are"
-        raise DesignError([Fault("E517", f"{pulse}: {text} is out of range, {allowed} taken", pulse, advice)])
+        raise _refused("E517", pulse, f"{text} is out of range, {allowed} taken", advice=_PULSES)
     return value

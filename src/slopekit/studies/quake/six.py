@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -55,20 +54,6 @@ class Shaking:
     ended: str
     until_s: float
     work_kj: Work
-
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON values."""
-        work = self.work_kj
-        return {
-            "record": self.record, "way": self.way, "displacement_m": self.displacement_m.tolist(),
-            "slid_m": self.slid_m, "rotation_deg": self.rotation_deg, "slipped": self.slipped, "opened": self.opened,
-            "debonded": self.debonded, "steps": self.steps, "halved": self.halved, "ended": self.ended,
-            "until_s": self.until_s,
-            "work_kj": {
-                "put_in": work.put_in, "friction": work.friction, "stored": work.stored, "kinetic": work.kinetic,
-                "damped": work.damped, "unbalanced": work.unbalanced,
-            },
-        }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

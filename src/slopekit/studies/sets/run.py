@@ -19,13 +19,12 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import Fault, Faults, Notice
 from slopekit.core.orientation import Line, Plane, line_of, number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
-from slopekit.core.units import quantity
 from slopekit.design.joint_lists import JointList, joint_list
-from slopekit.design.words import line_of_words
+from slopekit.design.words import between, line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
 from slopekit.studies.protocol import DESK, Option, Seed, StudyOutcome, Workplace, documented, number_of, whole_number
@@ -319,12 +318,8 @@ def _with_notices(joint_sets: JointSets, ignored: bool) -> JointSets:
 
 
 def _angle(value: object, option: str) -> float:
-    angle_deg = quantity(value, "angle", "bias angle", f"{option} {value}")
-    if not 1.0 <= angle_deg <= 90.0:
-        message = f"the bias angle is {number(angle_deg)}°, it lies between 1 and 90"
-        advice = "15 is usual: no joint weighs more than 1 / sin 15° = 3.9. 90 leaves the weights out."
-        raise DesignError([Fault("E427", message, f"{option} {value}", advice)])
-    return angle_deg
+    advice = "15 is usual: no joint weighs more than 1 / sin 15° = 3.9. 90 leaves the weights out."
+    return between(value, "angle", "bias angle", (1.0, 90.0), "E427", f"{option} {value}", advice, "°")
 
 
 def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Workplace) -> None:

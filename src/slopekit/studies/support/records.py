@@ -3,7 +3,7 @@
 import re
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from decimal import ROUND_CEILING, Context
 from typing import Any, ClassVar, Literal
 
@@ -13,6 +13,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line, number
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
@@ -348,8 +349,44 @@ def _larger(needs: "BoltCase | CrestRow | FacePressure") -> float | None:
     return limit if needs.dilates else max(closed, limit)
 
 
+class SupportOutcome(StudyOutcome):
+    """What support of one block and of a row of columns have in common: the target, and how far off it is without."""
+
+    __slots__ = ()
+    name: ClassVar[str] = "support"
+    design: Design
+    target: float
+    closed_form: Answer | None
+    pre_ie: Answer
+    dilates: bool = False
+    seconds: float
+
+    @property
+    def stands(self) -> bool:
+        """Whether each method that takes the design (of dilating joints PRE-IE) reaches the target as it is."""
+        return enough(self.target, self.closed_form, self.pre_ie, self.dilates)
+
+    @property
+    def needed(self) -> bool:
+        """Whether it does not stand as it is."""
+        return not self.stands
+
+    @property
+    def without(self) -> dict[str, Any]:
+        """What both methods say without more support."""
+        closed = self.closed_form
+        return {
+            "fos": {"limit": self.pre_ie.factor, "closed_form": None if closed is None else closed.factor},
+            "status": self.pre_ie.status, "closed_form_status": None if closed is None else closed.status,
+        }  # fmt: skip
+
+    def to_dict(self) -> dict[str, Any]:
+        """The support as JSON values; times stand in a block of their own."""
+        return {**self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds}, **self.words()}
+
+
 @dataclass(frozen=True, slots=True, repr=False)
-class Support(StudyOutcome):
+class Support(SupportOutcome):
     """What a design needs.
 
     Attributes
@@ -362,7 +399,6 @@ class Support(StudyOutcome):
     """
 
     JSON_ALSO: ClassVar = ("reached", "needed", "without", "existing_bolts")
-    name: ClassVar[str] = "support"
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})
     options: SupportOptions
@@ -379,11 +415,6 @@ class Support(StudyOutcome):
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
 
     @property
-    def stands(self) -> bool:
-        """Whether both methods (of dilating joints PRE-IE) reach the target without more support."""
-        return enough(self.target, self.closed_form, self.pre_ie, self.dilates)
-
-    @property
     def built(self) -> tuple[BoltCase, ...]:
         """The cases of the direction that is built: given, else practical, else best."""
         return tuple(case for case in self.cases if case.pattern is not None or case.which == built_way(self.options))
@@ -398,18 +429,9 @@ class Support(StudyOutcome):
         return {f"support-{case.acts}.yaml": case.yaml for case in self.built if case.yaml}
 
     @property
-    def needed(self) -> bool:
-        """Whether it does not stand as it is."""
-        return not self.stands
-
-    @property
     def without(self) -> dict[str, Any]:
-        """What both methods say without more support."""
-        return {
-            "fos": {"limit": self.pre_ie.factor, "closed_form": self.closed_form.factor},
-            "status": self.pre_ie.status, "closed_form_status": self.closed_form.status,
-            "moments_govern": self.pre_ie.moments_govern, "agree": self.pre_ie.agree,
-        }  # fmt: skip
+        """What both methods say without more support, and of each other."""
+        return super().without | {"moments_govern": self.pre_ie.moments_govern, "agree": self.pre_ie.agree}
 
     @property
     def existing_bolts(self) -> int:
@@ -425,19 +447,16 @@ class Support(StudyOutcome):
         return 0 if self.reached else 1
 
     def to_dict(self) -> dict[str, Any]:
-        """The support as JSON values; times stand in a block of their own."""
-        record = {
-            **self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds},
-            **self.words(),
-        }  # fmt: skip
+        """The support as JSON values, with a crest where the kind of design has one."""
+        record = super().to_dict()
         if kind_of(self.design).crest_point is None:
             del record["crest"]
         return record
 
 
-def enough(target: float, closed_form: Answer, pre_ie: Answer, dilates: bool) -> bool:
+def enough(target: float, closed_form: Answer | None, pre_ie: Answer, dilates: bool = False) -> bool:
     """Whether a design reaches a target as it is."""
-    return pre_ie.level >= target and (dilates or closed_form.level >= target)
+    return pre_ie.level >= target and (dilates or closed_form is None or closed_form.level >= target)
 
 
 def built_way(options: SupportOptions) -> Which:

@@ -185,23 +185,32 @@ class _SupportSearch:
 
     def cases(self) -> list[BoltCase]:
         """Every case that was asked for."""
-        every_case = []
+        return [self._case(*asked) for asked in self._asked()]
+
+    def _asked(
+        self, crest: "PlaneCrest | None" = None
+    ) -> Iterator[tuple[BoltDirections, Which, Way | None, Optimum | None]]:
+        """The directions that were asked for, of bolts of each way to act; of a row at the crest those that cross."""
+        goal, toward, plunges = self.factor / (1.0 + AIM), self.options.toward, self.options.plunge
+        low, high = (-90.0, 90.0) if crest is None else (crest.low, crest.high)
         for acts in self.options.acts:
             ways = BoltDirections(self.site, self.factor, acts == "passive")
-            goal = self.factor / (1.0 + AIM)
-            if self.options.toward is not None:
-                way = ways.along(self.site.axes @ self.options.toward.vector(), goal, self.bare)
-                every_case.append(self._case(ways, "given", way, None))
-            if self.options.plunge is not None:
-                every_case.append(self._case(ways, "practical", *ways.within(self.options.plunge, goal, self.bare)))
-            every_case.append(self._case(ways, "best", *ways.best(goal, self.bare)))
-        return every_case
+            if toward is not None:
+                direction = self.site.axes @ toward.vector()
+                crosses = crest is None or low <= crest.plunge(direction) <= high
+                yield ways, "given", ways.along(direction, goal, self.bare) if crosses else None, None
+            if plunges is not None:
+                limits = max(plunges[0], low), min(plunges[1], high)
+                crosses = limits[0] <= limits[1]
+                yield ways, "practical", *(ways.within(limits, goal, self.bare) if crosses else (None, None))
+            best = ways.best(goal, self.bare) if crest is None else ways.within((low, high), goal, self.bare)
+            yield ways, "best", *best
 
     def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> BoltCase:
         if way is None:
             nowhere = Need(None, None, self.bare.status, notice=self._nowhere(ways, which))
             return BoltCase(ways.acts, which, None, nowhere, None)
-        line = self.options.toward if which == "given" and self.options.toward else self.site.line(way.direction)
+        line = self._line(which, way)
         own, stands = _need_of(way), self.as_it_is is not None
         closed = self.as_it_is or own
         if way.force is None:
@@ -414,25 +423,14 @@ class _SupportSearch:
         from slopekit.studies.support.crest import crest_of  # wedges do not pay for it
 
         crest = crest_of(self.site)
-        if crest is None:
-            return
-        for acts in self.options.acts:
-            ways = BoltDirections(self.site, self.factor, acts == "passive")
-            goal, limits = self.factor / (1.0 + AIM), (crest.low, crest.high)
-            if self.options.toward is not None:
-                direction = self.site.axes @ self.options.toward.vector()
-                crosses = crest.low <= crest.plunge(direction) <= crest.high
-                given = ways.along(direction, goal, self.bare) if crosses else None
-                yield self._row(ways, "given", crest, given, self.options.toward)
-            if self.options.plunge is not None:
-                low, high = max(self.options.plunge[0], crest.low), min(self.options.plunge[1], crest.high)
-                within = ways.within((low, high), goal, self.bare)[0] if low <= high else None
-                yield self._row(ways, "practical", crest, within)
-            yield self._row(ways, "best", crest, ways.within(limits, goal, self.bare)[0])
+        if crest is not None:
+            yield from (self._row(crest, ways, which, way) for ways, which, way, _ in self._asked(crest))
 
-    def _row(
-        self, ways: BoltDirections, which: Which, crest: "PlaneCrest", way: Way | None, line: Line | None = None
-    ) -> CrestRow:
+    def _line(self, which: Which, way: Way) -> Line:
+        """The direction as it was given, else as it was found."""
+        return self.options.toward if which == "given" and self.options.toward else self.site.line(way.direction)
+
+    def _row(self, crest: "PlaneCrest", ways: BoltDirections, which: Which, way: Way | None) -> CrestRow:
         """One row of anchors with its heads at the crest."""
         site, options, head = self.site, self.options, self.site.place(crest.head)
         row = CrestRow(
@@ -445,7 +443,7 @@ class _SupportSearch:
                 f"cross it at plunges of {crest.low:g} to {crest.high:g}°"
             )  # fmt: skip
             return replace(row, notices=(reason,))
-        line = line or site.line(way.direction)
+        line = self._line(which, way)
         own = _need_of(way)
         row = replace(row, toward=line, closed_form=self.as_it_is or own)
         if way.force is None:

@@ -2,6 +2,7 @@
 
 import math
 from operator import attrgetter
+from typing import Any
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
 from slopekit.design.common import Design
@@ -77,16 +78,10 @@ def _cases(support: Support) -> Table[BoltCase]:
         need = case.pattern.need if case.pattern is not None and case.pattern.need is not None else case.pre_ie
         return None if need is None else need.fos
 
-    unit = support.unit
     columns: list[Column[BoltCase]] = [
-        Column("bolts are", attrgetter("acts"), "acts"),
-        Column("direction", attrgetter("which"), "direction"),
-        Column("toward", lambda case: None if case.toward is None else line_in_words(case.toward), "toward"),
-        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", unit, _size),
-        Column("PRE-IE", lambda case: None if case.pre_ie is None else case.pre_ie.force, "pre_ie_kn", unit, _size),
-        Column("to use", attrgetter("force"), "use_kn", unit, _size),
+        *_columns_of_both("bolts are", "direction", support.unit),
         Column("FoS put back", put_back, "fos", show=".4f"),
-        Column("reached", attrgetter("reached"), "reached", show=lambda reached: "yes" if reached else "no"),
+        Column("reached", attrgetter("reached"), "reached", show=_yes),
         Column("heads", lambda case: laid(case, "bolts"), "bolts"),
         Column("rows", lambda case: laid(case, "rows"), "rows"),
         Column("columns", lambda case: laid(case, "columns"), "columns"),
@@ -95,11 +90,31 @@ def _cases(support: Support) -> Table[BoltCase]:
     return Table(columns, support.cases, said="")
 
 
+def _columns_of_both(acts: str, which: str, unit: str) -> list[Column[Any]]:
+    """How bolts act, their direction, and what each method needs of them."""
+    return [
+        Column(acts, attrgetter("acts"), "acts"),
+        Column(which, attrgetter("which"), "direction"),
+        Column("toward", lambda row: None if row.toward is None else line_in_words(row.toward), "toward"),
+        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", unit, _size),
+        Column("PRE-IE", lambda row: None if row.pre_ie is None else row.pre_ie.force, "pre_ie_kn", unit, _size),
+        Column("to use", attrgetter("use_kn"), "use_kn", unit, _size),
+    ]
+
+
+def _yes(reached: bool) -> str:
+    return "yes" if reached else "no"
+
+
 def _size(value: float | None) -> str:
     return "" if value is None else size_number(value)
 
 
-def _of_both(one: BoltCase | FacePressure) -> list[str]:
+def _needed_by_both(one: BoltCase | CrestRow | FacePressure, unit: str) -> str:
+    return f"{needed(one.closed_form, unit, 'closed form')};  {needed(one.pre_ie, unit, 'PRE-IE')}"
+
+
+def _of_both(one: BoltCase | CrestRow | FacePressure) -> list[str]:
     """What is to be known of what each method needs."""
     return [str(need.notice) for need in (one.closed_form, one.pre_ie) if need and need.notice]
 
@@ -126,11 +141,7 @@ def _case(support: Support, case: BoltCase) -> list[str]:
         return [f"{head}: none.  {case.closed_form.notice}"]
     if _same(support, case):
         return ["best of all directions: the same"]
-    lines = [
-        f"{head} {line_in_words(case.toward)}: {needed(case.closed_form, support.unit, 'closed form')};  "
-        f"{needed(case.pre_ie, support.unit, 'PRE-IE')}"
-    ]
-    lines += _of_both(case)
+    lines = [f"{head} {line_in_words(case.toward)}: {_needed_by_both(case, support.unit)}", *_of_both(case)]
     best, other = case.optimum, case.pre_ie
     if (
         case.which != "given"
@@ -224,12 +235,11 @@ def _pattern(support: Support, case: BoltCase, pattern: Pattern) -> list[str]:
 
 
 def _pressure(pressure: FacePressure, unit: str) -> list[str]:
-    need, other = pressure.closed_form, pressure.pre_ie
     lines = [
         f"even on the face, {size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}, square to it "
-        f"({line_in_words(pressure.toward)}): {needed(need, 'kPa', 'closed form')};  {needed(other, 'kPa', 'PRE-IE')}"
+        f"({line_in_words(pressure.toward)}): {_needed_by_both(pressure, 'kPa')}",
+        *_of_both(pressure),
     ]
-    lines += _of_both(pressure)
     if pressure.use is not None:
         lines.append("what presses (a buttress, anchored mesh or shotcrete) must itself be held for that")
     return lines
@@ -247,16 +257,12 @@ def _crest(support: Support) -> list[str]:
         f"one row of anchors, heads at the crest ({place}); they cross the plane at plunges of {low:g} to {high:g}°"
     )
     for row in support.crest:
-        what = {"best": "best plunge", "given": "the direction given", "practical": "best that can be drilled"}
-        head = f"{row.acts}, {what[row.which]}"
+        head = f"{row.acts}, {'best plunge' if row.which == 'best' else _WHICH[row.which]}"
         if row.toward is None:
             lines += [f"{head}: none.  {notice}" for notice in row.notices]
             continue
-        lines.append(
-            f"{head} {line_in_words(row.toward)}: {needed(row.closed_form, support.unit, 'closed form')};  "
-            f"{needed(row.pre_ie, support.unit, 'PRE-IE')}"
-        )
-        lines += [str(need.notice) for need in (row.closed_form, row.pre_ie) if need and need.notice]
+        lines.append(f"{head} {line_in_words(row.toward)}: {_needed_by_both(row, support.unit)}")
+        lines += _of_both(row)
         if row.which == "best" and row.toward.plunge_deg <= low + 0.05:
             lines.append("the flattest that crosses it: flatter ones would need less, but end in front of the plane")
         if row.spacing is not None and row.each is not None and row.crosses is not None and row.length is not None:
@@ -270,15 +276,9 @@ def _crest(support: Support) -> list[str]:
 
 def _crest_table(support: Support) -> Table[CrestRow]:
     """The same in rows."""
-    unit = support.unit
     columns: list[Column[CrestRow]] = [
-        Column("anchors are", attrgetter("acts"), "acts"),
-        Column("plunge", attrgetter("which"), "direction"),
-        Column("toward", lambda row: None if row.toward is None else line_in_words(row.toward), "toward"),
-        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", unit, _size),
-        Column("PRE-IE", lambda row: None if row.pre_ie is None else row.pre_ie.force, "pre_ie_kn", unit, _size),
-        Column("to use", attrgetter("use_kn"), "use_kn", unit, _size),
-        Column("reached", attrgetter("reached"), "reached", show=lambda reached: "yes" if reached else "no"),
+        *_columns_of_both("anchors are", "plunge", support.unit),
+        Column("reached", attrgetter("reached"), "reached", show=_yes),
         Column("to the plane", attrgetter("crosses"), "to_plane_m", "m", _size),
         Column("length", attrgetter("length"), "length_m", "m", _size),
         Column("apart", attrgetter("spacing"), "spacing_m", "m", _size),

@@ -3,14 +3,12 @@
 from dataclasses import field
 from typing import Any, ClassVar, Literal
 
-from slopekit.core.codec import record_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
-from slopekit.studies.protocol import StudyOutcome
-from slopekit.studies.support.records import Acts, Need, SupportOptions, bolt_words, snippet
+from slopekit.studies.support.records import Acts, Need, SupportOptions, SupportOutcome, bolt_words, snippet
 from slopekit.studies.support.search import Answer
 
 Where = Literal["toe", "crest", "least", "column"]
@@ -69,7 +67,7 @@ class ByColumn:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class ColumnSupport(StudyOutcome):
+class ColumnSupport(SupportOutcome):
     """What a row of columns needs.
 
     Attributes
@@ -82,7 +80,6 @@ class ColumnSupport(StudyOutcome):
     """
 
     JSON_ALSO: ClassVar = ("reached", "needed", "without")
-    name: ClassVar[str] = "support"
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})
     options: SupportOptions = field(metadata={"json": None})
@@ -97,28 +94,9 @@ class ColumnSupport(StudyOutcome):
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
 
     @property
-    def stands(self) -> bool:
-        """Whether each method that takes the design reaches the target without more support."""
-        return all(one.level >= self.target for one in (self.closed_form, self.pre_ie) if one is not None)
-
-    @property
-    def needed(self) -> bool:
-        """Whether it does not stand as it is."""
-        return not self.stands
-
-    @property
     def reached(self) -> bool:
         """Whether nothing is needed, or the force on some column gives the target."""
         return self.stands or any(one.reached for one in self.held)
-
-    @property
-    def without(self) -> dict[str, Any]:
-        """What both methods say without more support."""
-        closed = self.closed_form
-        return {
-            "fos": {"limit": self.pre_ie.factor, "closed_form": None if closed is None else closed.factor},
-            "status": self.pre_ie.status, "closed_form_status": None if closed is None else closed.status,
-        }  # fmt: skip
 
     def least(self, acts: Acts) -> HoldingForce | None:
         """The column that takes the least force of those that reach the target."""
@@ -137,7 +115,3 @@ class ColumnSupport(StudyOutcome):
         if self.pre_ie.status == "not_converged":
             return 4
         return 0 if self.reached else 1
-
-    def to_dict(self) -> dict[str, Any]:
-        """The support as JSON values; times stand in a block of their own."""
-        return {**self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds}, **self.words()}

@@ -19,7 +19,7 @@ from slopekit.kinds import factors_of, kind_of, slips_of_size
 from slopekit.kinds.topple import ToppleDesign, column_slope, cut, not_taken, why_no_table
 from slopekit.notices import common_notices
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce, Where
-from slopekit.studies.support.records import Acts, Need, SupportOptions, written
+from slopekit.studies.support.records import Acts, Need, SupportOptions, enough, written
 from slopekit.studies.support.search import AIM, WITHIN, Answer, least_force, pre_ie
 
 INTO_SLOPE = Line(90.0, 0.0)  # columns fall toward -x: level, into the slope
@@ -60,8 +60,7 @@ def _refuse(design: ToppleDesign, options: SupportOptions) -> None:
     for name in [name for name, value in given.items() if value is not None]:
         advice = "Columns take toward, acts and bolt_capacity."
         faults.append(Fault("E389", f"{name} is for bolts on the face of a wedge or a plane", "", advice))
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
 
 
 class _RowSearch:
@@ -83,7 +82,7 @@ class _RowSearch:
         if self.slope is not None:
             closed = toppling_factor_of_safety(self.slope)
             self.closed = Answer(closed.factor, "no_driving_force" if closed.factor is None else closed.status)
-        self.stands = all(one.level >= self.target for one in (self.closed, self.bare) if one is not None)
+        self.stands = enough(self.target, self.closed, self.bare)
         self.line = options.toward or INTO_SLOPE
         east, _, up = self.line.vector()
         self.plunge = math.degrees(math.atan2(-up, east))
