@@ -87,7 +87,13 @@ def fitted(design: Any) -> Fitted:
         numbers += [*limits.trace_length_m, *limits.persistence_m, limits.slope_length_m, limits.bench_width_m,
                     limits.max_volume_m3, limits.min_volume_m3]  # fmt: skip
     count = max(np.size(one) for one in numbers)
-    sizes = wedge_sizes(**angles, height_m=np.broadcast_to(np.asarray(design.height_m, dtype=np.float64), count))
+    heights = np.broadcast_to(np.asarray(design.height_m, dtype=np.float64), count)
+    return within(limits, wedge_sizes(**angles, height_m=heights))
+
+
+def within(limits: Any, sizes: WedgeSizes) -> Fitted:
+    """Wedges of such sizes, (n,), within limits of size (`SizeLimits`); as they are where there are none."""
+    count = len(sizes.volume_m3)
     why = np.zeros(count, dtype=np.int8)
     if limits is None:
         return Fitted(sizes, np.ones(count), np.zeros(count, dtype=np.int8), why)

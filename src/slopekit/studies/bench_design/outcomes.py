@@ -13,6 +13,7 @@ from slopekit.studies.bench_design.bench import MODES, Bench
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
 from slopekit.studies.prob.estimates import Share
+from slopekit.studies.prob.sizes import SizeStatistics
 
 STRETCH_M = 100.0
 PERCENTILES = (0.5, 0.8, 0.9, 0.95, 0.99)
@@ -21,24 +22,10 @@ _CURVE = tuple(k / 100.0 for k in range(101))
 _CALLED = (*MODES, "any")
 
 
-@dataclass(frozen=True, slots=True)
-class LengthDistribution:
-    """A distribution over the length of the bench, over places or stretches.
-
-    Attributes
-    ----------
-    quantiles : by the share that lies at or below
-    """
-
-    mean: float
-    most: float = field(metadata={"json": "max"})
-    quantiles: Mapping[float, float]
-
-    @classmethod
-    def of(cls, values: Floats, weights: Floats | None = None) -> "LengthDistribution":
-        """Of values (n,), n above 0, each as often as its weight."""
-        return cls(float(np.average(values, weights=weights)), float(values.max()),
-                   dict(zip(PERCENTILES, quantiles(values, PERCENTILES, weights), strict=True)))  # fmt: skip
+def along_the_bench(values: Floats, weights: Floats | None = None) -> SizeStatistics:
+    """Statistics of values (n,) of places or stretches, n above 0, each as often as its weight."""
+    shares = dict(zip(PERCENTILES, quantiles(values, PERCENTILES, weights), strict=True))
+    return SizeStatistics(float(np.average(values, weights=weights)), shares, float(values.max()))
 
 
 def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = None) -> list[float]:
@@ -126,14 +113,14 @@ class OfBench:
     face_dip_deg: float
     catch_width_m: float
     modes: Mapping[str, OfMode] = field(metadata={"json": "probability"})
-    backbreak: LengthDistribution = field(metadata={"json": "backbreak_m"})
-    if_failed: LengthDistribution | None = field(metadata={"json": "backbreak_where_something_fails_m"})
+    backbreak: SizeStatistics = field(metadata={"json": "backbreak_m"})
+    if_failed: SizeStatistics | None = field(metadata={"json": "backbreak_where_something_fails_m"})
     curve_m: tuple[float, ...] = field(metadata={"json": "backbreak_curve_m"})
     face_curve_deg: tuple[float, ...] = field(metadata={"json": "effective_face_curve_deg"})
     effective_face_deg: float
-    volume_m3: LengthDistribution | None = field(metadata={"json": "volume_per_100_m_m3"})
+    volume_m3: SizeStatistics | None = field(metadata={"json": "volume_per_100_m_m3"})
     crest_lost: float = field(metadata={"json": "share_of_crest_lost"})
-    spill: LengthDistribution | None = field(metadata={"json": "spill_width_m"})
+    spill: SizeStatistics | None = field(metadata={"json": "spill_width_m"})
     berm_needed_m: float
     inter_ramp_deg: float = field(metadata={"json": "inter_ramp_at_berm_needed_deg"})
     berms: tuple[OfBerm, ...] = field(metadata={"json": "reliability"})
@@ -191,11 +178,11 @@ def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     volumes, crest_lost = along(bench, steps)
     curve = quantiles(lost, _CURVE, steps)
     return OfBench(
-        height, face, catch, modes, LengthDistribution.of(lost, steps),
-        LengthDistribution.of(lost[failed]) if failed.any() else None, tuple(curve),
+        height, face, catch, modes, along_the_bench(lost, steps),
+        along_the_bench(lost[failed]) if failed.any() else None, tuple(curve),
         tuple(effective_face_angle(height, face, curve).tolist()), float(effective_face_angle(height, face, loss_at)),
-        LengthDistribution.of(volumes) if len(volumes) else None, crest_lost,
-        LengthDistribution.of(bench.spill_m[failed]) if failed.any() else None, needed,
+        along_the_bench(volumes) if len(volumes) else None, crest_lost,
+        along_the_bench(bench.spill_m[failed]) if failed.any() else None, needed,
         float(inter_ramp_angle(height, face, needed)),
         tuple(
             OfBerm(

@@ -8,13 +8,13 @@ A wedge that a limit makes smaller keeps its shape and its crest: its toe moves 
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
+from slopekit.closed_form.sizes import wedge_sizes
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints, NDArray
 from slopekit.core.codec import digest, json_of
@@ -26,8 +26,8 @@ from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, plane_of
 from slopekit.geometry.rockmass import no_crest
 from slopekit.geometry.tolerances import SAME_DIRECTION
-from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.kinds.wedge.limits import scale_within
+from slopekit.kinds.wedge.design import SizeLimits, WedgeDesign
+from slopekit.kinds.wedge.limits import Fitted, within
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 HEIGHT_M = 15.0
@@ -53,48 +53,18 @@ _AT_ONCE = 1 << 18  # pairs: 4.5 million at a time would take gigabytes
 
 
 @dataclass(frozen=True, slots=True)
-class PairLimits:
-    """Limits of size, None where there is none.
-
-    Attributes
-    ----------
-    trace_length_m : the longer trace of a joint, on the face or the upper slope
-    persistence_m : the longest edge that the face of a joint has in a wedge: traces and line of intersection
-    slope_length_m : of a wedge along the crest
-    bench_width_m : how far behind the crest a wedge reaches, horizontally and square to the crest
-    max_volume_m3 : wedges are scaled down to it; min_volume_m3 : smaller ones are left out
-    by : scale, a larger wedge is made smaller; filter, it is left out
-    """
-
-    persistence_m: float | None = None
-    bench_width_m: float | None = None
-    max_volume_m3: float | None = None
-    min_volume_m3: float | None = None
-    trace_length_m: float | None = None
-    slope_length_m: float | None = None
-    by: str = "scale"
-
-
-@dataclass(frozen=True, slots=True)
-class PairShapes:
-    """Pairs of joints as wedges.
+class PairShapes(Fitted):
+    """Pairs of joints as wedges within the limits of size.
 
     Attributes
     ----------
     first, second : (m,) indices of the joints, in the order in which the height is that of the first one's trace
     height_m : (m,) of that trace at the wedge's own size, 0 or less where neither trace climbs to the crest
-    scale : (m,) of lengths, 1 for the full slope; limited_by : (m,) indices into `LIMITED_BY`
-    is_left_out : (m,) larger than a limit, where limits filter
-    sizes : at that size, nan where they cut no wedge
     """
 
     first: Ints
     second: Ints
     height_m: Floats
-    scale: Floats
-    limited_by: NDArray[np.int8]
-    is_left_out: Bools
-    sizes: WedgeSizes
 
 
 def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
@@ -116,7 +86,7 @@ def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
 
 
 def pair_shapes(
-    joints: JointList, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: PairLimits
+    joints: JointList, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: SizeLimits
 ) -> PairShapes:
     """The size of the wedge of every pair; of pairs that cut no wedge it means nothing.
 
@@ -142,14 +112,10 @@ def pair_shapes(
         dips[one], ways[one], dips[two], ways[two], face.dip_deg, face.dip_direction_deg, upper.dip_deg,
         upper.dip_direction_deg, height_m, up_the_face=True,
     )  # fmt: skip
-    scale, by = scale_within(
-        sizes, trace_m=(limits.trace_length_m,) * 2, persistence_m=(limits.persistence_m,) * 2,
-        slope_length_m=limits.slope_length_m, bench_width_m=limits.bench_width_m, max_volume_m3=limits.max_volume_m3,
+    fitted = within(limits, sizes)
+    return PairShapes(
+        fitted.sizes, fitted.scale, fitted.by, fitted.why, one, two, heights[one] * fitted.scale,
     )  # fmt: skip
-    left_out = np.zeros(len(one), dtype=bool)
-    if limits.by == "filter":
-        left_out, scale = scale < 1.0, np.ones(len(one))
-    return PairShapes(one, two, heights[one] * scale, scale, by, left_out, sizes.scaled(scale))
 
 
 def _crest_point(face: Plane, height_m: float) -> Floats:
@@ -173,13 +139,18 @@ class PairInputs:
 
     joints: JointList
     slope: WedgeDesign
-    limits: PairLimits
+    limits: SizeLimits
     cohesion_kpa: Floats
     friction_deg: Floats
     own: tuple[int, int]
     target: float | None
     top: int | None
     defaults: tuple[str, ...]
+
+    @property
+    def limits_of_all(self) -> dict[str, Any]:
+        """The limits of size by their names: of a joint that for all joints."""
+        return {name: one[0] if isinstance(one, list) else one for name, one in json_of(self.limits).items()}
 
     def to_dict(self) -> dict[str, Any]:
         """All but the joints, as JSON values."""
@@ -193,7 +164,7 @@ class PairInputs:
             "agree_within": slope.agree_within,
             "cohesion_kpa": range_of(self.cohesion_kpa, self.own[0]),
             "friction_deg": range_of(self.friction_deg, self.own[1]),
-            "limits": json_of(self.limits), "fos": self.target, "top": ALL if self.top is None else self.top,
+            "limits": self.limits_of_all, "fos": self.target, "top": ALL if self.top is None else self.top,
         }  # fmt: skip
 
     def input_hash(self) -> str:
@@ -216,7 +187,7 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
     )
     face: Plane | None = faults.of(partial(plane_of, given["face"], "face", option("face")))
     slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
-    sizes: PairLimits | None = faults.of(partial(_limits, given, option))
+    sizes: SizeLimits | None = faults.of(partial(_limits, given, option))
     where = f"{option('fos')} {fos}"
     target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
     top = faults.of(partial(_top, given["top"], option("top")))
@@ -247,8 +218,8 @@ def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str],
     return slope
 
 
-def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> PairLimits:
-    faults, limits = Faults(), dict[str, float | None]()
+def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimits:
+    faults, limits = Faults(), dict[str, Any]()
     for key, kind, unit in (
         ("persistence", "length", "_m"), ("bench_width", "length", "_m"), ("max_volume", "volume", "_m3"),
         ("min_volume", "volume", "_m3"), ("trace_length", "length", "_m"), ("slope_length", "length", "_m"),
@@ -266,7 +237,8 @@ def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> PairLimit
         advice = "scale makes larger wedges smaller, filter leaves them out."
         faults.append(Fault("E491", f"limits of size go by {by!r}, it is scale or filter", option("limit_by"), advice))
     faults.refuse()
-    return PairLimits(**limits, by=by)
+    each = {name: (limits.get(name),) * 2 for name in ("trace_length_m", "persistence_m")}
+    return SizeLimits(**{**limits, **each}, by=by)
 
 
 def _top(value: object, option: str) -> int | None:
@@ -326,7 +298,7 @@ class JointPairs:
 
 
 def evaluated(
-    joints: JointList, slope: WedgeDesign, limits: PairLimits, cohesion: Floats, friction: Floats
+    joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats
 ) -> JointPairs:
     """All pairs by the vectorised closed form, each wedge at the size that the limits leave it."""
     first, second = joints.pairs()
@@ -334,22 +306,20 @@ def evaluated(
         _part(joints, slope, limits, cohesion, friction, first[at : at + _AT_ONCE], second[at : at + _AT_ONCE])
         for at in range(0, len(first), _AT_ONCE)
     ]
-    if len(parts) == 1:
-        return parts[0]
-    plain = {
-        name: np.concatenate([getattr(part.shapes, name) for part in parts])
-        for name in names_of(PairShapes) if name != "sizes"
-    }  # fmt: skip
-    sizes = {
-        name: np.concatenate([getattr(part.shapes.sizes, name) for part in parts]) for name in names_of(WedgeSizes)
-    }
-    shapes = PairShapes(**plain, sizes=WedgeSizes(**sizes))
-    rest = ("outcome", "factor", "volume_m3", "trend_deg", "plunge_deg")
-    return JointPairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
+    pairs: JointPairs = parts[0] if len(parts) == 1 else _joined(parts)
+    return pairs
+
+
+def _joined(parts: Sequence[Any]) -> Any:
+    """Arrays, or records of them, one behind the other."""
+    kind = type(parts[0])
+    if kind is np.ndarray:
+        return np.concatenate(parts)
+    return kind(**{name: _joined([getattr(part, name) for part in parts]) for name in names_of(kind)})
 
 
 def _part(
-    joints: JointList, slope: WedgeDesign, limits: PairLimits, cohesion: Floats, friction: Floats, first: Ints,
+    joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats, first: Ints,
     second: Ints,
 ) -> JointPairs:  # fmt: skip
     shapes = pair_shapes(joints, first, second, slope.face, slope.upper, slope.height_m, limits)
@@ -370,8 +340,7 @@ def _part(
     )  # fmt: skip
     outcome, volume = wedges.outcome.copy(), wedges.volume_m3
     outcome[~climbs & (outcome < _STATUSES)] = _NO_CORNER
-    outcome[(outcome < _STATUSES) & shapes.is_left_out] = TOO_LARGE
-    if limits.min_volume_m3:
-        outcome[(outcome < _STATUSES) & (volume < limits.min_volume_m3)] = TOO_SMALL
+    for why, becomes in ((1, TOO_LARGE), (2, TOO_SMALL)):
+        outcome[(outcome < _STATUSES) & (shapes.why == why)] = becomes
     factor = np.where(np.isin(outcome, _SLIDES), wedges.factor, np.nan)
     return JointPairs(shapes, outcome, factor, volume, *wedges.line_trend_plunge_deg())

@@ -217,7 +217,7 @@ class Combos(StudyOutcome):
             "counts": self.counts,
             "removable": self.removable,
             "scaled_down": {
-                name.replace(" ", "_"): int((self.pairs.is_removable & (self.pairs.shapes.limited_by == kind)).sum())
+                name.replace(" ", "_"): int((self.pairs.is_removable & (self.pairs.shapes.by == kind)).sum())
                 for kind, name in enumerate(LIMITED_BY) if name
             },
             "target": json_of(self.target),
@@ -336,7 +336,7 @@ def _looked_at(asked: PairInputs, pairs: JointPairs, crew: Crew, desk: Workplace
             **record, index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
             volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.shapes.sizes.face_width_m[k]),
             setback_m=float(pairs.shapes.sizes.setback_m[k]), scale=float(pairs.shapes.scale[k]),
-            limited_by=LIMITED_BY[pairs.shapes.limited_by[k]], trend_deg=float(pairs.trend_deg[k]),
+            limited_by=LIMITED_BY[pairs.shapes.by[k]], trend_deg=float(pairs.trend_deg[k]),
             plunge_deg=float(pairs.plunge_deg[k]),
         )
         for k, design, record in zip(chosen, designs, records, strict=True)

@@ -108,7 +108,7 @@ def _every_pair(combos: Combos) -> Table[int]:
         Column("setback m", of_wedge(shapes.sizes.setback_m), "setback_m", "m", exact=".6g"),
         Column("face width m", of_wedge(shapes.sizes.face_width_m), "face_width_m", "m", exact=".6g"),
         Column("scale", of_wedge(shapes.scale), "scale", exact=".6g"),
-        Column("made smaller by", lambda k: LIMITED_BY[shapes.limited_by[k]] if is_wedge[k] else "", "limited_by"),
+        Column("made smaller by", lambda k: LIMITED_BY[shapes.by[k]] if is_wedge[k] else "", "limited_by"),
     ], ranked + np.flatnonzero(~pairs.is_removable).tolist(), shown,
         f"and {left} more in combos.json" if left > 0 else "")  # fmt: skip
 
@@ -150,26 +150,17 @@ def _loads(combos: Combos) -> list[str]:
 
 
 def _limits(combos: Combos) -> list[str]:
-    limits = combos.given.limits
-    parts = [
-        f"{name} {size_number(value)} {unit}"
-        for name, value, unit in (
-            ("trace length", limits.trace_length_m, "m"), ("persistence", limits.persistence_m, "m"),
-            ("slope length", limits.slope_length_m, "m"), ("bench width", limits.bench_width_m, "m"),
-            ("max volume", limits.max_volume_m3, "m³"), ("min volume", limits.min_volume_m3, "m³"),
-        )
-        if value is not None
-    ]  # fmt: skip
+    named = zip((*LIMITED_BY[1:], "min volume"), combos.given.limits_of_all.values(), strict=False)
+    limits = {name: value for name, value in named if value is not None}
+    parts = [f"{name} {size_number(value)} {'m³' if 'volume' in name else 'm'}" for name, value in limits.items()]
     if not parts:
         return ["none: every wedge reaches from the toe of the slope to its crest"]
-    given = (limits.trace_length_m, limits.persistence_m, limits.slope_length_m, limits.bench_width_m,
-             limits.max_volume_m3)  # fmt: skip
-    if limits.by == "filter":
+    if combos.given.limits.by == "filter":
         return [", ".join(parts), f"left out, larger than that: {counted(combos.counts['beyond_limits'], 'pair')}"]
     removable = combos.pairs.is_removable
     scaled = [
-        f"{int((removable & (combos.pairs.shapes.limited_by == kind)).sum())} by {LIMITED_BY[kind]}"
-        for kind, value in enumerate(given, 1) if value is not None
+        f"{int((removable & (combos.pairs.shapes.by == kind)).sum())} by {name}"
+        for kind, name in enumerate(LIMITED_BY) if name in limits
     ]  # fmt: skip
     return [", ".join(parts), *([f"made smaller, same shape, at the crest: {', '.join(scaled)}"] if scaled else [])]
 

@@ -8,8 +8,6 @@ The criteria and their sources stand in `criteria`.
 (1, ('J1',), ('J3',))
 """
 
-import hashlib
-import json
 import time
 from collections.abc import Mapping
 from dataclasses import field
@@ -19,7 +17,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.codec import json_of
+from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, number
 from slopekit.core.records import dataclass
@@ -141,7 +139,7 @@ class Kinematic(StudyOutcome):
         limits = (self.lateral_deg, self.lateral_toppling_deg)
         exact = [face, faces, limits, self.joints.rows(), self.friction_deg.tolist()]
         exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
-        return hashlib.sha256(json.dumps(exact).encode()).hexdigest()
+        return digest(exact)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; critical lines are counted by joint, `intersections.csv` has them all."""

@@ -6,8 +6,6 @@
 [('S1', 22, '55/227'), ('S2', 20, '59/124'), ('S3', 16, '79/001')]
 """
 
-import hashlib
-import json
 import math
 import time
 from collections.abc import Mapping, Sequence
@@ -18,7 +16,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.codec import json_of
+from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import Fault, Faults, Notice
 from slopekit.core.orientation import Line, Plane, line_of, number
 from slopekit.core.records import dataclass
@@ -173,7 +171,7 @@ class JointSets(StudyOutcome):
         sizes = [(one.spacing_m, one.position_m, one.trace_m, one.ends) for one in self.joints.joints]
         asked = (self.asked, line, self.bias_angle_deg, self.confidence, self.contours, self.seed, self.are_given)
         exact = [asked, self.joints.rows(), sizes, self.joints.quantities.tolist()]
-        return hashlib.sha256(json.dumps(exact).encode()).hexdigest()
+        return digest(exact)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values."""

@@ -194,10 +194,7 @@ def _put_back(solution: Solution) -> list[str]:
                 continue
             miss = abs(root.factor - solution.target)
             missed = f"{miss:.1e}" if miss else "nothing"
-            factors = root.both.factors
-            other = (
-                None if factors is None else factors.limit if answers.method == "closed_form" else factors.closed_form
-            )
+            other = _other(answers.method, root)
             name = "PRE-IE" if answers.method == "closed_form" else "closed form"
             said = "" if other is None else f"; {name} there {other:.6f}"
             entries.append(
