@@ -22,6 +22,7 @@ from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_factor
+from slopekit.studies.solve.roots import RootSearch, Sample
 
 COLUMN = {
     "slopekit": 1, "kind": "blocks",
@@ -407,3 +408,23 @@ def test_notes_of_a_point_go_through_a_journal_and_older_journals_have_none() ->
     assert Point.from_record(json.loads(json.dumps(point.to_record()))) == point
     assert Point.from_record(point.to_record()[:-1]) == Point(replace(point.factors, notes=()))
     assert point.to_dict().keys() == Point(None, "E1", "").to_dict().keys()
+
+
+def test_from_both_ends_of_a_load_it_is_looked_for_where_they_point_and_not_half_way() -> None:
+    """Half way up to a load there may be no factor (the template bench at k 0.13): seconds for each place beside it.
+
+    The level falls in a straight line from 0.1 to -0.01, so that its root is known.
+    """
+    asked: list[float] = []
+
+    def sample(places):
+        asked.extend(places)
+        return [Sample(x, None if 0.4 < x < 0.6 else 0.1 - 0.11 * x, "", Point(None)) for x in places]
+
+    search = RootSearch(sample, 1.0, resolution=1e-7, near=4e-7)
+    one, other = search.add([0.0, 1.0])
+    by_factor._close_in(search, one, other)
+    (crossing,) = by_factor._crossings(search)
+    assert (crossing.how, round(crossing.best.at, 6)) == ("root", round(0.1 / 0.11, 6))
+    assert len(asked) <= 4
+    assert not any(0.4 < place < 0.6 for place in asked)
