@@ -55,8 +55,7 @@ def read_factors(document: Document, node: Node) -> PartialFactors:
     forces = node.get("forces")
     if forces is not None and forces.text is not None:
         if forces.text not in ("permanent", "variable"):
-            message = f"forces are {forces.text}, they are permanent or variable"
-            faults.append(Fault("E478", message, str(forces.place)))
+            faults.append(Fault("E478", f"forces are {forces.text}, they are permanent or variable", str(forces.place)))
         own["forces"] = forces.text
     faults.refuse()
     if own and base.called:

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from functools import cache
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
 from slopekit.design import words
@@ -54,7 +54,7 @@ class Reader:
         self.kind = record.__name__.removesuffix("Design").lower()
         self.wrong = tuple(wrong)
         self.misshapen = frozenset(fault.where for fault in wrong if fault.code in ("E144", "E145", "E164"))
-        self.faults: list[Fault] = []
+        self.faults = Faults()
         self.variables: dict[str, Variable] = {}
         self.left_out: list[str] = []
         self.read_as: list[str] = []
@@ -83,11 +83,7 @@ class Reader:
 
     def kept(self, read: Callable[P, T], *args: P.args, **more: P.kwargs) -> T | None:
         """What a reading function returns of these; its faults are kept, and None returned, where it raises them."""
-        try:
-            return read(*args, **more)
-        except DesignError as error:
-            self.faults += error.faults
-            return None
+        return self.faults.of(read, *args, **more)
 
     def nearest(self, name: str, known: Collection[str]) -> str:
         """An advice for a name that is not known."""

@@ -79,8 +79,7 @@ def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
         return None
     steepest = (values.get("phi_deg") or 0.0) + (values.get("i_deg") or 0.0)
     if steepest >= _UPRIGHT:
-        message = f"phi and i of {owner} are {number(steepest)}° together, below 90 is needed"
-        reader.fault("E115", message, node)
+        reader.fault("E115", f"phi and i of {owner} are {number(steepest)}° together, below 90 is needed", node)
         return None
     law: StrengthLaw = LAWS[name](**values)
     return law
@@ -99,5 +98,4 @@ def refuse_keys(reader: Reader, node: Node) -> None:
     """E142 for keys of a law that is not named."""
     for key, below in node.items():
         if key in KEYS and key not in BESIDE:
-            message = f"{key} is a key of a curved law, and none is named"
-            reader.fault("E142", message, below, "Add law: barton-bandis.")
+            reader.fault("E142", f"{key} is a key of a curved law, and none is named", below, "Add law: barton-bandis.")

@@ -10,7 +10,6 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.orientation import number as as_number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
@@ -137,13 +136,6 @@ class BenchDesign(AssemblyDesign):
     origin_m: tuple[float, float, float] = point(
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
     )
-
-    def ground_in_words(self) -> list[str]:
-        """Table, pond and surcharge as the sheet prints them."""
-        depth, load = self.table_depth_m, self.surcharge_kpa
-        first = [] if depth is None else [f"water table {as_number(depth)} m below the ground"]
-        last = [f"surcharge {as_number(load)} kPa on the plan of the upper slope"] if load else []
-        return [*first, *AssemblyDesign.ground_in_words(self), *last]
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

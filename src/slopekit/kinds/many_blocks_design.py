@@ -10,7 +10,7 @@ from slopekit.design import words
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, fields_of, group
 from slopekit.design.fields import number as number_field
-from slopekit.design.ground_water import TABLE, TablePlane, pond, table_in_words, table_plane, table_points
+from slopekit.design.ground_water import TABLE, TablePlane, ground_in_words, pond, table_plane, table_points
 from slopekit.design.nodes import Node
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reader import Reader
@@ -83,8 +83,8 @@ class AssemblyDesign(Design):
         return any(one is not None for one in (self.table_points_m, self.table_plane, self.pond_m))
 
     def ground_in_words(self) -> list[str]:
-        """Table and pond as the sheet prints them."""
-        return table_in_words(self, "", "at the origin")
+        """Table, pond and surcharge as the sheet prints them."""
+        return list(ground_in_words(self))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -150,7 +150,7 @@ def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[S
 def kind_of_one_block(
     name: str, record: type[D], read: Callable[[Reader], D], words: Words,
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
-    changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
+    changes: Callable[[D], Iterable[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False,
     crest_point: Callable[[D], Floats] | None = None, paper_keys: tuple[str, ...] = (),
@@ -180,7 +180,7 @@ def kind_of_one_block(
         with clock("cut"):
             made = cut(design)
         with clock("governs"):
-            changed = changes(design)
+            changed = tuple(changes(design))
         with clock("closed_form"):  # of the design and what GOVERNS makes of it, where it can be one call
             closed, *forms = _closed_forms([design, *(other for _, other in changed)], closed_form, on_arrays)
         if isinstance(closed, GeometryError):

@@ -147,8 +147,7 @@ def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has
         return reader.kept(words.water, value, str(in_crack.place), has_crack) or Water()
     water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
     if at is not None and not has_crack and len(at.elements) > 1:
-        message = f"{len(at.elements)} water pressures given, there is one plane and no crack"
-        reader.fault("E109", message, at)
+        reader.fault("E109", f"{len(at.elements)} water pressures given, there is one plane and no crack", at)
     if water.mode == "pressures" and not has_crack:
         return Water("pressures", 0.0, water.pressures_kpa[:1])
     return water
@@ -204,8 +203,7 @@ def section_of(design: PlaneDesign) -> PlaneSection:
         apart = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
         if apart > WIDEST_DEG and plane.dip_deg > 0.0:
             message = f"{name} strikes {apart:.1f}° from the face: plane failure needs {WIDEST_DEG:.0f}° or less"
-            advice = "With a second joint it may form a wedge: kind: wedge."
-            raise GeometryError([Fault("E213", message, "", advice)])
+            raise GeometryError([Fault("E213", message, "", "With a second joint it may form a wedge: kind: wedge.")])
     crack = design.crack
     return plane_section(
         _signed_dip(design.joint, design.face), design.face.dip_deg, _signed_dip(design.upper, design.face),
@@ -458,32 +456,30 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
     return ON_ARRAYS.of(design)
 
 
-def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
-    changes = []
+def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
     if design.water.mode != TABLE and (design.water.mode == "dry" or design.water.fill < 1.0):
         crack = None if design.crack is None else replace(design.crack, water_m=None)
-        changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
-    changes += [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
+        yield ("full water", replace(design, water=Water("full", 1.0), crack=crack))
+    yield from [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
-        changes.append((f"dip of {design.joint_name} +1°", replace(design, joint=dipping)))
-    return changes
+        yield (f"dip of {design.joint_name} +1°", replace(design, joint=dipping))
 
 
-def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
-    notices = [*design.ground_notices(0.0, design.height_m)]
+def _notices(design: PlaneDesign) -> Iterator[Notice]:
+    yield from design.ground_notices(0.0, design.height_m)
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
         if apart > _OUT and plane.dip_deg > 0.0:
             message = f"{name} strikes {shown(round(apart, 1))}° from the face: taken as parallel to it"
-            notices.append(Notice("W321", message))
+            yield Notice("W321", message)
     share = _in_section(design)
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (
             f"the seismic load acts off the section: {share * 100:.0f} % of it acts out of the slope, "
             "the rest is left out"
         )
-        notices.append(Notice("W323", message))
+        yield Notice("W323", message)
     along = _axes(design.face)[1]
     aside = [bolt.toward.vector() @ along for bolt in design.bolts]
     aside += [np.array(force.components_kn) @ along / np.linalg.norm(force.components_kn) for force in design.forces
@@ -491,8 +487,7 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
     most = max((abs(float(part)) for part in aside), default=0.0)
     if most > 1e-6:
         message = f"bolts or forces act along the slope (up to {most * 100:.0f} % of one): that part is left out"
-        notices.append(Notice("W323", message))
-    return tuple(notices)
+        yield Notice("W323", message)
 
 
 def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -276,8 +276,7 @@ def _limits(reader: Reader, names: Sequence[str], also: Sequence[str]) -> SizeLi
         return None
     if also:
         message = f"limits of size and {' and '.join(also)}: a wedge that keeps its shape cannot have both"
-        advice = "Leave limits out: the height, basal joint and crack bound the wedge."
-        reader.fault("E490", message, node, advice)
+        reader.fault("E490", message, node, "Leave limits out: the height, basal joint and crack bound the wedge.")
     own = reader.fields(SizeLimits, node)
     fields = fields_of(SizeLimits)
     for key in ("trace_length_m", "persistence_m"):
@@ -349,19 +348,13 @@ def crack_of_words(value: object, where: str) -> Crack:
         given = value
     else:
         raise DesignError([Fault("E120", f"crack is {words.shown(value)}, it is written 80/180@5m", where)])
-    faults: list[Fault] = []
-    try:
+    faults, away = Faults(), math.inf  # looked for once the wedge is known
+    with faults.kept():
         orientation = parse_plane(given["plane"], "crack", where)
-    except DesignError as error:
-        faults += error.faults
-    away = math.inf  # looked for once the wedge is known
-    try:
+    with faults.kept():
         if str(given["distance"]).strip() != WORST:
             away = words.above_zero(given["distance"], "length", "crack distance", "E121", where)
-    except DesignError as error:
-        faults += error.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return Crack(orientation, away)
 
 
