@@ -9,7 +9,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.design.common import Design
 from slopekit.design.document import read_document
 from slopekit.design.fields import field_at, in_degrees, structure_of
@@ -39,21 +39,18 @@ def load(
     DesignError
         With every fault found.
     """
-    faults = list[Fault]()
+    faults = Faults()
     if isinstance(source, Mapping):
         document = with_overrides(document_from(source), overrides)
     else:
-        document, faults = read_document(source, overrides)
-    design = None
-    try:
-        design = _set_over(source, overrides, document)
-    except DesignError as error:
-        faults += error.faults
+        document, wrong = read_document(source, overrides)
+        faults += wrong
+    design = faults.of(_set_over, source, overrides, document)
     if document.root.get("cases") is not None:
         from slopekit.design import cases  # most designs have none
 
-        document, load_cases, wrong = cases.read_cases(document, faults, design_of)
-        faults += wrong
+        document, load_cases, of_cases = cases.read_cases(document, faults, design_of)
+        faults += of_cases
         design = None if design is None else replace(design, source=document, cases=load_cases)
     if faults or design is None:
         raise DesignError(dict.fromkeys(faults))
@@ -94,17 +91,13 @@ def load_document_design(document: Document, faults: Sequence[Fault] = ()) -> De
     DesignError
         With every fault found.
     """
-    every = list(faults)
+    every = Faults(faults)
     if document.root.get("cases") is not None:
         from slopekit.design import cases
 
         document, _, wrong = cases.read_cases(document, every, design_of)
         every += wrong
-    design = None
-    try:
-        design = design_of(document)
-    except DesignError as error:
-        every += error.faults
+    design = every.of(design_of, document)
     if every or design is None:
         raise DesignError(dict.fromkeys(every))
     return design

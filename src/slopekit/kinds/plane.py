@@ -134,9 +134,7 @@ def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
         whole = section_of(replace(design, crack=None))
     except GeometryError:
         return replace(design, crack=None)  # which says the same where it is cut
-    crest = design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
-
-    return worst_crack.with_worst_crack(design, ON_ARRAYS, -float(whole.bottom[0]) - crest, place)
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, -float(whole.bottom[0]) + _crest_x(design), place)
 
 
 def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
@@ -191,10 +189,14 @@ def compared(design: PlaneDesign) -> ClosedForm:
     return replace(closed_form(design), why_not=DILATES if design.strength.dilation_deg else "")
 
 
-def _signed_dip(plane: Plane, face: Plane) -> float:
-    """Dip, positive where the plane dips the way of the face."""
-    same = math.cos(math.radians(plane.dip_direction_deg - face.dip_direction_deg)) >= 0.0
-    return plane.dip_deg if same else -plane.dip_deg
+def _signed_dip(plane: Plane, face: Plane) -> Any:
+    """Dip, positive where the plane dips the way of the face; of planes whose angles may be arrays."""
+    return _signed(plane.dip_deg, plane.dip_direction_deg, face.dip_direction_deg)
+
+
+def _signed(dip: Any, direction: Any, face: Any) -> Any:
+    same = np.cos(np.radians(np.subtract(direction, face))) >= 0.0
+    return np.where(same, dip, np.negative(dip))
 
 
 def section_of(design: PlaneDesign) -> PlaneSection:
@@ -206,7 +208,8 @@ def section_of(design: PlaneDesign) -> PlaneSection:
             raise GeometryError([Fault("E213", message, "", "With a second joint it may form a wedge: kind: wedge.")])
     crack = design.crack
     return plane_section(
-        _signed_dip(design.joint, design.face), design.face.dip_deg, _signed_dip(design.upper, design.face),
+        float(_signed_dip(design.joint, design.face)), design.face.dip_deg,
+        float(_signed_dip(design.upper, design.face)),
         design.height_m, crack.depth_m if crack else None, crack.distance_m if crack else None,
     )  # fmt: skip
 
@@ -237,11 +240,11 @@ def _water(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
 def _ground(design: PlaneDesign, section: PlaneSection) -> "ground_water.LocalSlope":
     from slopekit.kinds import ground_water
 
-    upper, face = (math.radians(_signed_dip(plane, design.face)) for plane in (design.upper, design.face))
+    upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
-    crest = [-design.height_m / math.tan(face) if design.face.dip_deg < 90.0 else 0.0, 0.0, design.height_m]
+    offsets = np.array([0.0, float(normals[1] @ crest_point(design))])
     return ground_water.LocalSlope(
-        section.block, (J1, CRACK), (FACE, UPPER), normals, np.array([0.0, float(normals[1] @ crest)]),
+        section.block, (J1, CRACK), (FACE, UPPER), normals, offsets,
         _axes(design.face), np.array([-1.0, 0.0, 0.0]), in_section=True,
     )  # fmt: skip
 
@@ -357,8 +360,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     plane, face, upper = (given.pop(f"{name}_direction") for name in ("plane", "face", "upper"))
     across = _strikes_across(given["plane_dip_deg"], plane, face) | _strikes_across(given["upper_dip_deg"], upper, face)
     for name, direction in (("plane", plane), ("upper", upper)):
-        dip = np.asarray(given[f"{name}_dip_deg"])
-        given[f"{name}_dip_deg"] = np.where(np.cos(np.radians(np.subtract(direction, face))) >= 0.0, dip, -dip)
+        given[f"{name}_dip_deg"] = _signed(given[f"{name}_dip_deg"], direction, face)
     k, trend = given.pop("k"), given.pop("trend")
     given["seismic"] = k if trend is None else k * np.cos(np.radians(np.subtract(trend, face)))
     east, north, up = (given.pop(f"force_{name}") for name in ("east", "north", "up"))
@@ -385,11 +387,8 @@ def bounds(design: PlaneDesign) -> Bounds:
     """The planes that bound the block, all along the slope as the section has them; signs as `section_of`."""
     turned = np.radians(np.atleast_1d(design.face.dip_direction_deg))
     out = np.stack([np.sin(turned), np.cos(turned), np.zeros_like(turned)], axis=-1)
-    tangents = []
-    for plane in (design.joint, design.face, design.upper):
-        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
-        tangents.append(np.tan(np.radians(np.atleast_1d(plane.dip_deg))) * np.where(same, 1.0, -1.0))
-    slide, face, upper = tangents
+    planes = (design.joint, design.face, design.upper)
+    slide, face, upper = (np.tan(np.radians(np.atleast_1d(_signed_dip(plane, design.face)))) for plane in planes)
     height = np.atleast_1d(design.height_m)
     crest = -height / face  # out of the slope; the ground behind it falls with `upper`
     lines: list[tuple[Any, Any]] = [(slide, 0.0), (face, 0.0), (upper, height + upper * crest)]  # up + tangent * out
@@ -430,11 +429,8 @@ def _extents(design: PlaneDesign, distance_m: Any) -> "PlaneSizes":
     """The sizes with a crack so far behind the crest, or without one (None)."""
     from slopekit.closed_form.sizes import plane_sizes
 
-    dips = []
-    for plane in (design.joint, design.upper):
-        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
-        dips.append(np.where(same, plane.dip_deg, np.negative(plane.dip_deg)))
-    return plane_sizes(dips[0], design.face.dip_deg, dips[1], design.height_m, distance_m)
+    slide, upper = (_signed_dip(plane, design.face) for plane in (design.joint, design.upper))
+    return plane_sizes(slide, design.face.dip_deg, upper, design.height_m, distance_m)
 
 
 def crack_reach(design: PlaneDesign) -> Floats:
@@ -512,7 +508,7 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     yield loads_part([*([] if design.water.mode == TABLE else water_in_words(design) or in_crack), *own], result)
 
 
-KIND = kind_of_one_block(
+KIND = replace(kind_of_one_block(
     "plane", PlaneDesign, read_plane,
     Words(
         "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
@@ -520,5 +516,5 @@ KIND = kind_of_one_block(
         {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, has_site=True, crest_point=crest_point, in_section=_in_section,
-)  # fmt: skip
+    on_arrays=ON_ARRAYS,
+), has_site=True, crest_point=crest_point, in_section=_in_section)  # fmt: skip

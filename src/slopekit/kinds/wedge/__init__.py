@@ -378,11 +378,9 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     """
     if design.basal is not None:
         return None
-    normals, _, crest, offset = crest_of(design)
-    line = np.cross(normals[0], normals[1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        back = line * (offset / (normals[3] * line).sum(axis=-1))[:, None]
-    reach_m: Floats = np.sqrt(((back - crest) ** 2).sum(axis=-1))
+    from slopekit.kinds.wedge import limits
+
+    reach_m: Floats = limits.fitted(design).sizes.upper_trace1_m
     return reach_m
 
 
@@ -588,10 +586,10 @@ _ON_THREE = replace(
     },
 )  # fmt: skip
 
-KIND = kind_of_one_block(
+KIND = replace(kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
-    variants={"basal": _ON_THREE}, without_basal=_without_basal,
+    on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
+), has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
     drawn_planes=lambda design: (f"joints.{design.joint_names[0]}.plane", f"joints.{design.joint_names[1]}.plane"),
 )  # fmt: skip
