@@ -195,6 +195,18 @@ class Faults(list[Fault]):
             raise DesignError(self)
 
 
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
+    """An advice for a name that is not known: the nearest that is, else another.
+
+    >>> did_you_mean("hieght", ["height", "face"]), did_you_mean("x", ["height"], "Known: height.")
+    ('Did you mean height?', 'Known: height.')
+    """
+    from difflib import get_close_matches  # what has no slip does not pay for it
+
+    near = get_close_matches(name, list(known), n=1, cutoff=cutoff)
+    return f"Did you mean {near[0]}?" if near else otherwise
+
+
 @contextmanager
 def writing(path: object, what: str = "") -> Iterator[None]:
     """E129 where what is done within cannot write to a path, or to `what` it is."""

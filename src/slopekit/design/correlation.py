@@ -1,12 +1,11 @@
 """The rank correlation between what scatters, as a design file gives it: `correlation: {J1.phi/J2.phi: 0.8}`."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.errors import Fault, Faults
+from slopekit.core.errors import Fault, Faults, did_you_mean
 from slopekit.core.orientation import number
 from slopekit.design.common import Pair
 from slopekit.design.copula import EIGENVALUE_TOLERANCE, nearest_ranks, smallest_eigenvalue
@@ -117,11 +116,8 @@ def _coefficient(node: Node, key: str, faults: Faults) -> float | None:
 
 
 def _unknown_name(name: str, names: Mapping[str, Named], where: str) -> Fault:
-    near = get_close_matches(name, names, n=1)
     scattering = f"These scatter: {', '.join(list(names)[:_SHOWN_NAMES])}."
-    advice = (
-        f"Did you mean {near[0]}?" if near else scattering if names else "Nothing in this design is a distribution."
-    )
+    advice = did_you_mean(name, names, scattering if names else "Nothing in this design is a distribution.")
     return Fault("E168", f"{name} is not a value that scatters in this design", where, advice)
 
 

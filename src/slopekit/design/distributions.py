@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import field
-from difflib import get_close_matches
 from typing import Literal, TypeAlias, cast
 
-from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Line, Plane, number, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
@@ -260,8 +259,7 @@ def _dist(node: Node, name: str) -> str:
     if text.lower() in PARAMETERS:
         return text.lower()
     where = str(given.key_place if given is not None else node.place)
-    near = get_close_matches(text.lower(), PARAMETERS, n=1)
-    advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(PARAMETERS)}."
+    advice = did_you_mean(text.lower(), PARAMETERS, f"Known: {', '.join(PARAMETERS)}.")
     shown = repr(text) if text else "not named"
     raise DesignError([Fault("E165", f"the distribution of {name} is {shown}, which is not known", where, advice)])
 
@@ -271,8 +269,7 @@ def _wrong_parameters(node: Node, dist: str, name: str) -> Iterator[Fault]:
     for key, given in node.items():
         if key in (*needed, *further, "dist"):
             continue
-        near = get_close_matches(key, (*needed, *further), n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"Write {_EXAMPLES[dist]}."
+        advice = did_you_mean(key, (*needed, *further), f"Write {_EXAMPLES[dist]}.")
         if dist == "normal" and key == "mode":
             advice = f"A mode belongs to {_EXAMPLES['triangular']}."
         yield Fault("E185", f"{dist} has no {key} ({name})", str(given.key_place), advice)

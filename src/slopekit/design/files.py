@@ -6,10 +6,9 @@ Every value keeps its place, so that each fault names its line and column, whate
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.design.common import Design
 from slopekit.design.document import read_document
 from slopekit.design.fields import field_at, in_degrees, structure_of
@@ -188,8 +187,7 @@ def _kind(root: Node) -> str:
         message = "kind is one word, not a list or keys" if many else "kind is missing: it says what the design is"
         raise DesignError([Fault("E175", message, where, f"Known: {known}.")])
     if node.text not in KINDS:
-        near = get_close_matches(node.text.lower(), KINDS, n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"Known: {known}."
+        advice = did_you_mean(node.text.lower(), KINDS, f"Known: {known}.")
         raise DesignError([Fault("E175", f"{node.text} is not a kind of design", str(node.place), advice)])
     return node.text
 

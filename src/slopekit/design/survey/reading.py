@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal
 
-from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import (
     Plane,
     azimuth_of,
@@ -148,8 +148,8 @@ class _Reader:
         if self.given is not None:
             self.convention = convention_of(self.given)
             if self.convention is None:
-                near = get_close_matches(self.given.lower(), STRIKE_TO_DIP_DIRECTION, n=1)
-                advice = f"Did you mean {near[0]}?" if near else "It is right-hand-rule or left-hand-rule."
+                rules = "It is right-hand-rule or left-hand-rule."
+                advice = did_you_mean(self.given.lower(), STRIKE_TO_DIP_DIRECTION, rules)
                 fail("E192", f"the strike convention {self.given!r} is not known", self.name, advice)
         if not self.table.rows:
             advice = "The first line names the columns: name,dip,dip_direction."

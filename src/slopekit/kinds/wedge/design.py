@@ -4,10 +4,9 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -445,8 +444,7 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
     values = {key: _plain(value) for key, value in given.items() if value is not None}
     for key in values:
         if key not in _KNOWN:
-            near = get_close_matches(key, _KNOWN, n=1)
-            advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(_KNOWN)}."
+            advice = did_you_mean(key, _KNOWN, f"Known: {', '.join(_KNOWN)}.")
             faults.append(Fault("E128", f"{key} is not an input of a wedge", key, advice))
     for name, plane in zip(("J1", "J2"), _both_joints(values.get("dips"), option, faults), strict=False):
         put(f"joints.{name}.plane", node("dips", plane))
@@ -536,8 +534,7 @@ def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) 
         faults.append(Fault("E394", message, f"{option('limits')} {words.shown(value)}", advice))
     known = [field.path for field in fields_of(SizeLimits).values()]
     for key in [key for key in limits if key not in known]:
-        near = get_close_matches(key, known, n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(known)}."
+        advice = did_you_mean(key, known, f"Known: {', '.join(known)}.")
         faults.append(
             Fault("E394", f"{key} is no limit of size", f"{option('limits')} {key}={limits.pop(key)}", advice)
         )
