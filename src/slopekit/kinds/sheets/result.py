@@ -1,10 +1,12 @@
 """The sheet of a result: one design on one screen, 100 columns, no colour needed. Never a bare factor of safety."""
 
 from collections.abc import Iterable, Iterator
+from operator import attrgetter
 
 from slopekit._version import __version__
 from slopekit.core.orientation import line_of
-from slopekit.core.sheet import Section, Sheet
+from slopekit.core.sheet import Column, Section, Sheet, Table
+from slopekit.design.parts import FactoredNumber, PartialFactors
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.sheets import shared
 from slopekit.kinds.sheets.shared import Factor
@@ -26,9 +28,7 @@ def sheet_of(result: Result) -> Sheet:
 
         own = sections_of_many(result, result.findings)
     if result.design.partial is not None:
-        from slopekit.kinds.sheets.partial_factors import partial_factors
-
-        slope = (*slope, partial_factors(result.design.partial))
+        slope = (*slope, _partial_factors(result.design.partial))
     if not result.design.bolts:  # most designs have none: they load nothing of it
         return Sheet(head, (*slope, *own))
     from slopekit.core.codec import json_of
@@ -148,3 +148,21 @@ def _defaults(result: Result) -> list[str]:
     if "seismic.trend" in names:
         parts.append(f"seismic trend ({result.words.seismic})")
     return ["; ".join(parts)]
+
+
+def _partial_factors(given: PartialFactors) -> Section:
+    """Whose factors they are, what they have made, and how to read the factor of safety."""
+    columns: list[Column[FactoredNumber]] = [
+        Column("of", attrgetter("what"), "what", width=-47),
+        Column("characteristic", attrgetter("characteristic"), "characteristic", show=".5g", width=14),
+        Column("factor", _factor, "factor", width=9),
+        Column("design", attrgetter("design"), "design", show=".5g", width=10),
+        Column(" unit", attrgetter("unit"), "unit", width=-1, about=" {}"),
+    ]
+    said = given.called + (f" ({given.source})" if given.source else "")
+    end = "all numbers above are design values, and FoS is the over-design factor: 1 is enough"
+    return Section("FACTORED", [f"{said}: {end}", Table(columns, given.table)])
+
+
+def _factor(row: FactoredNumber) -> str:
+    return "" if row.factor is None else f"{'/' if row.divided else 'x'} {row.factor:.4g}"
