@@ -162,17 +162,16 @@ def read_bench(reader: Reader) -> BenchDesign:
     sets = reader.at("sets")
     names = [name for name, _ in sets.items()] if sets is not None else []
     by_name = named_pressures(reader, names, "{S1: 5 kPa}")
-    own["sets"] = _sets(reader, by_name)
+    own["sets"] = tuple(_sets(reader, by_name))
     toward = 0.0 if face is None else face.dip_direction_deg
     shared = common(reader, None, False, toward, [one.pressure_kpa for one in own["sets"]])
     return reader.made(BenchDesign, shared, own, read_ground_water(reader)[0])
 
 
-def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...]:
+def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
     """The joint sets that can be read: E134 spacing, E135 scatter, E136 the same set twice."""
     named = reader.names("sets")
     strengths = strength_names(reader, [(name, below.get("strength"), below) for name, below in named])
-    sets: list[JointSetInput] = []
     seen: dict[tuple[float, ...], str] = {}
     wanted = [name for name in fields_of(JointSetInput) if name != "strength"]
     for (name, below), strength in zip(named, strengths, strict=True):
@@ -185,10 +184,7 @@ def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...
             message = f"{name} has the planes of {seen[key]}: the same orientation, spacing and offset"
             reader.fault("E136", message, below, "Leave it out, or give it an offset.")
         seen.setdefault(key, name)
-        sets.append(
-            JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
-        )
-    return tuple(sets)
+        yield JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
 
 
 def cut(design: BenchDesign) -> AssemblyScene:

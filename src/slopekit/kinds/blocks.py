@@ -160,7 +160,7 @@ def read_blocks(reader: Reader) -> BlocksDesign:
         shared,
         read_ground_water(reader)[0],
         blocks=sound,
-        surcharges_kpa=read_surcharges(reader, moves),
+        surcharges_kpa=tuple(read_surcharges(reader, moves)),
         default_strength=default,
         interfaces=interfaces,
         pressures_kpa=water,

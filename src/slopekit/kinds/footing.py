@@ -216,10 +216,10 @@ def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
 
 
 def _changes(design: FootingDesign) -> Iterator[tuple[str, FootingDesign]]:
-    yield ("load +10 %", replace(design, load_kn=design.load_kn * 1.1))
+    yield "load +10 %", replace(design, load_kn=design.load_kn * 1.1)
     yield from [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
     if design.dip_deg < 88.0:
-        yield ("dip +1°", replace(design, dip_deg=design.dip_deg + 1.0))
+        yield "dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)
 
 
 def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:

@@ -267,7 +267,7 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
 
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
-        series = series_of(model, design.factors, stiffness, bound)
+        series = tuple(series_of(model, design.factors, stiffness, bound))
     return Solved(
         scene, analysis, found_limit.refined, found_limit.change, bound, at_rest, pairs, series, found_limit.rules, span
     )

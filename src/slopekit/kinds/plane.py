@@ -455,11 +455,11 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
 def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
     if design.water.mode != TABLE and (design.water.mode == "dry" or design.water.fill < 1.0):
         crack = None if design.crack is None else replace(design.crack, water_m=None)
-        yield ("full water", replace(design, water=Water("full", 1.0), crack=crack))
+        yield "full water", replace(design, water=Water("full", 1.0), crack=crack)
     yield from [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
-        yield (f"dip of {design.joint_name} +1°", replace(design, joint=dipping))
+        yield f"dip of {design.joint_name} +1°", replace(design, joint=dipping)
 
 
 def _notices(design: PlaneDesign) -> Iterator[Notice]:

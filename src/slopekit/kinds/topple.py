@@ -172,7 +172,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
     shared = common(reader, names, True, _WESTWARD, water)
     return reader.made(
         ToppleDesign, own, shared, read_ground_water(reader)[0], base=base, sides=sides, pressures_kpa=water,
-        surcharges_kpa=read_surcharges(reader, names),
+        surcharges_kpa=tuple(read_surcharges(reader, names)),
     )  # fmt: skip
 
 

@@ -426,7 +426,7 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
 def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
         without = replace(design, crack_water_m=None)
-        yield ("full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
+        yield "full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=()))
     one_for_all = len(set(design.strengths)) == 1
     for strength in dict.fromkeys(design.strengths):
         held = zip(("J1", "J2", "basal"), design.strengths, strict=False)
@@ -437,18 +437,18 @@ def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
     is_straight = not any((*design.laws, *design.made_of))
     phi, c = design.friction_angle_deg, design.cohesion_kpa
     if is_straight and max(phi) < 88.0:
-        yield ("φ +1°", replace(design, friction_angle_deg=tuple(own + 1.0 for own in phi)))
+        yield "φ +1°", replace(design, friction_angle_deg=tuple(own + 1.0 for own in phi))
     if is_straight and any(c):
-        yield ("c +10 %", replace(design, cohesion_kpa=tuple(own * 1.1 for own in c)))
+        yield "c +10 %", replace(design, cohesion_kpa=tuple(own * 1.1 for own in c))
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
             joints = (steeper, design.joints[1]) if k == 0 else (design.joints[0], steeper)
-            yield (f"dip of J{k + 1} +1°", replace(design, joints=joints))
+            yield f"dip of J{k + 1} +1°", replace(design, joints=joints)
     if design.basal is not None and design.basal.plane.dip_deg <= 89.0:
         plane = design.basal.plane
         under = replace(design.basal, plane=Plane(plane.dip_deg + 1.0, plane.dip_direction_deg))
-        yield ("dip of basal +1°", replace(design, basal=under))
+        yield "dip of basal +1°", replace(design, basal=under)
 
 
 # -- reading the answer -------------------------------------------------------------------------------
