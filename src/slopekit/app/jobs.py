@@ -19,7 +19,7 @@ from typing import Any
 from slopekit.app import answers
 from slopekit.app.messages import bug, of_numpy, wrong
 from slopekit.app.session import Moment
-from slopekit.core.errors import Fault, SlopekitError
+from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.onlooker import onlooker
 from slopekit.core.options import Advance, Workplace
 from slopekit.core.records import dataclass
@@ -329,7 +329,8 @@ class Jobs:
             raise wrong(f"{what!r} is no job: {', '.join(WHAT)}")
         with self.lock:
             if self.running:
-                raise wrong("another job runs already", "Wait for it, or cancel it.", "E544")
+                advice = "Wait for it, or cancel it."
+                raise DesignError([Fault("E544", "another job runs already", "", advice)])
             self.number += 1
             self.running = number = self.number
             helper = self._ready()
@@ -352,7 +353,7 @@ class Jobs:
         """
         with self.lock:
             if not number or number != self.running:
-                raise wrong("this job does not run", "", "E544")
+                raise DesignError([Fault("E544", "this job does not run")])
             self.cancelled.add(number)
             helper, self.helper = self.helper, None
         if helper is not None:
