@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.kinds.wedge import basal, bounds
+from slopekit.kinds.wedge import bounds, shape_of
 from tests.kinds.test_basal import TROUGH, put
 
 FILE = "templates/wedge-basal.yaml"
@@ -36,7 +36,7 @@ def test_a_drowned_block_has_its_weight_in_water() -> None:
 
 def test_the_bounds_of_bolts_are_the_faces_of_the_block() -> None:
     design = sk.load(FILE)
-    found, block = bounds(design), basal.block_of(design)
+    found, block = bounds(design), shape_of(design).block
     over = found.outward[:, 0] @ block.corners.T - found.offsets
     assert over.max() < 1e-9
     assert np.abs(over).min(axis=1) == pytest.approx(0.0, abs=1e-9)  # each plane has a corner of the block

@@ -19,7 +19,7 @@ from slopekit.design.templates import folder
 from slopekit.findings import AssemblyGeometry, BlockMotion
 from slopekit.kinds.bench import BenchDesign
 from slopekit.kinds.bench import cut as cut_bench
-from slopekit.kinds.many_blocks_sizes import with_sizes
+from slopekit.kinds.many_blocks_states import with_sizes
 from slopekit.kinds.wedge import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.result import Result

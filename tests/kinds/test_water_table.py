@@ -8,7 +8,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError, MisfitError
-from slopekit.exchange.losses import lost_of_strength_and_water
+from slopekit.exchange.split import lost_of_strength_and_water
 from slopekit.geometry.pressure import Height, Pressure, in_strips, under_planes
 from slopekit.kinds import kind_named
 

@@ -16,7 +16,7 @@ from slopekit.design.templates import path_of
 from slopekit.views import rendering
 from slopekit.views.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
 from slopekit.views.rendering import Camera
-from slopekit.views.scene_parts import balanced, resultants
+from slopekit.views.scene_parts import resultants
 from slopekit.views.scenes import SCENES, SceneOptions, compose, draw
 from slopekit.views.stage import Stage
 
@@ -135,7 +135,7 @@ def test_each_flank_of_a_column_has_its_own_force() -> None:
 
 def test_forces_are_shown_of_blocks_in_equilibrium() -> None:
     stage = Stage.of(document("wall"))
-    assert balanced(stage).sum() == stage.free.sum()
+    assert stage.balanced.sum() == stage.free.sum()
     changed = document("wall") | {
         "scene": document("wall")["scene"] | {"pairs": dict(document("wall")["scene"]["pairs"])}
     }
@@ -143,7 +143,7 @@ def test_forces_are_shown_of_blocks_in_equilibrium() -> None:
     halved = scene.pairs.normal_kn.copy()
     halved[scene.pairs.plus == scene.pairs.plus[0]] *= 0.5
     changed["scene"]["pairs"]["normal_kn"] = packed(halved)
-    assert not balanced(Stage.of(changed))[scene.pairs.plus[0]]
+    assert not Stage.of(changed).balanced[scene.pairs.plus[0]]
 
 
 def test_displacement_is_magnified_as_said() -> None:

@@ -119,6 +119,12 @@ class Desk:
         if self.warm:
             self.slow.submit(self.jobs.warm, self.session.design.kind)
 
+    def show(self, link: "Link") -> None:
+        """Send a page and the others the design with its controls."""
+        self.shape = self.structure()
+        link.send(self.design())
+        self.also_send(link, self.design())
+
     def also_send(self, but: "Link", message: Message) -> None:
         """Tell the other pages that are open."""
         for link in self.links:

@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from slopekit.app import answers
-from slopekit.app.messages import bug, of_numpy
+from slopekit.app.messages import bug, of_numpy, wrong
 from slopekit.app.session import Moment
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.onlooker import onlooker
@@ -53,14 +53,10 @@ def run_job(what: str, moment: Moment, options: Mapping[str, Any], tell: Tell) -
         E541 for options that are none, and what studies raise. GeometryError where no block can be formed.
     """
     if what not in WHAT:
-        raise _wrong(f"{what!r} is no job: {', '.join(WHAT)}")
+        raise wrong(f"{what!r} is no job: {', '.join(WHAT)}")
     return {"analyse": _analyse, "curve": _curve, "probability": _probability, "support": _support}[what](
         moment, options, tell
     )
-
-
-def _wrong(message: str) -> DesignError:
-    return DesignError([Fault("E541", message)])
 
 
 def _analyse(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
@@ -101,14 +97,14 @@ def number_in(options: Mapping[str, Any], name: str, default: float | None) -> f
     if value is None:
         return default
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise _wrong(f"{name} is no number")
+        raise wrong(f"{name} is no number")
     return float(value)
 
 
 def _whole(options: Mapping[str, Any], name: str, default: int, least: int, most: int) -> int:
     value = number_in(options, name, default)
     if value is None or value != int(value) or not least <= value <= most:
-        raise _wrong(f"{name} is a whole number from {least} to {most}")
+        raise wrong(f"{name} is a whole number from {least} to {most}")
     return int(value)
 
 
@@ -118,7 +114,7 @@ def _curve(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
 
     path = options.get("path")
     if not isinstance(path, str):
-        raise _wrong("curve needs a path")
+        raise wrong("curve needs a path")
     key = key_of(moment.design, path)
     least, most = reach(key)
     low, high = number_in(options, "low", least), number_in(options, "high", most)
@@ -126,7 +122,7 @@ def _curve(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     assert low is not None
     assert high is not None
     if not low < high:
-        raise _wrong("the curve ends before it begins")
+        raise wrong("the curve ends before it begins")
     steps = [low + (high - low) * k / (count - 1) for k in range(count)]
     values = [float(f"{step:.10g}") for step in steps]
     if key.whole:
@@ -147,7 +143,7 @@ def _scattered(moment: Moment, options: Mapping[str, Any]) -> dict[str, object]:
     """What is put into the design so that its numbers scatter as the page says."""
     given = options.get("scatter") or {}
     if not isinstance(given, Mapping):
-        raise _wrong("scatter is {path: {dist: normal, sd: 2}}")
+        raise wrong("scatter is {path: {dist: normal, sd: 2}}")
     scatter: dict[str, object] = {}
     for called, how in given.items():
         path = str(called).removesuffix(".mean")
@@ -156,7 +152,7 @@ def _scattered(moment: Moment, options: Mapping[str, Any]) -> dict[str, object]:
             scatter |= values_of(moment.design, [key], [key.value or 0.0])
             continue
         if not isinstance(how, Mapping) or not set(how) <= set(_DISTRIBUTION_KEYS):
-            raise _wrong(f"the scatter of {path} has other keys than {', '.join(_DISTRIBUTION_KEYS)}")
+            raise wrong(f"the scatter of {path} has other keys than {', '.join(_DISTRIBUTION_KEYS)}")
         key = key_of(moment.design, path)
         made = {name: value for name, value in how.items() if value is not None}
         if made.get("dist") in ("normal", "lognormal") and "mean" not in made and key.value is not None:
@@ -330,7 +326,7 @@ class Jobs:
             E544 while another runs, E541 for what is no job.
         """
         if what not in WHAT:
-            raise _wrong(f"{what!r} is no job: {', '.join(WHAT)}")
+            raise wrong(f"{what!r} is no job: {', '.join(WHAT)}")
         with self.lock:
             if self.running:
                 advice = "Wait for it, or cancel it."

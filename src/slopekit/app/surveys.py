@@ -16,7 +16,7 @@ strength:
 import json
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -113,7 +113,7 @@ def dropped(
                 "set": joint.set_name or None,
             } for joint in joints.joints
         ],
-        "sets": _sets(joints), "pairs": [], "left_out": list(survey.left_out), "notices": notices, "faults": [],
+        "sets": list(_sets(joints)), "pairs": [], "left_out": list(survey.left_out), "notices": notices, "faults": [],
     }  # fmt: skip
     face = getattr(design, "face", None)
     if not isinstance(face, Plane) or len(joints) < 2:
@@ -131,7 +131,7 @@ def dropped(
     except DesignError as error:
         said["faults"] = [answers.fault_of(fault) for fault in error.faults]
         return Dropped(joints, None, said)
-    said["pairs"] = _pairs(combinations)
+    said["pairs"] = list(_pairs(combinations))
     said["counts"] = combinations.counts
     said["notices"] += [answers.notice_of(one) for one in combinations.warnings]
     return Dropped(joints, combinations, said)
@@ -146,9 +146,8 @@ def _strength(design: Design) -> tuple[float, float]:
     return 0.0, 30.0
 
 
-def _sets(joints: JointList) -> list[dict[str, Any]]:
+def _sets(joints: JointList) -> Iterator[dict[str, Any]]:
     """The sets that the survey names, each by the mean of its normals."""
-    sets = []
     for name in joints.sets():
         own = [joint.plane for joint in joints.joints if joint.set_name == name]
         poles = normals(np.array([one.dip_deg for one in own]), np.array([one.dip_direction_deg for one in own]))
@@ -156,24 +155,21 @@ def _sets(joints: JointList) -> list[dict[str, Any]]:
         mean = poles.sum(axis=0)
         east, north, up = (mean if mean[2] >= 0.0 else -mean).tolist()
         dip, way = math.degrees(math.atan2(math.hypot(east, north), up)), math.degrees(math.atan2(east, north))
-        sets.append({"name": name, "dip": dip, "dip_direction": way % 360.0, "count": len(own)})
-    return sets
+        yield {"name": name, "dip": dip, "dip_direction": way % 360.0, "count": len(own)}
 
 
-def _pairs(combinations: Combos) -> list[dict[str, Any]]:
+def _pairs(combinations: Combos) -> Iterator[dict[str, Any]]:
     """The pairs that form a wedge, the worst first; those that PRE-IE has looked at by its factor."""
     looked = {pair.index: pair for pair in combinations.worst}
     pairs, joints = combinations.pairs, combinations.joints.joints
-    said = []
     for number in pairs.ranked()[:_MOST_PAIRS].tolist():
         one, two = (joints[int(of[number])] for of in (pairs.shapes.first, pairs.shapes.second))
         status, factor = PAIR_OUTCOMES[int(pairs.outcome[number])], float(pairs.factor[number])
         by, fos = "closed form", factor if np.isfinite(factor) else None
         if number in looked:
             by, fos, status = "PRE-IE", looked[number].limit, looked[number].status
-        said.append({
+        yield {
             "n": number, "names": [one.name, two.name], "planes": [str(one.plane), str(two.plane)], "fos": fos,
             "status": status, "words": status_text("wedge", status), "by": by,
             "agree": looked[number].agree if number in looked else None, "volume_m3": float(pairs.volume_m3[number]),
-        })  # fmt: skip
-    return said
+        }  # fmt: skip

@@ -20,21 +20,16 @@ def _set(link: Link, message: Message) -> None:
     desk.session.set(values, final)
     if final:
         desk.changed()
-    if not desk.session.now.faults and (shape := desk.structure()) != desk.shape:
-        desk.shape = shape
-        link.send(desk.design())
-        desk.also_send(link, desk.design())
+    if not desk.session.now.faults and desk.structure() != desk.shape:
+        desk.show(link)
     desk.ask(link, message, final, {"values": desk.session.values_at(values)})
 
 
 def _changed(link: Link, message: Message) -> None:
     """Send the controls, and ask for an answer."""
-    desk = link.desk
-    desk.shape = desk.structure()
-    desk.changed()
-    link.send(desk.design())
-    desk.also_send(link, desk.design())
-    desk.ask(link, message)
+    link.desk.changed()
+    link.desk.show(link)
+    link.desk.ask(link, message)
 
 
 def _undo(link: Link, message: Message) -> None:
@@ -191,11 +186,9 @@ def _save(link: Link, message: Message) -> None:
     target = saving.save(desk.session, _file_of(message), text_of(message, "seen"))
     if desk.last_moment is not None and desk.last_moment.rev == desk.session.rev:
         desk.last_moment = desk.session.now
-    desk.shape = desk.structure()
     desk.changed()
     link.answer(message, {"file": str(target)})
-    link.send(desk.design())
-    desk.also_send(link, desk.design())
+    desk.show(link)
 
 
 def _handover(link: Link, message: Message) -> None:

@@ -178,8 +178,7 @@ def _check_design(
     of_its_own = f"--{chosen}" in alone
     if of_its_own != (given["design"] is None):
         message = f"{name} takes a design file or {' or '.join(alone)}" + (", not both" if of_its_own else "")
-        advice = f"slopekit {name} my.yaml, or slopekit {name} {alone[0]}"
-        raise DesignError([Fault("E270", message, "", advice)])
+        raise DesignError([Fault("E270", message, "", f"slopekit {name} my.yaml, or slopekit {name} {alone[0]}")])
     if of_its_own and (given["sets"] or given["case"] or given.get("picture")):
         message = f"--set, --case and --picture belong to a design file, --{chosen} takes none of them"
         raise DesignError([Fault("E271", message)])

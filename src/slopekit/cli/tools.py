@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from slopekit.cli.progress import watched
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, writing
 
 
 def _template_names(incomplete: str) -> list[str]:
@@ -66,14 +66,10 @@ def new_template(
     path = Path(target or source.name)
     if not path.parent.is_dir():
         raise DesignError([Fault("E129", f"there is no folder {path.parent}", str(path))])
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(source.read_text(encoding="utf-8"))
-    except FileExistsError:
-        raise DesignError([Fault("E178", f"{path} is there already", str(path), "Give another name.")]) from None
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+    if path.exists():
+        raise DesignError([Fault("E178", f"{path} is there already", str(path), "Give another name.")])
+    with writing(path), path.open("x", encoding="utf-8") as file:
+        file.write(source.read_text(encoding="utf-8"))
     typer.echo(f"wrote {path}; try: slopekit run {quote(str(path))}")
 
 

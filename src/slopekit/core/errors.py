@@ -7,11 +7,12 @@ texts that `slopekit explain CODE` prints stand in `messages.toml` and load only
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
-from typing import TypeVar
+from typing import ParamSpec, TypeVar
 
 from slopekit.core.records import dataclass
 
 T = TypeVar("T")
+P = ParamSpec("P")
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,16 +181,30 @@ class Faults(list[Fault]):
         except DesignError as error:
             self += error.faults
 
-    def of(self, read: Callable[[], T]) -> T | None:
-        """What `read` returns; None where it raises, its faults kept."""
-        with self.kept():
-            return read()
-        return None
+    def of(self, read: Callable[P, T], *args: P.args, **more: P.kwargs) -> T | None:
+        """What `read` returns of these; None where it raises, its faults kept."""
+        try:
+            return read(*args, **more)
+        except DesignError as error:
+            self += error.faults
+            return None
 
     def refuse(self) -> None:
         """Raise DesignError with all of them, if there are any."""
         if self:
             raise DesignError(self)
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
+    """An advice for a name that is not known: the nearest that is, else another.
+
+    >>> did_you_mean("hieght", ["height", "face"]), did_you_mean("x", ["height"], "Known: height.")
+    ('Did you mean height?', 'Known: height.')
+    """
+    from difflib import get_close_matches  # what has no slip does not pay for it
+
+    near = get_close_matches(name, list(known), n=1, cutoff=cutoff)
+    return f"Did you mean {near[0]}?" if near else otherwise
 
 
 @contextmanager

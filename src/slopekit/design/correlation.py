@@ -1,17 +1,15 @@
 """The rank correlation between what scatters, as a design file gives it: `correlation: {J1.phi/J2.phi: 0.8}`."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import Fault, Faults, did_you_mean
 from slopekit.core.orientation import number
-from slopekit.core.units import quantity
 from slopekit.design.common import Pair
 from slopekit.design.copula import EIGENVALUE_TOLERANCE, nearest_ranks, smallest_eigenvalue
-from slopekit.design.distributions import Fisher, Variable
+from slopekit.design.distributions import Fisher, Variable, number_of
 from slopekit.design.nodes import Node
 from slopekit.design.structure import ANGLES
 
@@ -43,7 +41,7 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
     if not node.is_mapping and node.value is not None:
         advice = "Write correlation: {J1.phi/J2.phi: 0.8}"
         return (), [Fault("E144", "correlation is not a group of pairs", str(node.place), advice)]
-    faults: list[Fault] = []
+    faults = Faults()
     pairs: dict[frozenset[str], Pair] = {}
     keys: dict[frozenset[str], str] = {}
     for key, given in node.items():
@@ -108,33 +106,25 @@ def _orientations(names: Mapping[str, Named]) -> Iterable[Variable]:
     return (own for own in names.values() if isinstance(own, Variable))
 
 
-def _coefficient(node: Node, key: str, faults: list[Fault]) -> float | None:
-    where = str(node.key_place)
-    shown = "a group of keys" if node.is_mapping else [part.text for part in node.elements] or node.value
-    try:
-        value = quantity(shown, "ratio", f"correlation {key}", where)
-    except DesignError as error:
-        faults += error.faults
-        return None
-    if not -1.0 <= value <= 1.0:
-        faults.append(Fault("E180", f"correlation {key} is {number(value)}, it lies between -1 and 1", where))
+def _coefficient(node: Node, key: str, faults: Faults) -> float | None:
+    value = faults.of(number_of, node, "ratio", f"correlation {key}")
+    if value is not None and not -1.0 <= value <= 1.0:
+        message = f"correlation {key} is {number(value)}, it lies between -1 and 1"
+        faults.append(Fault("E180", message, str(node.key_place)))
         return None
     return value
 
 
 def _unknown_name(name: str, names: Mapping[str, Named], where: str) -> Fault:
-    near = get_close_matches(name, names, n=1)
     scattering = f"These scatter: {', '.join(list(names)[:_SHOWN_NAMES])}."
-    advice = (
-        f"Did you mean {near[0]}?" if near else scattering if names else "Nothing in this design is a distribution."
-    )
+    advice = did_you_mean(name, names, scattering if names else "Nothing in this design is a distribution.")
     return Fault("E168", f"{name} is not a value that scatters in this design", where, advice)
 
 
 # -- coefficients that contradict each other --------------------------------------------------------------------------
 
 
-def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> list[Fault]:
+def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> Iterator[Fault]:
     """E183 for each group of values whose coefficients cannot stand together, with the nearest that can.
 
     Parameters
@@ -147,7 +137,6 @@ def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> li
     E183 the correlations of a, b, c contradict each other: their matrix has the eigenvalue -0.816, none may be negative
          The nearest that can be: correlation: {a/b: 0.482, b/c: 0.482, a/c: -0.482}
     """
-    faults = []
     for group in _groups(pairs):
         names = list(dict.fromkeys(name for k in group for name in pairs[k][:2]))
         place = {name: i for i, name in enumerate(names)}
@@ -167,8 +156,7 @@ def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> li
         message = f"the correlations of {shown} contradict each other: their matrix has the eigenvalue {smallest:.3g}"
         message += ", none may be negative"
         rest = "" if is_given.all() else " Pairs that are not given count as 0: give those too."
-        faults.append(Fault("E183", message, where, f"The nearest that can be: correlation: {{{coefficients}}}{rest}"))
-    return faults
+        yield Fault("E183", message, where, f"The nearest that can be: correlation: {{{coefficients}}}{rest}")
 
 
 def _groups(pairs: Sequence[Pair]) -> list[list[int]]:

@@ -1,11 +1,10 @@
 """Numbers and orientations that scatter: `{dist: normal, mean: 20, sd: 2}`, `{dist: fisher, mean: 45/115, k: 100}`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field
-from difflib import get_close_matches
 from typing import Literal, TypeAlias, cast
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Line, Plane, number, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
@@ -176,18 +175,17 @@ def read_distribution(node: Node, kind: str, name: str) -> Distribution:
     if dist == "fisher":
         advice = f"A number takes {_EXAMPLES['normal']}."
         raise DesignError([Fault("E166", f"{name} is a number, fisher is for orientations", str(node.place), advice)])
-    faults = _wrong_parameters(node, dist, name)
+    faults = Faults(_wrong_parameters(node, dist, name))
     values: dict[str, float] = {}
     for key in sum(PARAMETERS[dist], ()):
         given = node.get(key)
         if given is None:
             continue
-        value = _number(given, kind, f"{key} of {name}", faults)
+        value = faults.of(number_of, given, kind, f"{key} of {name}")
         if value is not None:
             values[key] = value
     faults += _impossible(node, dist, values, name)
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return Distribution(cast(Name, dist), values, kind)
 
 
@@ -208,19 +206,16 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
     if dist != "fisher":
         advice = f"An orientation takes {_EXAMPLES['fisher']}."
         raise DesignError([Fault("E166", f"{name} is an orientation, {dist} is for numbers", str(node.place), advice)])
-    faults = _wrong_parameters(node, dist, name)
+    faults = Faults(_wrong_parameters(node, dist, name))
     mean: Plane | Line | None = None
     k: float | None = None
     given = node.get("mean")
     if given is not None:
-        try:
-            mean = _orientation(given, f"mean of {name}", of)
-        except DesignError as error:
-            faults += error.faults
+        mean = faults.of(_orientation, given, f"mean of {name}", of)
     concentration = node.get("k")
     if concentration is not None:
         where = str(concentration.key_place)
-        k = _number(concentration, "ratio", f"k of {name}", faults)
+        k = faults.of(number_of, concentration, "ratio", f"k of {name}")
         if k is not None and k <= 0.0:
             advice = "Joint sets have 10 (scattered) to 500 (tight)."
             faults.append(Fault("E166", f"k of {name} is {number(k)}, it must be more than 0", where, advice))
@@ -243,19 +238,16 @@ def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
     >>> print(read_angles(node, "J1").centre)
     45/115
     """
-    faults: list[Fault] = []
+    faults = Faults()
     angles: list[Distribution | float | None] = []
     for angle in ANGLES[of]:
         given = node.get(angle)
         if given is None or given.value is None:
             angles.append(None)  # the checker of the structure says so
         elif is_distribution(given):
-            try:
-                angles.append(read_distribution(given, "angle", f"{angle} of {name}"))
-            except DesignError as error:
-                faults += error.faults
+            angles.append(faults.of(read_distribution, given, "angle", f"{angle} of {name}"))
         else:
-            angles.append(_number(given, "angle", f"{angle} of {name}", faults))
+            angles.append(faults.of(number_of, given, "angle", f"{angle} of {name}"))
     if faults or len(angles) != 2 or angles[0] is None or angles[1] is None:
         raise DesignError(faults)
     return Angles(of, angles[0], angles[1])
@@ -267,28 +259,24 @@ def _dist(node: Node, name: str) -> str:
     if text.lower() in PARAMETERS:
         return text.lower()
     where = str(given.key_place if given is not None else node.place)
-    near = get_close_matches(text.lower(), PARAMETERS, n=1)
-    advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(PARAMETERS)}."
+    advice = did_you_mean(text.lower(), PARAMETERS, f"Known: {', '.join(PARAMETERS)}.")
     shown = repr(text) if text else "not named"
     raise DesignError([Fault("E165", f"the distribution of {name} is {shown}, which is not known", where, advice)])
 
 
-def _wrong_parameters(node: Node, dist: str, name: str) -> list[Fault]:
+def _wrong_parameters(node: Node, dist: str, name: str) -> Iterator[Fault]:
     needed, further = PARAMETERS[dist]
-    faults = []
     for key, given in node.items():
         if key in (*needed, *further, "dist"):
             continue
-        near = get_close_matches(key, (*needed, *further), n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"Write {_EXAMPLES[dist]}."
+        advice = did_you_mean(key, (*needed, *further), f"Write {_EXAMPLES[dist]}.")
         if dist == "normal" and key == "mode":
             advice = f"A mode belongs to {_EXAMPLES['triangular']}."
-        faults.append(Fault("E185", f"{dist} has no {key} ({name})", str(given.key_place), advice))
+        yield Fault("E185", f"{dist} has no {key} ({name})", str(given.key_place), advice)
     for key in needed:
         if node.get(key) is None:
             message = f"{key} of {name} is missing, {dist} needs {', '.join(needed)}"
-            faults.append(Fault("E184", message, str(node.place), f"Write {_EXAMPLES[dist]}."))
-    return faults
+            yield Fault("E184", message, str(node.place), f"Write {_EXAMPLES[dist]}.")
 
 
 def _impossible(node: Node, dist: str, values: Mapping[str, float], name: str) -> list[Fault]:
@@ -332,10 +320,6 @@ def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
     return line_of_words(_value(node), name, "E166", where)
 
 
-def _number(node: Node, kind: str, name: str, faults: list[Fault]) -> float | None:
-    """The number of a node, or None and its faults kept."""
-    try:
-        return quantity(_value(node), kind, name, str(node.key_place))
-    except DesignError as error:
-        faults += error.faults
-        return None
+def number_of(node: Node, kind: str, name: str) -> float:
+    """The number of a node. Raises DesignError where it is none."""
+    return quantity(_value(node), kind, name, str(node.key_place))

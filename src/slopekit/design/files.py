@@ -6,10 +6,9 @@ Every value keeps its place, so that each fault names its line and column, whate
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.design.common import Design
 from slopekit.design.document import read_document
 from slopekit.design.fields import field_at, in_degrees, structure_of
@@ -39,21 +38,18 @@ def load(
     DesignError
         With every fault found.
     """
-    faults = list[Fault]()
+    faults = Faults()
     if isinstance(source, Mapping):
         document = with_overrides(document_from(source), overrides)
     else:
-        document, faults = read_document(source, overrides)
-    design = None
-    try:
-        design = _set_over(source, overrides, document)
-    except DesignError as error:
-        faults += error.faults
+        document, wrong = read_document(source, overrides)
+        faults += wrong
+    design = faults.of(_set_over, source, overrides, document)
     if document.root.get("cases") is not None:
         from slopekit.design import cases  # most designs have none
 
-        document, load_cases, wrong = cases.read_cases(document, faults, design_of)
-        faults += wrong
+        document, load_cases, of_cases = cases.read_cases(document, faults, design_of)
+        faults += of_cases
         design = None if design is None else replace(design, source=document, cases=load_cases)
     if faults or design is None:
         raise DesignError(dict.fromkeys(faults))
@@ -94,17 +90,13 @@ def load_document_design(document: Document, faults: Sequence[Fault] = ()) -> De
     DesignError
         With every fault found.
     """
-    every = list(faults)
+    every = Faults(faults)
     if document.root.get("cases") is not None:
         from slopekit.design import cases
 
         document, _, wrong = cases.read_cases(document, every, design_of)
         every += wrong
-    design = None
-    try:
-        design = design_of(document)
-    except DesignError as error:
-        every += error.faults
+    design = every.of(design_of, document)
     if every or design is None:
         raise DesignError(dict.fromkeys(every))
     return design
@@ -195,8 +187,7 @@ def _kind(root: Node) -> str:
         message = "kind is one word, not a list or keys" if many else "kind is missing: it says what the design is"
         raise DesignError([Fault("E175", message, where, f"Known: {known}.")])
     if node.text not in KINDS:
-        near = get_close_matches(node.text.lower(), KINDS, n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"Known: {known}."
+        advice = did_you_mean(node.text.lower(), KINDS, f"Known: {known}.")
         raise DesignError([Fault("E175", f"{node.text} is not a kind of design", str(node.place), advice)])
     return node.text
 

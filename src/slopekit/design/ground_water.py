@@ -53,20 +53,23 @@ class GroundWater(Protocol):
         """γ_w."""
 
 
-def table_in_words(design: GroundWater, along: str, at: str) -> list[str]:
-    """A table through points or a plane, and a pond, as the sheet prints them; `at`: where the plane is as high."""
-    said = []
+def ground_in_words(design: GroundWater, along: str = "", at: str = "at the origin") -> Iterator[str]:
+    """Water table, pond and surcharge as the sheet prints them; `at`: where a table that is a plane is as high."""
+    depth, load = getattr(design, "table_depth_m", None), getattr(design, "surcharge_kpa", None)
+    if depth is not None:
+        yield f"water table {shown(depth)} m below the ground"
     if design.table_points_m is not None:
         first, last = design.table_points_m[0], design.table_points_m[-1]
-        said.append(
+        yield (
             f"water table through {len(design.table_points_m)} points, from {shown(first[1])} m at "
             f"{shown(first[0])} m to {shown(last[1])} m at {shown(last[0])} m{along}"
         )
     elif design.table_plane is not None:
-        said.append(f"water table {design.table_plane.plane}, {shown(design.table_plane.level_m)} m {at}")
+        yield f"water table {design.table_plane.plane}, {shown(design.table_plane.level_m)} m {at}"
     if design.pond_m is not None:
-        said.append(f"pond to {shown(design.pond_m)} m")
-    return said
+        yield f"pond to {shown(design.pond_m)} m"
+    if load:
+        yield f"surcharge {shown(load)} kPa on the plan of the upper slope"
 
 
 def table_depth() -> Any:
@@ -148,14 +151,7 @@ class SlopeDesign(Design):
 
     def ground_in_words(self) -> list[str]:
         """Water table, pond and surcharge as the sheet prints them."""
-        said = []
-        if self.water.mode == TABLE:
-            if self.table_depth_m is not None:
-                said.append(f"water table {shown(self.table_depth_m)} m below the ground")
-            said += table_in_words(self, " into the slope", "at the toe")
-        if self.surcharge_kpa:
-            said.append(f"surcharge {shown(self.surcharge_kpa)} kPa on the plan of the upper slope")
-        return said
+        return list(ground_in_words(self, " into the slope", "at the toe"))
 
     @property
     def crack_in_words(self) -> str:
@@ -262,8 +258,7 @@ def _plane(value: Any, where: str) -> TablePlane:
     plane, _, level = str(value).partition("@")
     if isinstance(value, Mapping) or not level:
         message = f"the plane of the water table is {value}, it is written 5/180@2m"
-        advice = "Dip, dip direction, and its elevation over the toe."
-        raise DesignError([Fault("E454", message, where, advice)])
+        raise DesignError([Fault("E454", message, where, "Dip, dip direction, and its elevation over the toe.")])
     water_plane = parse_plane(plane, "the water table", where)
     if water_plane.dip_deg > _STEEPEST_DEG:
         message = f"the water table dips {shown(water_plane.dip_deg)}°, at most {shown(_STEEPEST_DEG)}° is one"

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, normals, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.design.survey import MeasuredJoint, Survey, read_frame, read_joints
@@ -125,23 +125,20 @@ def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
     else:
         message = f"joints are {type(source).__name__}, a path, a frame, a list of planes or {{name: plane}} is needed"
         raise DesignError([Fault("E338", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
-    faults: list[Fault] = []
+    faults = Faults()
     joints: list[MeasuredJoint] = []
     for line, (name, value) in enumerate(named, 1):
         if isinstance(value, MeasuredJoint):
             joints.append(value)
             continue
-        try:
+        with faults.kept():
             joints.append(MeasuredJoint(name, parse_plane(value, name), line))
-        except DesignError as error:
-            faults += error.faults
     names = [joint.name for joint in joints]
     for name in dict.fromkeys(name for name in names if names.count(name) > 1) if len(set(names)) < len(names) else ():
         faults.append(Fault("E194", f"{name} is the name of {names.count(name)} joints", "joints"))
     if not named:
         faults.append(Fault("E338", "there are no joints", "joints", 'Give "joints.csv" or ["45/115", "45/245"].'))
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return tuple(joints)
 
 

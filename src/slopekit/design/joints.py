@@ -40,8 +40,7 @@ JOINTS = Field(
 
 def refinements() -> Any:
     """How often the triangles of the joints are split to begin with."""
-    advice = "Each step makes four triangles of one."
-    return count("analysis.refine", 0, 6, default=0, code="E131", advice=advice)
+    return count("analysis.refine", 0, 6, default=0, code="E131", advice="Each step makes four triangles of one.")
 
 
 @dataclass(frozen=True, slots=True)

@@ -227,8 +227,7 @@ def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> N
     if is_distribution(node) and orientation_kind(node) is not None and parts[0] in sum(ANGLES.values(), ()):
         message = f"{node.path} is a distribution, it has no {parts[0]} of its own"
         mean, whole = _written(f"{node.path}.mean", place), _written(node.path, place)
-        advice = f"Set its mean: {mean}, or the whole orientation: {whole}"
-        fail("E161", message, str(place), advice)
+        fail("E161", message, str(place), f"Set its mean: {mean}, or the whole orientation: {whole}")
     if isinstance(node.value, list):
         return replace(node, value=_replaced_item(node, node.value, parts, new, place))
     node = spread(node)

@@ -16,13 +16,12 @@ more, which divides that factor of safety alike.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
-from difflib import get_close_matches
 from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
+from slopekit.core.errors import DesignError, Fault, Faults, GeometryError, did_you_mean
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
@@ -55,8 +54,7 @@ def read_factors(document: Document, node: Node) -> PartialFactors:
     forces = node.get("forces")
     if forces is not None and forces.text is not None:
         if forces.text not in ("permanent", "variable"):
-            message = f"forces are {forces.text}, they are permanent or variable"
-            faults.append(Fault("E478", message, str(forces.place)))
+            faults.append(Fault("E478", f"forces are {forces.text}, they are permanent or variable", str(forces.place)))
         own["forces"] = forces.text
     faults.refuse()
     if own and base.called:
@@ -99,8 +97,7 @@ def _chosen(sets: Mapping[str, PartialFactors], name: str, of: str, where: str) 
     folded = {key.lower(): one for key, one in sets.items()}
     if name.lower() in folded:
         return folded[name.lower()]
-    near = get_close_matches(name.upper(), sets, n=1)
-    advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(sets)}; or a file: my-factors.yaml."
+    advice = did_you_mean(name.upper(), sets, f"There are: {', '.join(sets)}; or a file: my-factors.yaml.")
     message = f"{name} is no set of partial factors of {of}" if name else f"{of} has several sets of partial factors"
     raise DesignError([Fault("E479", message, where, advice)])
 
@@ -123,8 +120,7 @@ def _sets(path: Path) -> Mapping[str, PartialFactors]:
         known = set(_NUMBERS) | ({"title", "source", "date"} if sets is None else set())
         for key, below in node.items():
             if key not in known:
-                near = get_close_matches(key, _NUMBERS, n=1)
-                advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(_NUMBERS)}."
+                advice = did_you_mean(key, _NUMBERS, f"Known: {', '.join(_NUMBERS)}.")
                 faults.append(Fault("E480", f"{key} is no partial factor", str(below.key_place), advice))
         numbers = _numbers(node, faults)
         if not numbers:

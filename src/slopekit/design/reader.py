@@ -3,11 +3,10 @@
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from functools import cache
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
 from slopekit.design import words
@@ -54,7 +53,7 @@ class Reader:
         self.kind = record.__name__.removesuffix("Design").lower()
         self.wrong = tuple(wrong)
         self.misshapen = frozenset(fault.where for fault in wrong if fault.code in ("E144", "E145", "E164"))
-        self.faults: list[Fault] = []
+        self.faults = Faults()
         self.variables: dict[str, Variable] = {}
         self.left_out: list[str] = []
         self.read_as: list[str] = []
@@ -83,20 +82,14 @@ class Reader:
 
     def kept(self, read: Callable[P, T], *args: P.args, **more: P.kwargs) -> T | None:
         """What a reading function returns of these; its faults are kept, and None returned, where it raises them."""
-        try:
-            return read(*args, **more)
-        except DesignError as error:
-            self.faults += error.faults
-            return None
+        return self.faults.of(read, *args, **more)
 
     def nearest(self, name: str, known: Collection[str]) -> str:
         """An advice for a name that is not known."""
         self.guesses += 1
-        near = get_close_matches(name, known, n=1) if self.guesses <= _MOST_GUESSES else []
-        if near:
-            return f"Did you mean {near[0]}?"
         first = list(known)[:8]
-        return f"There are: {', '.join(first)}{', …' if len(known) > len(first) else ''}." if first else ""
+        there_are = f"There are: {', '.join(first)}{', …' if len(known) > len(first) else ''}." if first else ""
+        return did_you_mean(name, known, there_are) if self.guesses <= _MOST_GUESSES else there_are
 
     def is_sound(self, node: Node) -> bool:
         """Whether a value and all in it have the shape they need."""
@@ -238,7 +231,7 @@ class Reader:
         if written.lower() not in field.words:
             known = " or ".join(field.words)
             self.fault(
-                field.code, f"{field.in_words} is {written!r}, it is {known}", node, _did_you_mean(written, field.words)
+                field.code, f"{field.in_words} is {written!r}, it is {known}", node, did_you_mean(written, field.words)
             )
             return None
         return written.lower()
@@ -351,11 +344,6 @@ def _drawn_order(variable: "Variable") -> tuple[int, int]:
     top = ".".join(parts[:2]) if parts[0] == "loads" else parts[0]
     key = _STRENGTH_KEYS.index(parts[2]) if top == "strength" and parts[2] in _STRENGTH_KEYS else 0
     return (_DRAWN.index(top) if top in _DRAWN else len(_DRAWN)), key
-
-
-def _did_you_mean(name: str, known: Collection[str]) -> str:
-    near = get_close_matches(name, known, n=1)
-    return f"Did you mean {near[0]}?" if near else ""
 
 
 def _other_kind(value: Any, field: Field, name: str, where: str, called: Callable[[str], str]) -> Any:

@@ -98,8 +98,7 @@ def read_factors(reader: Reader) -> tuple[float, ...]:
     node = reader.at("analysis.factors")
     factors = reader.field(fields_of(Design)["factors"], node)
     if len(factors) > _MOST_FACTORS:
-        message = f"{len(factors)} factors are too many for one series (most: {_MOST_FACTORS})"
-        reader.fault("E127", message, node)
+        reader.fault("E127", f"{len(factors)} factors are too many for one series (most: {_MOST_FACTORS})", node)
     return tuple(sorted(set(factors)))
 
 

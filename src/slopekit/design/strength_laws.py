@@ -5,10 +5,10 @@ Which keys a law takes, in which units and between which limits, stands at its o
 
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, replace
-from difflib import get_close_matches
 from math import inf
 from typing import Any
 
+from slopekit.core.errors import did_you_mean
 from slopekit.core.orientation import number
 from slopekit.design.fields import Field, fields_of
 from slopekit.design.nodes import Node
@@ -60,8 +60,7 @@ def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
     """The curved law of a strength; what is wrong with it becomes faults: E142, E143, E114, E115, E127, E553."""
     name = named_law(node) or ""
     if name not in LAWS:
-        near = get_close_matches(name, LAWS, n=1, cutoff=0.4)
-        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(LAWS)}."
+        advice = did_you_mean(name, LAWS, f"There are: {', '.join(LAWS)}.", cutoff=0.4)
         reader.fault("E142", f"{name} is no strength law", node.get("law"), advice)
         return None
     declared = fields_of_law(LAWS[name])
@@ -79,8 +78,7 @@ def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
         return None
     steepest = (values.get("phi_deg") or 0.0) + (values.get("i_deg") or 0.0)
     if steepest >= _UPRIGHT:
-        message = f"phi and i of {owner} are {number(steepest)}° together, below 90 is needed"
-        reader.fault("E115", message, node)
+        reader.fault("E115", f"phi and i of {owner} are {number(steepest)}° together, below 90 is needed", node)
         return None
     law: StrengthLaw = LAWS[name](**values)
     return law
@@ -99,5 +97,4 @@ def refuse_keys(reader: Reader, node: Node) -> None:
     """E142 for keys of a law that is not named."""
     for key, below in node.items():
         if key in KEYS and key not in BESIDE:
-            message = f"{key} is a key of a curved law, and none is named"
-            reader.fault("E142", message, below, "Add law: barton-bandis.")
+            reader.fault("E142", f"{key} is a key of a curved law, and none is named", below, "Add law: barton-bandis.")

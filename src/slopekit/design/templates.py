@@ -1,9 +1,8 @@
 """The starter designs: shipped in the wheel, and found in the checkout of an editable install."""
 
-from difflib import get_close_matches
 from pathlib import Path
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, did_you_mean
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _PLACES = (_PACKAGE / "templates", _PACKAGE.parent.parent / "templates")
@@ -39,8 +38,7 @@ def path_of(name: str) -> Path:
     known = names()
     wanted = name.removesuffix(".yaml").removesuffix(".yml")
     if wanted not in known:
-        near = get_close_matches(wanted, known, n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}."
+        advice = did_you_mean(wanted, known, f"There are: {', '.join(known)}.")
         raise DesignError([Fault("E177", f"{name} is not a template", "", advice)])
     return folder() / f"{wanted}.yaml"
 

@@ -2,10 +2,9 @@
 
 import re
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Any
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
 from slopekit.design.parts import Bolt, Force, Rule, Seismic, Water
@@ -173,8 +172,7 @@ def rule(value: object, where: str) -> Rule:
     if isinstance(value, str) and (match := re.match(_RULE, value)):
         name = match.group(1).lower()
         if name not in RULE_NAMES:
-            near = get_close_matches(name, RULE_NAMES, n=1)
-            advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(RULE_NAMES)}."
+            advice = did_you_mean(name, RULE_NAMES, f"Known: {', '.join(RULE_NAMES)}.")
             raise DesignError([Fault("E169", f"{match.group(1)} is nothing that a rule can judge", where, advice)])
         relation: Any = match.group(2)
         return Rule(name, relation, above_zero(match.group(3), "ratio", "accept", "E127", where))

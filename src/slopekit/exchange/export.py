@@ -1,7 +1,7 @@
 """`slopekit export` and `sk.export`: one function from a result to files, and what was written in words."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from difflib import get_close_matches
 from pathlib import Path
@@ -291,22 +291,18 @@ def _volume(body: WrittenBlock, rounded: str) -> float:
     return volume_of(vertices.astype(np.float32).astype(np.float64), body.triangles)
 
 
-def _notices(source: ExportSource, chosen: Picked, path: Path, binary: bool) -> list[Notice]:
+def _notices(source: ExportSource, chosen: Picked, path: Path, binary: bool) -> Iterator[Notice]:
     """What the files do not say themselves: W370 rounding, W377 flat triangles for a curved body."""
-    notices = []
     if binary:
         rounding = binary_rounding(chosen)
         smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest
         if rounding > _ROUNDING * smallest:
             message = f"binary STL holds float32: {path.name} rounds coordinates by up to {rounding:.2g} m"
-            notices.append(Notice("W370", f"{message}, the smallest block is {smallest:.3g} m in size"))
+            yield Notice("W370", f"{message}, the smallest block is {smallest:.3g} m in size")
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
     if source.is_curved and chosen.bodies and true > 0.0:
         flat = sum(body.volume for body in chosen.bodies)
         share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
         if share > _SMOOTH:
             message = f"the mass is written with flat triangles: {flat:.6g} m³"
-            notices.append(
-                Notice("W377", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³")
-            )
-    return notices
+            yield Notice("W377", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³")

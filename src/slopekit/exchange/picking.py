@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
-from difflib import get_close_matches
 
 import numpy as np
 
 from slopekit.block_scene import MODES, BlockScene, Contacts, NodePairState
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.core.records import dataclass
 
 #: What can be written.
@@ -114,8 +113,7 @@ def words_of_what(what: str | Sequence[str]) -> tuple[str, ...]:
     words = [word for one in said if (word := str(one).strip().lower())]
     for word in words:
         if word not in WHAT:
-            near = get_close_matches(word, WHAT, n=1)
-            advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(WHAT)}."
+            advice = did_you_mean(word, WHAT, f"There are: {', '.join(WHAT)}.")
             raise DesignError([Fault("E364", f"{word} is not a part that can be written", "--what", advice)])
     if not words:
         raise DesignError([Fault("E364", "no part to write is named", "--what", f"There are: {', '.join(WHAT)}.")])
@@ -205,9 +203,8 @@ def _touching(chosen: Bools, sides: Contacts | NodePairState) -> Ints:
 
 
 def _unknown(name: str, names: Sequence[str]) -> Fault:
-    near = get_close_matches(name, names, n=1)
     more = ", …" if len(names) > _SHOWN else ""
-    advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(names[:_SHOWN])}{more}."
+    advice = did_you_mean(name, names, f"There are: {', '.join(names[:_SHOWN])}{more}.")
     return Fault("E363", f"there is no block {name}", "--blocks", advice)
 
 

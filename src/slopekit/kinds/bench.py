@@ -10,7 +10,6 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.orientation import number as as_number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
@@ -138,13 +137,6 @@ class BenchDesign(AssemblyDesign):
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
     )
 
-    def ground_in_words(self) -> list[str]:
-        """Table, pond and surcharge as the sheet prints them."""
-        depth, load = self.table_depth_m, self.surcharge_kpa
-        first = [] if depth is None else [f"water table {as_number(depth)} m below the ground"]
-        last = [f"surcharge {as_number(load)} kPa on the plan of the upper slope"] if load else []
-        return [*first, *AssemblyDesign.ground_in_words(self), *last]
-
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The joint sets."""
@@ -170,17 +162,16 @@ def read_bench(reader: Reader) -> BenchDesign:
     sets = reader.at("sets")
     names = [name for name, _ in sets.items()] if sets is not None else []
     by_name = named_pressures(reader, names, "{S1: 5 kPa}")
-    own["sets"] = _sets(reader, by_name)
+    own["sets"] = tuple(_sets(reader, by_name))
     toward = 0.0 if face is None else face.dip_direction_deg
     shared = common(reader, None, False, toward, [one.pressure_kpa for one in own["sets"]])
     return reader.made(BenchDesign, shared, own, read_ground_water(reader)[0])
 
 
-def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...]:
+def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
     """The joint sets that can be read: E134 spacing, E135 scatter, E136 the same set twice."""
     named = reader.names("sets")
     strengths = strength_names(reader, [(name, below.get("strength"), below) for name, below in named])
-    sets: list[JointSetInput] = []
     seen: dict[tuple[float, ...], str] = {}
     wanted = [name for name in fields_of(JointSetInput) if name != "strength"]
     for (name, below), strength in zip(named, strengths, strict=True):
@@ -193,10 +184,7 @@ def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...
             message = f"{name} has the planes of {seen[key]}: the same orientation, spacing and offset"
             reader.fault("E136", message, below, "Leave it out, or give it an offset.")
         seen.setdefault(key, name)
-        sets.append(
-            JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
-        )
-    return tuple(sets)
+        yield JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
 
 
 def cut(design: BenchDesign) -> AssemblyScene:

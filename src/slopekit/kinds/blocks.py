@@ -1,6 +1,6 @@
 """The user's own blocks: polygons of a section, or closed meshes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
-from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.errors import Fault, Faults, GeometryError, Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, fields_of, group, number, text
@@ -160,7 +160,7 @@ def read_blocks(reader: Reader) -> BlocksDesign:
         shared,
         read_ground_water(reader)[0],
         blocks=sound,
-        surcharges_kpa=read_surcharges(reader, moves),
+        surcharges_kpa=tuple(read_surcharges(reader, moves)),
         default_strength=default,
         interfaces=interfaces,
         pressures_kpa=water,
@@ -195,8 +195,7 @@ def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
     if other:
         more = f" (and {len(other) - 1} more)" if len(other) > 1 else ""
         message = f"{other[0]}{more} has a {kinds[other[0]]}, {first} has a {kinds[first]}"
-        advice = "Blocks are all polygons of one section, or all meshes."
-        reader.fault("E243", message, nodes[other[0]], advice)
+        reader.fault("E243", message, nodes[other[0]], "Blocks are all polygons of one section, or all meshes.")
 
 
 def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput | None:
@@ -362,7 +361,7 @@ def _section(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Asse
     polygons = [np.array(block.polygon_m) for block in design.blocks]
     cut = section_assembly(polygons, fixed, design.thickness_m, design.contact_tolerance_m, names)
     _refuse_overlaps(names, cut.overlaps.pairs, cut.overlaps.amounts, cut.assembly.volumes / design.thickness_m, "m²")
-    notices = _fit(names, cut.overlaps.amounts, cut.overlaps.pairs, cut.gaps, cut.untouching, "m", "m²")
+    notices = list(_fit(names, cut.overlaps.amounts, cut.overlaps.pairs, cut.gaps, cut.untouching, "m", "m²"))
     if cut.point_contacts:
         text = f"{cut.point_contacts} pairs of blocks touch at a corner only, which carries nothing"
         notices.append(Notice("W342", text))
@@ -379,19 +378,16 @@ def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Assem
     from slopekit.geometry.solids import mesh_assembly
 
     meshes: list[tuple[Floats, Ints]] = []
-    faults: list[Fault] = []
+    faults = Faults()
     for block in design.blocks:
         assert block.mesh is not None
-        try:
+        with faults.kept():
             vertices, triangles, _ = read_mesh(Path(block.mesh.path), block.mesh.name, block.mesh.where)
             meshes.append((vertices, triangles))
-        except DesignError as error:
-            faults += error.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     cut = mesh_assembly(meshes, fixed, design.contact_tolerance_m, names)
     _refuse_overlaps(names, cut.overlaps.pairs, cut.overlaps.amounts, cut.assembly.volumes, "m³")
-    notices = _fit(names, cut.overlaps.amounts, cut.overlaps.pairs, cut.gaps, cut.untouching, "m²", "m³")
+    notices = list(_fit(names, cut.overlaps.amounts, cut.overlaps.pairs, cut.gaps, cut.untouching, "m²", "m³"))
     if len(cut.turned):
         notices.append(Notice("W343", f"meshes that were inside out have been turned: {_listed(names, cut.turned)}"))
     several = np.flatnonzero(cut.shells > 1)
@@ -421,15 +417,14 @@ def _refuse_overlaps(names: Sequence[str], pairs: Ints, amounts: Floats, sizes: 
 
 def _fit(
     names: Sequence[str], overlaps: Floats, pairs: Ints, gaps: "object", untouching: Ints, along: str, amount: str
-) -> list[Notice]:
+) -> Iterator[Notice]:
     """What a reader must know of overlaps, gaps and blocks that touch nothing."""
-    notices = []
     if len(overlaps):
         apart_or_over = [
             f"{names[a]}/{names[b]} {size:.2g} {amount}"
             for (a, b), size in zip(pairs.tolist(), overlaps.tolist(), strict=True)
         ]
-        notices.append(Notice("W333", f"{len(apart_or_over)} pairs of blocks overlap a little: {_some(apart_or_over)}"))
+        yield Notice("W333", f"{len(apart_or_over)} pairs of blocks overlap a little: {_some(apart_or_over)}")
     places = getattr(gaps, "pairs").tolist()  # noqa: B009  (Gaps of geometry.fit)
     if places:
         most, long = getattr(gaps, "most").tolist(), getattr(gaps, "amounts").tolist()  # noqa: B009
@@ -437,11 +432,10 @@ def _fit(
             f"{names[a]} and {names[b]} are {1e3 * apart:.3g} mm apart over {size:.3g} {along}"
             for (a, b), apart, size in zip(places, most, long, strict=True)
         ]
-        notices.append(Notice("W334", f"faces that do not touch: {_some(apart_or_over)}; they carry nothing "
-                              "(contact_tolerance closes such gaps)"))  # fmt: skip
+        yield Notice("W334", f"faces that do not touch: {_some(apart_or_over)}; they carry nothing "
+                     "(contact_tolerance closes such gaps)")  # fmt: skip
     if len(untouching):
-        notices.append(Notice("W346", f"blocks that touch no other: {_listed(names, untouching)}"))
-    return notices
+        yield Notice("W346", f"blocks that touch no other: {_listed(names, untouching)}")
 
 
 def _listed(names: Sequence[str], which: Ints) -> str:

@@ -7,6 +7,7 @@ no longer come to rest is the proof, where it is asked for.
 
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -130,34 +131,32 @@ def _timed(result: Result, began: float) -> dict[str, float]:
     return dict(result.timing_s) | {"elastic": took, "total": result.timing_s.get("total", 0.0) + took}
 
 
-def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
-    said = []
+def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
     if result.cohesion_under_moments is not None:
-        said.append(Notice("W452", "moments open joints with cohesion: the elastic limit is to be compared with the "
-                           f"rigid one on its pairs, {_number(answer.rigid_limit)}, not with COHESION"))  # fmt: skip
+        yield Notice("W452", "moments open joints with cohesion: the elastic limit is to be compared with the "
+                     f"rigid one on its pairs, {_number(answer.rigid_limit)}, not with COHESION")  # fmt: skip
     if answer.bracket is not None:
         low, high = answer.bracket
         at = answer.limit_at_bracket
         if answer.gave_up:
             far = "is unknown" if answer.between is None else f"is known to {answer.between[1]:.4f}, the static bound"
-            said.append(Notice("W456", "the search for the factor at which elastic blocks no longer come to rest "
-                               f"gave up at {high:.4f}: at {low:.4f} they rest, how far on {far}"))  # fmt: skip
+            yield Notice("W456", "the search for the factor at which elastic blocks no longer come to rest "
+                         f"gave up at {high:.4f}: at {low:.4f} they rest, how far on {far}")  # fmt: skip
         elif at is not None and not low * (1.0 - 1e-3) <= at <= high * (1.0 + 1e-3):
-            said.append(Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
-                               f"without what they open is {at:.4f}: take the lower"))  # fmt: skip
+            yield Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
+                         f"without what they open is {at:.4f}: take the lower")  # fmt: skip
     lowest, highest = result.fos.lowest, result.fos.highest
     wide = lowest is not None and (highest is None or highest > lowest * (1.0 + _LOCKED))
     if answer.bracket is None and answer.block is not None and wide:
         far = "far above it" if highest is None else f"{highest:.4f}"
         ways = [f", or a motion {how} ({code})," for code, how in OTHERWISE.items()
                 if any(notice.code == code for notice in result.warnings)]  # fmt: skip
-        said.append(Notice("W485", "the limit under ELASTIC is that of the rigid path: forces locked in "
-                           f"between the blocks{''.join(ways)} can make it {lowest:.4f} .. {far}; "
-                           "--elastic-bracket finds where the elastic blocks no longer come to rest"))  # fmt: skip
+        yield Notice("W485", "the limit under ELASTIC is that of the rigid path: forces locked in "
+                     f"between the blocks{''.join(ways)} can make it {lowest:.4f} .. {far}; "
+                     "--elastic-bracket finds where the elastic blocks no longer come to rest")  # fmt: skip
     if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
         shear = elastic_stiffness(result.design, result.findings is not None).tangential
-        said.append(Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³"))
-    return said
+        yield Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³")
 
 
 def _number(value: float | None) -> str:

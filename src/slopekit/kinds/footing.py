@@ -211,17 +211,15 @@ def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
     width = -float(section.bottom[0])
     at = width / 2.0 if design.load_at_m is None else design.load_at_m
     if not 0.0 <= at <= width:
-        message = f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide"
-        raise MisfitError([Fault("E219", message)])
+        raise MisfitError([Fault("E219", f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide")])
     return section, at
 
 
-def _changes(design: FootingDesign) -> list[tuple[str, FootingDesign]]:
-    changes = [("load +10 %", replace(design, load_kn=design.load_kn * 1.1))]
-    changes += [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
+def _changes(design: FootingDesign) -> Iterator[tuple[str, FootingDesign]]:
+    yield "load +10 %", replace(design, load_kn=design.load_kn * 1.1)
+    yield from [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
     if design.dip_deg < 88.0:
-        changes.append(("dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)))
-    return changes
+        yield "dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)
 
 
 def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:

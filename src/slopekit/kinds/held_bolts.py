@@ -136,7 +136,7 @@ def upward(dip_deg: Any, direction_deg: Any) -> Floats:
 
 
 def bounds_of(
-    normals: Sequence[Floats], offsets: Sequence[Any], within: Floats, origin: Floats, joints: tuple[int, ...],
+    normals: Sequence[Floats], offsets: Sequence[Any], within: Floats | None, origin: Floats, joints: tuple[int, ...],
     free: tuple[int, ...], size: Any,
 ) -> Bounds:  # fmt: skip
     """Bounds from planes `normal · x = offset` about a local origin.
@@ -144,11 +144,13 @@ def bounds_of(
     Parameters
     ----------
     normals : of each plane (1, 3) or (n, 3); offsets : of each, a number or (n,)
-    within : (1, 3) or (n, 3) a point of each block, which says on which side of the planes it lies
+    within : (1, 3) or (n, 3) a point of each block, which says on which side of the planes it lies; None where all
+        normals point out of it
     """
-    count = max(len(np.atleast_1d(one)) for one in (*normals, *offsets, within, size))
+    count = max(len(np.atleast_1d(one)) for one in (*normals, *offsets, size, () if within is None else within))
     outward = np.stack([np.broadcast_to(normal, (count, 3)) for normal in normals])
     at = np.stack([np.broadcast_to(np.asarray(offset, dtype=np.float64), count) for offset in offsets])
-    side = np.where((outward * within).sum(axis=-1) > at, -1.0, 1.0)
-    outward, at = outward * side[..., None], at * side
+    if within is not None:
+        side = np.where((outward * within).sum(axis=-1) > at, -1.0, 1.0)
+        outward, at = outward * side[..., None], at * side
     return Bounds(outward, at + outward @ origin, joints, free, np.broadcast_to(size, count))

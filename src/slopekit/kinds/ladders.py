@@ -146,7 +146,7 @@ def ladder_of_block(
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
     if not model.dilates:  # plain passes know no dilation
         rungs += _passes(model)
-    return Ladder(result, (*rungs, *finer(design, result, made)), _others(result, made))
+    return Ladder(result, (*rungs, *finer(design, result, made)), tuple(_others(result, made)))
 
 
 def _passes(model: Model) -> Iterator[Rung]:
@@ -181,9 +181,8 @@ def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], s
     return Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
 
 
-def _others(result: Result, made: Cut) -> tuple[float | None, ...]:
+def _others(result: Result, made: Cut) -> Iterator[float | None]:
     model = made.scene_at(max(made.refine, result.model.refined)).model
-    factors = []
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
         say("other strengths, divided by", k, head=True)
         other = replace(
@@ -191,8 +190,7 @@ def _others(result: Result, made: Cut) -> tuple[float | None, ...]:
             bolt_capacity=model.bolt_capacity / k, lines=None if model.lines is None else model.lines.reduced(k),
         )  # fmt: skip
         limit = made.limit(other).governing
-        factors.append(k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None)
-    return tuple(factors)
+        yield k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
 
 
 def kept_bonds_factor(model: Model) -> float | None:

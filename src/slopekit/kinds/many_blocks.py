@@ -21,8 +21,13 @@ from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColum
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_notices import bonds_of, notices_of, said_of_bonds, without_turning
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
-from slopekit.kinds.many_blocks_sizes import with_sizes
-from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
+from slopekit.kinds.many_blocks_states import (
+    assembly_arrows,
+    assembly_pair_state,
+    at_full_strength,
+    mechanism,
+    with_sizes,
+)
 from slopekit.kinds.protocol import (
     AtLoad,
     Carried,

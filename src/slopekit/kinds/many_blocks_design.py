@@ -1,6 +1,6 @@
 """What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -10,7 +10,7 @@ from slopekit.design import words
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, fields_of, group
 from slopekit.design.fields import number as number_field
-from slopekit.design.ground_water import TABLE, TablePlane, pond, table_in_words, table_plane, table_points
+from slopekit.design.ground_water import TABLE, TablePlane, ground_in_words, pond, table_plane, table_points
 from slopekit.design.nodes import Node
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reader import Reader
@@ -83,8 +83,8 @@ class AssemblyDesign(Design):
         return any(one is not None for one in (self.table_points_m, self.table_plane, self.pond_m))
 
     def ground_in_words(self) -> list[str]:
-        """Table and pond as the sheet prints them."""
-        return table_in_words(self, "", "at the origin")
+        """Table, pond and surcharge as the sheet prints them."""
+        return list(ground_in_words(self))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +108,7 @@ class NamedDesign(AssemblyDesign):
         return [*AssemblyDesign.ground_in_words(self), *load]
 
 
-def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> tuple[tuple[str, float], ...]:
+def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tuple[str, float]]:
     """Surcharges by the names of blocks; E460 on a block that is not there or fixed.
 
     Parameters
@@ -116,7 +116,6 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> tuple[tuple[s
     blocks : whether each moves, by name
     """
     field, node = fields_of(NamedDesign)["surcharges_kpa"], reader.at("loads.surcharge")
-    surcharges = []
     for name, below in node.items() if node is not None and node.is_mapping else ():
         if not blocks.get(name, False):
             message = (
@@ -125,8 +124,7 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> tuple[tuple[s
             moving = [one for one, moves in blocks.items() if moves]
             reader.fault("E460", message, below, reader.nearest(name, moving))
         elif below.value is not None and (value := reader.number(field, below, f"surcharge on {name}")):
-            surcharges.append((name, value))
-    return tuple(surcharges)
+            yield name, value
 
 
 def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
@@ -185,8 +183,8 @@ def common(
     strengths = named_strengths(reader)
     attributes = read_common(reader, on_blocks=True)
     attributes["seismic"] = _seismic(reader, attributes["seismic"], in_section, toward)
-    attributes["forces"] = _on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section)
-    attributes["bolts"] = _on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section)
+    attributes["forces"] = tuple(_on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section))
+    attributes["bolts"] = tuple(_on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section))
     attributes["strengths"] = strengths
     attributes["water"] = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
     return attributes
@@ -211,9 +209,8 @@ def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float |
 def _on_blocks(
     reader: Reader, path: str, what: str, read: Callable[[Any, str], Any], blocks: Mapping[str, bool] | None,
     in_section: bool,
-) -> tuple[Any, ...]:  # fmt: skip
+) -> Iterator[Any]:  # fmt: skip
     """Forces or bolts with the blocks they act on; E252 for one that leaves the section."""
-    loads: list[Force | Bolt] = []
     for node in reader.items(path):
         value = reader.value(node)
         bare = {key: part for key, part in value.items() if key != "block"} if isinstance(value, dict) else value
@@ -226,8 +223,7 @@ def _on_blocks(
             message = f"a {what} leaves the section: x is east, z is up, and nothing acts along y"
             advice = "Point it toward 090 or 270 (any plunge), or give [x, 0, z]."
             reader.fault("E252", message, node.get("toward") or node, advice)
-        loads.append(replace(load, block=block))
-    return tuple(loads)
+        yield replace(load, block=block)
 
 
 def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] | None) -> str | None:

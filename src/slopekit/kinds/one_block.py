@@ -46,7 +46,7 @@ from slopekit.kinds.one_block_states import (
     turned,
     turned_back,
 )
-from slopekit.kinds.protocol import Carried, ClosedForm, D, Factors, Kind, compare, one_or_error
+from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare, one_or_error
 from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.loads import Loads
@@ -150,17 +150,12 @@ def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[S
 def kind_of_one_block(
     name: str, record: type[D], read: Callable[[Reader], D], words: Words,
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
-    changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
+    changes: Callable[[D], Iterable[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
-    on_arrays: "OnArrays[D] | None" = None, has_site: bool = False,
-    crest_point: Callable[[D], Floats] | None = None, paper_keys: tuple[str, ...] = (),
-    carried: Carried = Carried(),  # noqa: B008  (frozen)
-    variants: Mapping[str, Words] = MappingProxyType({}),
+    on_arrays: "OnArrays[D] | None" = None, variants: Mapping[str, Words] = MappingProxyType({}),
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
-    drawn_planes: Callable[[D], tuple[str, str]] | None = None,
-    in_section: Callable[[D], float] | None = None,
 ) -> Kind[D]:  # fmt: skip
-    """A kind of one block on flat joints with a closed form.
+    """A kind of one block on flat joints with a closed form; what else it says of itself is put in its place.
 
     Parameters
     ----------
@@ -168,11 +163,8 @@ def kind_of_one_block(
     changes : a few changes of the input, by name: GOVERNS says what they do to the closed form
     notices : what a reader must know of the design
     on_arrays : the closed form of many designs in one call, where it can be had
-    has_site : support can be looked for, by the block's `face`; crest_point : and by anchors of its crest
     variants : what designs call things that have the input of that name, where it is not as the kind does
     without_basal : a block that the one analysed is part of, and that may fail before it
-    drawn_planes : keys of the two planes that a survey may say in the design's place
-    in_section : the part of an earthquake that acts in the section of a design
     """
 
     def analyse(design: D) -> Result:
@@ -180,7 +172,7 @@ def kind_of_one_block(
         with clock("cut"):
             made = cut(design)
         with clock("governs"):
-            changed = changes(design)
+            changed = tuple(changes(design))
         with clock("closed_form"):  # of the design and what GOVERNS makes of it, where it can be one call
             closed, *forms = _closed_forms([design, *(other for _, other in changed)], closed_form, on_arrays)
         if isinstance(closed, GeometryError):
@@ -216,8 +208,7 @@ def kind_of_one_block(
 
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
-        lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays, has_site, crest_point,
-        paper_keys=paper_keys, carried=carried, drawn_planes=drawn_planes, in_section=in_section,
+        lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays,
         answered="drag", variants=variants,
     )  # fmt: skip
 
@@ -276,7 +267,7 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
 
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
-        series = series_of(model, design.factors, stiffness, bound)
+        series = tuple(series_of(model, design.factors, stiffness, bound))
     return Solved(
         scene, analysis, found_limit.refined, found_limit.change, bound, at_rest, pairs, series, found_limit.rules, span
     )

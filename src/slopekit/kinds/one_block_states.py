@@ -5,7 +5,7 @@ proportions.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -122,21 +122,19 @@ def arrows(
 
 def series_of(
     model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None
-) -> tuple[ReductionStep, ...]:
+) -> Iterator[ReductionStep]:
     """Rest at each factor, from one to the next; above the static bound there is none to look for."""
-    steps: list[ReductionStep] = []
     standing: Equilibrium | None = None
     count = len(model.control_area)
     for factor in factors:
         if bound is not None and factor > bound * (1.0 + 1e-7):
-            steps.append(ReductionStep(factor, False, None, count))
+            yield ReductionStep(factor, False, None, count)
             continue
         state = equilibrium(model, factor, stiffness, standing)
         if state.stands:
             standing = state
         movement = movement_of(model, state.displacement) if state.stands else None
-        steps.append(ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count))
-    return tuple(steps)
+        yield ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count)
 
 
 def movement_of(model: Model, displacement: Floats) -> Movement:

@@ -134,9 +134,7 @@ def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
         whole = section_of(replace(design, crack=None))
     except GeometryError:
         return replace(design, crack=None)  # which says the same where it is cut
-    crest = design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
-
-    return worst_crack.with_worst_crack(design, ON_ARRAYS, -float(whole.bottom[0]) - crest, place)
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, -float(whole.bottom[0]) + _crest_x(design), place)
 
 
 def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
@@ -147,8 +145,7 @@ def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has
         return reader.kept(words.water, value, str(in_crack.place), has_crack) or Water()
     water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
     if at is not None and not has_crack and len(at.elements) > 1:
-        message = f"{len(at.elements)} water pressures given, there is one plane and no crack"
-        reader.fault("E109", message, at)
+        reader.fault("E109", f"{len(at.elements)} water pressures given, there is one plane and no crack", at)
     if water.mode == "pressures" and not has_crack:
         return Water("pressures", 0.0, water.pressures_kpa[:1])
     return water
@@ -192,10 +189,14 @@ def compared(design: PlaneDesign) -> ClosedForm:
     return replace(closed_form(design), why_not=DILATES if design.strength.dilation_deg else "")
 
 
-def _signed_dip(plane: Plane, face: Plane) -> float:
-    """Dip, positive where the plane dips the way of the face."""
-    same = math.cos(math.radians(plane.dip_direction_deg - face.dip_direction_deg)) >= 0.0
-    return plane.dip_deg if same else -plane.dip_deg
+def _signed_dip(plane: Plane, face: Plane) -> Any:
+    """Dip, positive where the plane dips the way of the face; of planes whose angles may be arrays."""
+    return _signed(plane.dip_deg, plane.dip_direction_deg, face.dip_direction_deg)
+
+
+def _signed(dip: Any, direction: Any, face: Any) -> Any:
+    same = np.cos(np.radians(np.subtract(direction, face))) >= 0.0
+    return np.where(same, dip, np.negative(dip))
 
 
 def section_of(design: PlaneDesign) -> PlaneSection:
@@ -204,11 +205,11 @@ def section_of(design: PlaneDesign) -> PlaneSection:
         apart = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
         if apart > WIDEST_DEG and plane.dip_deg > 0.0:
             message = f"{name} strikes {apart:.1f}° from the face: plane failure needs {WIDEST_DEG:.0f}° or less"
-            advice = "With a second joint it may form a wedge: kind: wedge."
-            raise GeometryError([Fault("E213", message, "", advice)])
+            raise GeometryError([Fault("E213", message, "", "With a second joint it may form a wedge: kind: wedge.")])
     crack = design.crack
     return plane_section(
-        _signed_dip(design.joint, design.face), design.face.dip_deg, _signed_dip(design.upper, design.face),
+        float(_signed_dip(design.joint, design.face)), design.face.dip_deg,
+        float(_signed_dip(design.upper, design.face)),
         design.height_m, crack.depth_m if crack else None, crack.distance_m if crack else None,
     )  # fmt: skip
 
@@ -239,11 +240,11 @@ def _water(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
 def _ground(design: PlaneDesign, section: PlaneSection) -> "ground_water.LocalSlope":
     from slopekit.kinds import ground_water
 
-    upper, face = (math.radians(_signed_dip(plane, design.face)) for plane in (design.upper, design.face))
+    upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
-    crest = [-design.height_m / math.tan(face) if design.face.dip_deg < 90.0 else 0.0, 0.0, design.height_m]
+    offsets = np.array([0.0, float(normals[1] @ crest_point(design))])
     return ground_water.LocalSlope(
-        section.block, (J1, CRACK), (FACE, UPPER), normals, np.array([0.0, float(normals[1] @ crest)]),
+        section.block, (J1, CRACK), (FACE, UPPER), normals, offsets,
         _axes(design.face), np.array([-1.0, 0.0, 0.0]), in_section=True,
     )  # fmt: skip
 
@@ -359,8 +360,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     plane, face, upper = (given.pop(f"{name}_direction") for name in ("plane", "face", "upper"))
     across = _strikes_across(given["plane_dip_deg"], plane, face) | _strikes_across(given["upper_dip_deg"], upper, face)
     for name, direction in (("plane", plane), ("upper", upper)):
-        dip = np.asarray(given[f"{name}_dip_deg"])
-        given[f"{name}_dip_deg"] = np.where(np.cos(np.radians(np.subtract(direction, face))) >= 0.0, dip, -dip)
+        given[f"{name}_dip_deg"] = _signed(given[f"{name}_dip_deg"], direction, face)
     k, trend = given.pop("k"), given.pop("trend")
     given["seismic"] = k if trend is None else k * np.cos(np.radians(np.subtract(trend, face)))
     east, north, up = (given.pop(f"force_{name}") for name in ("east", "north", "up"))
@@ -387,11 +387,8 @@ def bounds(design: PlaneDesign) -> Bounds:
     """The planes that bound the block, all along the slope as the section has them; signs as `section_of`."""
     turned = np.radians(np.atleast_1d(design.face.dip_direction_deg))
     out = np.stack([np.sin(turned), np.cos(turned), np.zeros_like(turned)], axis=-1)
-    tangents = []
-    for plane in (design.joint, design.face, design.upper):
-        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
-        tangents.append(np.tan(np.radians(np.atleast_1d(plane.dip_deg))) * np.where(same, 1.0, -1.0))
-    slide, face, upper = tangents
+    planes = (design.joint, design.face, design.upper)
+    slide, face, upper = (np.tan(np.radians(np.atleast_1d(_signed_dip(plane, design.face)))) for plane in planes)
     height = np.atleast_1d(design.height_m)
     crest = -height / face  # out of the slope; the ground behind it falls with `upper`
     lines: list[tuple[Any, Any]] = [(slide, 0.0), (face, 0.0), (upper, height + upper * crest)]  # up + tangent * out
@@ -432,11 +429,8 @@ def _extents(design: PlaneDesign, distance_m: Any) -> "PlaneSizes":
     """The sizes with a crack so far behind the crest, or without one (None)."""
     from slopekit.closed_form.sizes import plane_sizes
 
-    dips = []
-    for plane in (design.joint, design.upper):
-        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
-        dips.append(np.where(same, plane.dip_deg, np.negative(plane.dip_deg)))
-    return plane_sizes(dips[0], design.face.dip_deg, dips[1], design.height_m, distance_m)
+    slide, upper = (_signed_dip(plane, design.face) for plane in (design.joint, design.upper))
+    return plane_sizes(slide, design.face.dip_deg, upper, design.height_m, distance_m)
 
 
 def crack_reach(design: PlaneDesign) -> Floats:
@@ -458,32 +452,30 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
     return ON_ARRAYS.of(design)
 
 
-def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
-    changes = []
+def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
     if design.water.mode != TABLE and (design.water.mode == "dry" or design.water.fill < 1.0):
         crack = None if design.crack is None else replace(design.crack, water_m=None)
-        changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
-    changes += [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
+        yield "full water", replace(design, water=Water("full", 1.0), crack=crack)
+    yield from [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
-        changes.append((f"dip of {design.joint_name} +1°", replace(design, joint=dipping)))
-    return changes
+        yield f"dip of {design.joint_name} +1°", replace(design, joint=dipping)
 
 
-def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
-    notices = [*design.ground_notices(0.0, design.height_m)]
+def _notices(design: PlaneDesign) -> Iterator[Notice]:
+    yield from design.ground_notices(0.0, design.height_m)
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
         if apart > _OUT and plane.dip_deg > 0.0:
             message = f"{name} strikes {shown(round(apart, 1))}° from the face: taken as parallel to it"
-            notices.append(Notice("W321", message))
+            yield Notice("W321", message)
     share = _in_section(design)
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (
             f"the seismic load acts off the section: {share * 100:.0f} % of it acts out of the slope, "
             "the rest is left out"
         )
-        notices.append(Notice("W323", message))
+        yield Notice("W323", message)
     along = _axes(design.face)[1]
     aside = [bolt.toward.vector() @ along for bolt in design.bolts]
     aside += [np.array(force.components_kn) @ along / np.linalg.norm(force.components_kn) for force in design.forces
@@ -491,8 +483,7 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
     most = max((abs(float(part)) for part in aside), default=0.0)
     if most > 1e-6:
         message = f"bolts or forces act along the slope (up to {most * 100:.0f} % of one): that part is left out"
-        notices.append(Notice("W323", message))
-    return tuple(notices)
+        yield Notice("W323", message)
 
 
 def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
@@ -517,7 +508,7 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     yield loads_part([*([] if design.water.mode == TABLE else water_in_words(design) or in_crack), *own], result)
 
 
-KIND = kind_of_one_block(
+KIND = replace(kind_of_one_block(
     "plane", PlaneDesign, read_plane,
     Words(
         "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
@@ -525,5 +516,5 @@ KIND = kind_of_one_block(
         {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, has_site=True, crest_point=crest_point, in_section=_in_section,
-)  # fmt: skip
+    on_arrays=ON_ARRAYS,
+), has_site=True, crest_point=crest_point, in_section=_in_section)  # fmt: skip

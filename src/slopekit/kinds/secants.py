@@ -6,7 +6,7 @@ on two joints do not depend on its strength: the second round ends it. With pass
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
@@ -87,19 +87,17 @@ def changed_laws(strength: Strength) -> list[tuple[str, Strength]]:
     return [(name, Strength.by_law(other, strength.dilation_deg, strength.tension_kpa)) for name, other in _larger(law)]
 
 
-def _larger(law: Any) -> list[tuple[str, Any]]:
-    changes: list[tuple[str, Any]] = []
+def _larger(law: Any) -> Iterator[tuple[str, Any]]:
     for part in fields(law):
         value, sign = getattr(law, part.name), part.metadata.get("sign")
         if hasattr(value, "resistance"):
-            changes += [(name, replace(law, **{part.name: other})) for name, other in _larger(value)]
+            yield from [(name, replace(law, **{part.name: other})) for name, other in _larger(value)]
         elif sign and value is not None:
             step = part.metadata.get("step")
             larger = value * 1.1 if step is None else value + step
             angle = "°" if part.metadata["unit"] == "angle" else ""
             within = larger < part.metadata.get("below", math.inf) and larger <= part.metadata.get("most", math.inf)
             if larger != value and within:
-                changes.append((f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}", replace(
+                yield (f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}", replace(
                     law, **{part.name: larger}
-                )))  # fmt: skip
-    return changes
+                ))  # fmt: skip

@@ -72,13 +72,11 @@ def with_water(
     notices = scene.notices
     if outside is None and table:
         notices = (*notices, *_open_water(water, scene, means))
-    if water.pond is not None and not (pond := _on_free_faces(Pressure((), water.pond, water.unit_weight), scene)):
+    pond = () if water.pond is None else tuple(_on_free_faces(Pressure((), water.pond, water.unit_weight), scene))
+    if water.pond is not None and not pond:
         told = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
         notices = (*notices, Notice("W419", told))
-    return replace(
-        scene, pressures=frozen(means), water_points=frozen(points), notices=notices,
-        pond=pond if water.pond is not None else (),
-    )  # fmt: skip
+    return replace(scene, pressures=frozen(means), water_points=frozen(points), notices=notices, pond=pond)
 
 
 def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
@@ -178,13 +176,12 @@ def _of_block(assembly: Assembly, block: int) -> Iterator[tuple[int, Floats]]:
             yield k, sign * patches.normals[k]
 
 
-def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> tuple[tuple[int, PointForce], ...]:
+def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, PointForce]]:
     """What a pond does to blocks that can move, on all of their surface that is no contact."""
     assembly = scene.assembly
     patches = assembly.patches
     level = pond.pond
     assert level is not None
-    loads = []
     moving = np.flatnonzero(~assembly.fixed)
     wet = [(k, corners) for k, corners in _corners_of(scene, moving) if float(corners[:, 2].min()) < level]
     is_wet = np.zeros(len(assembly) + 1, dtype=bool)
@@ -206,8 +203,7 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> tuple[tuple[int, Poi
             force += push
             couple += cross(points[k] - centre, push)
         if float(np.sqrt(force @ force)) > _NOTHING * displaced:
-            loads.append((block, PointForce(force, None, couple)))
-    return tuple(loads)
+            yield block, PointForce(force, None, couple)
 
 
 def _corners_of(scene: AssemblyScene, blocks: Ints) -> Iterator[tuple[int, Floats]]:

@@ -172,7 +172,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
     shared = common(reader, names, True, _WESTWARD, water)
     return reader.made(
         ToppleDesign, own, shared, read_ground_water(reader)[0], base=base, sides=sides, pressures_kpa=water,
-        surcharges_kpa=read_surcharges(reader, names),
+        surcharges_kpa=tuple(read_surcharges(reader, names)),
     )  # fmt: skip
 
 
@@ -333,18 +333,14 @@ def why_no_table(design: ToppleDesign) -> str:
     return ""
 
 
-def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> list[ToppleColumn]:
-    rows = []
+def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> Iterator[ToppleColumn]:
     for k in range(len(table.heights_m)):
         name = design.block_names[k]
-        rows.append(
-            ToppleColumn(
-                k + 1, float(table.heights_m[k]), _known(table.upper_contact_m[k]), _known(table.lower_contact_m[k]),
-                _known(table.topple_force_kn[k]), _known(table.slide_force_kn[k]), _known(table.force_kn[k]),
-                _known(table.normal_kn[k]), _known(table.shear_kn[k]), table.modes[k], ways.get(name, "stable"),
-            )
+        yield ToppleColumn(
+            k + 1, float(table.heights_m[k]), _known(table.upper_contact_m[k]), _known(table.lower_contact_m[k]),
+            _known(table.topple_force_kn[k]), _known(table.slide_force_kn[k]), _known(table.force_kn[k]),
+            _known(table.normal_kn[k]), _known(table.shear_kn[k]), table.modes[k], ways.get(name, "stable"),
         )  # fmt: skip
-    return rows
 
 
 def _known(value: float) -> float | None:

@@ -4,7 +4,7 @@ In space a map of each plane, seen from above; in a section each contact along i
 them all in their places. Needs the extra `plot`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -51,7 +51,7 @@ def draw_elastic_tractions(figure: Any, document: Mapping[str, Any]) -> None:
     elastic = document["elastic"]
     pairs = elastic["pairs"]
     area = np.array(pairs["control_areas_m2"], dtype=float)
-    every = _faces(pairs)
+    every = list(_faces(pairs))
     if not every:
         nothing("the elastic blocks have no contact")
     faces = sorted(every, key=lambda face: -float(area[face.own].sum()))[:_MOST]
@@ -72,7 +72,7 @@ def draw_elastic_tractions(figure: Any, document: Mapping[str, Any]) -> None:
     figure.suptitle(f"{said}; {100.0 * elastic['opened_share']:.2g} % of the contact area open{more}", fontsize=10.5)
 
 
-def _faces(pairs: Mapping[str, Any]) -> list[_PlaneMap]:
+def _faces(pairs: Mapping[str, Any]) -> Iterator[_PlaneMap]:
     """The planes on which pairs lie, by joint, normal and distance."""
     points, normals = (np.array(pairs[key], dtype=float).reshape(-1, 3) for key in ("points_m", "normals"))
     around = points - points.mean(axis=0) if len(points) else points
@@ -88,7 +88,6 @@ def _faces(pairs: Mapping[str, Any]) -> list[_PlaneMap]:
                 break
         else:
             groups.append([k])
-    out = []
     for name, groups in by_joint.items():
         for k, group in enumerate(groups, 1):
             own, normal = np.array(group), planes[group[0], :3]
@@ -101,8 +100,7 @@ def _faces(pairs: Mapping[str, Any]) -> list[_PlaneMap]:
             azimuth = float(np.degrees(np.arctan2(along[0], along[1])) % 360.0)
             east, north, above = (points[own].mean(axis=0).round(1) + 0.0).tolist()
             where = "" if len(groups) == 1 else f"middle {east:.1f} E, {north:.1f} N, {above:.1f} m up"
-            out.append(_PlaneMap(called, own, places - places.min(axis=0), azimuth, where))
-    return out
+            yield _PlaneMap(called, own, places - places.min(axis=0), azimuth, where)
 
 
 def _without_rounding(values: Floats) -> Floats:

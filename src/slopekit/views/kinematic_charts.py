@@ -23,24 +23,7 @@ from slopekit.studies.kinematic.criteria import (
     zones_of_poles,
 )
 from slopekit.views.drawing import BLUE, GREY, PURPLE, RED, TEXT, needs, short
-from slopekit.views.stereonet import (
-    FACE,
-    LIGHT,
-    NETS,
-    SHADE,
-    Net,
-    arrange,
-    cells,
-    envelope,
-    mean_axis,
-    plane_circle,
-    points,
-    set_marks,
-    shade,
-    spokes,
-    start,
-    steeper_than,
-)
+from slopekit.views.stereonet import FACE, LIGHT, NETS, SHADE, Net, Stereonet, arrange, cells, mean_axis, set_marks
 
 Document = Mapping[str, Any]
 #: What `--test` takes; toppling is both of the last.
@@ -122,7 +105,7 @@ def draw_kinematic(figure: Any, document: Document, net: Net = "area", test: str
     survey = _Survey(document, net)
     panels = list(np.ravel(figure.subplots(len(chosen) // across, across)))
     for axes, panel in zip(panels, chosen, strict=True):
-        panel(axes, survey)
+        panel(Stereonet(axes, net), survey)
     n = len(survey.planes)
     name = short(str(document["survey"]["name"]), 50)
     head = f"{name}: {n} joint{'s' * (n != 1)}, face {survey.face}, φ {_friction(survey)}"
@@ -142,77 +125,77 @@ def _friction(survey: _Survey) -> str:
     return f"{low}°" if low == high else f"{low} to {high}°, each joint its own"
 
 
-def _planar(axes: Any, survey: _Survey) -> None:
+def _planar(on: Stereonet, survey: _Survey) -> None:
     planar, free = survey.modes.planar, survey.modes.planar_without_limits
-    start(axes, f"Planar sliding, poles: {_share(planar, 'joint')}, {int(free.sum())} without lateral limits")
+    on.start(f"Planar sliding, poles: {_share(planar, 'joint')}, {int(free.sum())} without lateral limits")
     zone = survey.zones(zones_of_poles)
-    shade(axes, zone["planar_without_limits"], survey.net, LIGHT, "critical without lateral limits")
-    shade(axes, zone["planar"], survey.net, SHADE, f"critical{_at(survey)}")
-    envelope(axes, survey.face, survey.net, color=FACE, linewidth=1.4, label="daylight envelope")
-    _face(axes, survey)
+    on.shade(zone["planar_without_limits"], LIGHT, "critical without lateral limits")
+    on.shade(zone["planar"], SHADE, f"critical{_at(survey)}")
+    on.envelope(survey.face, color=FACE, linewidth=1.4, label="daylight envelope")
+    _face(on, survey)
     for friction, style in _frictions(survey):
-        steeper_than(axes, 90.0 - friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
-                     label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
-    spokes(axes, survey.face.dip_direction_deg + 180.0, survey.limits[0])
-    _poles(axes, survey, planar, "slides")
-    _means(axes, survey)
+        on.steeper_than(90.0 - friction, color=BLUE, linewidth=1.3, linestyle=style,
+                        label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
+    on.spokes(survey.face.dip_direction_deg + 180.0, survey.limits[0])
+    _poles(on, survey, planar, "slides")
+    _means(on, survey)
 
 
-def _wedge(axes: Any, survey: _Survey) -> None:
+def _wedge(on: Stereonet, survey: _Survey) -> None:
     lines = survey.modes.of_lines()
     primary, secondary, many = lines["wedge_primary"], lines["wedge_secondary"], lines["wedge"]
-    start(axes, f"Wedge sliding, lines of intersection: {_share(many, 'line')}")
+    on.start(f"Wedge sliding, lines of intersection: {_share(many, 'line')}")
     zone = survey.zones(zones_of_lines)
-    shade(axes, zone["wedge_secondary_of_dips"], survey.net, LIGHT, "secondary zone as Dips draws it")
-    shade(axes, zone["wedge_primary"], survey.net, SHADE, f"primary zone{_at(survey)}")
-    _face(axes, survey)
+    on.shade(zone["wedge_secondary_of_dips"], LIGHT, "secondary zone as Dips draws it")
+    on.shade(zone["wedge_primary"], SHADE, f"primary zone{_at(survey)}")
+    _face(on, survey)
     for friction, style in _frictions(survey):
-        steeper_than(axes, friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
-                     label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
-    _dots(axes, survey, ~many, GREY, "o", "not critical")
-    _dots(axes, survey, secondary, PURPLE, "^", "secondary: slides on one joint")
-    _dots(axes, survey, primary, RED, "o", "primary: line steeper than friction")
+        on.steeper_than(friction, color=BLUE, linewidth=1.3, linestyle=style,
+                        label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
+    _dots(on, survey, ~many, GREY, "o", "not critical")
+    _dots(on, survey, secondary, PURPLE, "^", "secondary: slides on one joint")
+    _dots(on, survey, primary, RED, "o", "primary: line steeper than friction")
 
 
-def _flexural(axes: Any, survey: _Survey) -> None:
+def _flexural(on: Stereonet, survey: _Survey) -> None:
     flexural = survey.modes.flexural
-    start(axes, f"Flexural toppling, poles: {_share(flexural, 'joint')}")
-    shade(axes, survey.zones(zones_of_poles)["flexural"], survey.net, SHADE, f"critical{_at(survey)}")
-    _face(axes, survey)
+    on.start(f"Flexural toppling, poles: {_share(flexural, 'joint')}")
+    on.shade(survey.zones(zones_of_poles)["flexural"], SHADE, f"critical{_at(survey)}")
+    _face(on, survey)
     for friction, style in _frictions(survey):
         slip = survey.face.dip_deg - friction
         if slip >= 0.0:
-            plane_circle(axes, Plane(slip, survey.face.dip_direction_deg), survey.net, color=BLUE, linewidth=1.3,
-                         linestyle=style, label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
-    spokes(axes, survey.face.dip_direction_deg, survey.limits[1])
-    _poles(axes, survey, flexural, "topples")
-    _means(axes, survey)
+            on.plane_circle(Plane(slip, survey.face.dip_direction_deg), color=BLUE, linewidth=1.3,
+                            linestyle=style, label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
+    on.spokes(survey.face.dip_direction_deg, survey.limits[1])
+    _poles(on, survey, flexural, "topples")
+    _means(on, survey)
 
 
-def _direct(axes: Any, survey: _Survey) -> None:
+def _direct(on: Stereonet, survey: _Survey) -> None:
     lines, joints = survey.modes.of_lines(), survey.modes.of_joints()
     base = joints["base_sliding"] | joints["base_release"] | joints["base_oblique"]
     edges = lines["direct"] | lines["oblique"]
-    start(axes, f"Direct toppling: {_share(edges, 'line')}; base planes: {_share(base, 'joint')}")
+    on.start(f"Direct toppling: {_share(edges, 'line')}; base planes: {_share(base, 'joint')}")
     zone = survey.zones(zones_of_lines, survey.most)
-    shade(axes, zone["oblique"], survey.net, LIGHT, "oblique")
-    shade(axes, zone["direct"], survey.net, SHADE, f"direct{_at(survey, most=True)}")
-    _face(axes, survey)
-    steeper_than(axes, 90.0 - survey.face.dip_deg, survey.net, color=BLUE, linewidth=1.3,
-                 label="lines: plunge of the normal to the face; poles: its dip")  # fmt: skip
-    steeper_than(axes, 90.0 - survey.most, survey.net, color=BLUE, linewidth=1.1, linestyle="--",
-                 label=f"friction cone about the vertical, φ {number(survey.most)}°")  # fmt: skip
-    spokes(axes, survey.face.dip_direction_deg + 180.0, survey.limits[1])
-    _dots(axes, survey, ~edges, GREY, "o", "lines, not critical")
-    _dots(axes, survey, lines["oblique"], PURPLE, "^", "lines, oblique")
-    _dots(axes, survey, lines["direct"], RED, "o", "lines, direct")
+    on.shade(zone["oblique"], LIGHT, "oblique")
+    on.shade(zone["direct"], SHADE, f"direct{_at(survey, most=True)}")
+    _face(on, survey)
+    on.steeper_than(90.0 - survey.face.dip_deg, color=BLUE, linewidth=1.3,
+                    label="lines: plunge of the normal to the face; poles: its dip")  # fmt: skip
+    on.steeper_than(90.0 - survey.most, color=BLUE, linewidth=1.1, linestyle="--",
+                    label=f"friction cone about the vertical, φ {number(survey.most)}°")  # fmt: skip
+    on.spokes(survey.face.dip_direction_deg + 180.0, survey.limits[1])
+    _dots(on, survey, ~edges, GREY, "o", "lines, not critical")
+    _dots(on, survey, lines["oblique"], PURPLE, "^", "lines, oblique")
+    _dots(on, survey, lines["direct"], RED, "o", "lines, direct")
     for kind, face, said in (
         ("base_sliding", "black", "bases that slide too"), ("base_release", "white", "bases that release"),
         ("base_oblique", "#bbbbbb", "bases that release obliquely"),
     ):  # fmt: skip
         some = survey.poles[joints[kind]]
-        points(axes, some, survey.net, marker="s", color="black", markerfacecolor=face, markersize=4.5, zorder=4,
-               label=f"{said}, poles ({len(some)})")  # fmt: skip
+        on.points(some, marker="s", color="black", markerfacecolor=face, markersize=4.5, zorder=4,
+                  label=f"{said}, poles ({len(some)})")  # fmt: skip
 
 
 # -- parts ------------------------------------------------------------------------------------------------------------
@@ -228,11 +211,11 @@ def _frictions(survey: _Survey) -> list[tuple[float, str]]:
     return both[:1] if survey.least == survey.most else both
 
 
-def _face(axes: Any, survey: _Survey) -> None:
-    plane_circle(axes, survey.face, survey.net, color=FACE, linewidth=2.2, label=f"face {survey.face}")
+def _face(on: Stereonet, survey: _Survey) -> None:
+    on.plane_circle(survey.face, color=FACE, linewidth=2.2, label=f"face {survey.face}")
 
 
-def _poles(axes: Any, survey: _Survey, critical: Bools, what: str) -> None:
+def _poles(on: Stereonet, survey: _Survey, critical: Bools, what: str) -> None:
     """Poles by set, the critical ones ringed."""
     own = np.array(survey.sets)
     marks, size = set_marks(survey.named_sets), 3.8 if len(own) <= 600 else 2.4
@@ -240,14 +223,14 @@ def _poles(axes: Any, survey: _Survey, critical: Bools, what: str) -> None:
         some = survey.poles[own == name]
         colour, marker = marks[name]
         said = f"set {short(name, 18)}" if name else "poles" if not survey.named_sets else "of no set"
-        points(axes, some, survey.net, marker=marker, color=colour, markersize=size, markeredgewidth=0.6, zorder=3,
-               label=f"{said} ({len(some)})")  # fmt: skip
-    points(axes, survey.poles[critical], survey.net, marker="o", color=RED, markerfacecolor="none",
-           markersize=2.0 * size + 0.9, markeredgewidth=1.4, zorder=4,
-           label=f"{what} ({int(critical.sum())})")  # fmt: skip
+        on.points(some, marker=marker, color=colour, markersize=size, markeredgewidth=0.6, zorder=3,
+                  label=f"{said} ({len(some)})")  # fmt: skip
+    on.points(survey.poles[critical], marker="o", color=RED, markerfacecolor="none",
+              markersize=2.0 * size + 0.9, markeredgewidth=1.4, zorder=4,
+              label=f"{what} ({int(critical.sum())})")  # fmt: skip
 
 
-def _means(axes: Any, survey: _Survey) -> None:
+def _means(on: Stereonet, survey: _Survey) -> None:
     """The mean pole of each set."""
     own = np.array(survey.sets)
     marks = set_marks(survey.named_sets)
@@ -258,14 +241,15 @@ def _means(axes: Any, survey: _Survey) -> None:
         pole = mean_axis(some)
         mean = planes_of_poles(pole[None])
         plane = f"{mean.dips_deg[0]:.0f}/{mean.dip_directions_deg[0]:03.0f}"
-        points(axes, pole[None], survey.net, marker=marks[name][1], color="black", markerfacecolor=marks[name][0],
-               markersize=11, markeredgewidth=1.4, zorder=4.5, label=f"mean of {short(name, 14)}: {plane}")  # fmt: skip
+        on.points(pole[None], marker=marks[name][1], color="black",
+                  markerfacecolor=marks[name][0], markersize=11, markeredgewidth=1.4, zorder=4.5,
+                  label=f"mean of {short(name, 14)}: {plane}")  # fmt: skip
 
 
-def _dots(axes: Any, survey: _Survey, chosen: Bools, colour: str, marker: str, said: str) -> None:
+def _dots(on: Stereonet, survey: _Survey, chosen: Bools, colour: str, marker: str, said: str) -> None:
     """Lines of intersection."""
     size = 3.4 if len(chosen) <= _OFTEN else 2.2 if len(chosen) <= 10 * _OFTEN else 1.4
     quiet = colour == GREY
-    points(axes, survey.lines.down[chosen], survey.net, marker="." if quiet else marker, color=colour,
-           markersize=size if quiet else size + 0.6, markeredgewidth=0.3, alpha=0.7 if quiet else 1.0,
-           zorder=2.0 if quiet else 3.0, label=f"{said} ({int(chosen.sum())})")  # fmt: skip
+    on.points(survey.lines.down[chosen], marker="." if quiet else marker, color=colour,
+              markersize=size if quiet else size + 0.6, markeredgewidth=0.3, alpha=0.7 if quiet else 1.0,
+              zorder=2.0 if quiet else 3.0, label=f"{said} ({int(chosen.sum())})")  # fmt: skip

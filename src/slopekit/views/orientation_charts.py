@@ -15,24 +15,7 @@ from slopekit.core.records import dataclass
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
 from slopekit.studies.kinematic.run import LATERAL_DEG
 from slopekit.views.drawing import BLUE, DARK, GREY, RED, TEXT, needs, nothing, short, title_of
-from slopekit.views.stereonet import (
-    FACE,
-    LIGHT,
-    MARKERS,
-    NETS,
-    SETS,
-    SHADE,
-    Net,
-    arrange,
-    cells,
-    envelope,
-    plane_circle,
-    points,
-    shade,
-    spokes,
-    start,
-    steeper_than,
-)
+from slopekit.views.stereonet import FACE, LIGHT, MARKERS, NETS, SETS, SHADE, Net, Stereonet, arrange, cells
 
 Document = Mapping[str, Any]
 _MOST_JOINTS = 12  # that are drawn and listed one by one
@@ -120,38 +103,38 @@ def draw_orientations(figure: Any, document: Document, net: Net = "area") -> Non
     orientations = orientations_of(document)
     if orientations is None:
         nothing("the document has no joint with dip and dip direction")
-    axes = figure.subplots()
-    start(axes, "")
+    on = Stereonet(figure.subplots(), net)
+    on.start("")
     face = orientations.slope.get("face")
     if face is not None and orientations.frictions:
-        _zone(axes, orientations, face, net)
+        _zone(on, orientations, face)
     styles = {"face": (FACE, "-", 2.2, "face"), "upper": (GREY, "-", 1.4, "upper slope"),
               "crack": (DARK, "--", 1.6, "tension crack")}  # fmt: skip
     for name, plane in orientations.slope.items():
         colour, style, width, said = styles[name]
-        plane_circle(axes, plane, net, color=colour, linestyle=style, linewidth=width, label=f"{said} {plane}")
+        on.plane_circle(plane, color=colour, linestyle=style, linewidth=width, label=f"{said} {plane}")
     if face is not None:
         style = "-" if orientations.is_planar else "--"
-        envelope(axes, face, net, color=FACE, linewidth=1.0, linestyle=style, label="daylight envelope of poles")
-    _joints(axes, orientations, net)
-    _cones(axes, orientations, net)
-    _lines(axes, document, orientations, net)
+        on.envelope(face, color=FACE, linewidth=1.0, linestyle=style, label="daylight envelope of poles")
+    _joints(on, orientations)
+    _cones(on, orientations)
+    _lines(on, document, orientations)
     lines = [title_of(document), *_answer(document), f"lower hemisphere, {NETS[net]}"]
-    arrange(figure, [axes], 1, "\n".join(lines))
+    arrange(figure, [on.axes], 1, "\n".join(lines))
 
 
-def _zone(axes: Any, orientations: Oriented, face: Plane, net: Net) -> None:
+def _zone(on: Stereonet, orientations: Oriented, face: Plane) -> None:
     """Where lines of intersection slide out; of a joint alone, where its pole means that."""
     least = orientations.frictions[0]
     steeper = f"daylight, steeper than φ {number(least)}°{', the least' if len(orientations.frictions) > 1 else ''}"
     if not orientations.is_planar:
-        zone = zones_of_lines(cells(net)[0], face, least, 90.0, 90.0)["wedge_primary"]
-        shade(axes, zone, net, SHADE, f"lines here {steeper}")
+        zone = zones_of_lines(cells(on.net)[0], face, least, 90.0, 90.0)["wedge_primary"]
+        on.shade(zone, SHADE, f"lines here {steeper}")
         return
-    zones = zones_of_poles(cells(net)[0], face, least, LATERAL_DEG, 90.0)
-    shade(axes, zones["planar_without_limits"], net, LIGHT, f"poles here {steeper}")
-    shade(axes, zones["planar"], net, SHADE, "the same within the lateral limits")
-    spokes(axes, face.dip_direction_deg + 180.0, LATERAL_DEG)
+    zones = zones_of_poles(cells(on.net)[0], face, least, LATERAL_DEG, 90.0)
+    on.shade(zones["planar_without_limits"], LIGHT, f"poles here {steeper}")
+    on.shade(zones["planar"], SHADE, "the same within the lateral limits")
+    on.spokes(face.dip_direction_deg + 180.0, LATERAL_DEG)
 
 
 def _answer(document: Document) -> list[str]:
@@ -168,7 +151,7 @@ def _answer(document: Document) -> list[str]:
     return lines
 
 
-def _cones(axes: Any, orientations: Oriented, net: Net) -> None:
+def _cones(on: Stereonet, orientations: Oriented) -> None:
     """Friction circle and cone of each angle, in the colour of its joint where it is of one."""
     joints = list(orientations.joints)[: len(SETS)]
     frictions = orientations.frictions
@@ -184,31 +167,31 @@ def _cones(axes: Any, orientations: Oriented, net: Net) -> None:
         colour = SETS[joints.index(own[0])] if alone else BLUE
         of = f" ({', '.join(short(name, 10) for name in own[:3])}{', ...' if len(own) > 3 else ''})" if alone else ""
         if not orientations.is_planar:
-            steeper_than(axes, friction, net, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
-                         label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
-        steeper_than(axes, 90.0 - friction, net, color=colour, linewidth=0.9, linestyle="--" if not alone else ":",
-                     label=f"friction cone of poles, φ {number(friction)}°{of}: steeper outside")  # fmt: skip
+            on.steeper_than(friction, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
+                            label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
+        on.steeper_than(90.0 - friction, color=colour, linewidth=0.9, linestyle="--" if not alone else ":",
+                        label=f"friction cone of poles, φ {number(friction)}°{of}: steeper outside")  # fmt: skip
 
 
-def _joints(axes: Any, orientations: Oriented, net: Net) -> None:
+def _joints(on: Stereonet, orientations: Oriented) -> None:
     shown = list(orientations.joints.items())[:_MOST_JOINTS]
     for k, (name, plane) in enumerate(shown):
         colour, marker = SETS[k % len(SETS)], MARKERS[k % len(MARKERS)]
         friction = orientations.friction_deg.get(name)
         rough = "" if friction is None else f", φ {number(friction)}°"
         style = "-" if k < len(SETS) else "-."
-        plane_circle(axes, plane, net, color=colour, linewidth=1.7, linestyle=style)
-        points(axes, -plane.normal()[None], net, marker=marker, color=colour, markeredgecolor="black", markersize=8,
-               zorder=4)  # fmt: skip
-        axes.plot([], [], color=colour, linestyle=style, linewidth=1.7, marker=marker, markeredgecolor="black",
-                  label=f"{short(name, 16)} {_rounded(plane)}{rough}, with its pole")  # fmt: skip
+        on.plane_circle(plane, color=colour, linewidth=1.7, linestyle=style)
+        on.points(-plane.normal()[None], marker=marker, color=colour, markeredgecolor="black", markersize=8,
+                  zorder=4)  # fmt: skip
+        on.axes.plot([], [], color=colour, linestyle=style, linewidth=1.7, marker=marker, markeredgecolor="black",
+                     label=f"{short(name, 16)} {_rounded(plane)}{rough}, with its pole")  # fmt: skip
     left = list(orientations.joints.values())[_MOST_JOINTS:]
     if left:
-        points(axes, np.array([-plane.normal() for plane in left]), net, marker=".", color=GREY, markersize=5,
-               label=f"poles of {len(left)} more joints")  # fmt: skip
+        on.points(np.array([-plane.normal() for plane in left]), marker=".", color=GREY, markersize=5,
+                  label=f"poles of {len(left)} more joints")  # fmt: skip
 
 
-def _lines(axes: Any, document: Document, orientations: Oriented, net: Net) -> None:
+def _lines(on: Stereonet, document: Document, orientations: Oriented) -> None:
     """Lines of intersection: of a combos document those of the worst pairs, else of all pairs of joints."""
     named: list[tuple[str, Floats]] = []
     if document.get("kind") == "combos":
@@ -223,13 +206,13 @@ def _lines(axes: Any, document: Document, orientations: Oriented, net: Net) -> N
     lines = [(name, line / size) for name, line in named if (size := float(np.sqrt(line @ line))) >= _PARALLEL]
     for k, (name, line) in enumerate(lines[:_MOST_LINES]):
         marker = MARKERS[k % len(MARKERS)]
-        points(axes, line[None], net, marker=marker, color=RED, markeredgecolor="black", markersize=9, zorder=4.5,
-               label=f"line {name}: {_direction(line)}")  # fmt: skip
+        on.points(line[None], marker=marker, color=RED, markeredgecolor="black", markersize=9, zorder=4.5,
+                  label=f"line {name}: {_direction(line)}")  # fmt: skip
     left = lines[_MOST_LINES:]
     if left:
-        points(axes, np.array([line for _, line in left]), net, marker="o", color=RED,
-               markersize=4.5 if len(left) <= _MOST_DOTS else 2.2, zorder=4.4,
-               label=f"{len(left)} more lines of intersection")  # fmt: skip
+        on.points(np.array([line for _, line in left]), marker="o", color=RED,
+                  markersize=4.5 if len(left) <= _MOST_DOTS else 2.2, zorder=4.4,
+                  label=f"{len(left)} more lines of intersection")  # fmt: skip
 
 
 def _direction(vector: Floats) -> str:

@@ -1,14 +1,14 @@
 """Parts that scenes are put together from: coloured joints, names of blocks, resultants, words of the legend."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
 import numpy as np
 
 from slopekit.block_scene import Contacts, joined
-from slopekit.bolts import nearest, plates, rods
+from slopekit.bolts import plates, rods
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.records import dataclass
 from slopekit.exchange.panels import triangles_of
@@ -32,11 +32,9 @@ from slopekit.views.stage import Stage
 Legend = list[tuple[str, Colour, float]]
 _MOST_ARROWS = 400
 _MOST_LABELS, _FEW_LABELS = 60, 12
-_BALANCED = 0.01  # of the largest load on a block
 _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
 _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
-_ROD, _PLATE = 4e-3, 0.024  # of the size: radius of rods, width of plates, where bolts stand far enough apart
-_CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
+_ROD = 4e-3 / 0.024  # radius of rods, of the width of their plates
 _MOST_LINES = 3  # of one kind of load in the legend
 
 
@@ -80,7 +78,7 @@ class Scenery:
         """
         bolts, bare = self.stage.scene.bolts, without_head(schedule(self.stage.document))
         if bolts is not None:
-            width = plate_width(self.stage)
+            width = self.stage.plate_width
             away = np.zeros((1, 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
             heads, ends = bolts.heads_m + away, bolts.ends_m + away
             for acts, colour, own in (
@@ -89,7 +87,7 @@ class Scenery:
                 if own.any():
                     count = int(own.sum())
                     said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[own].tolist())}"
-                    body = rods(heads[own], ends[own], _ROD / _PLATE * width)
+                    body = rods(heads[own], ends[own], _ROD * width)
                     self.add(f"bolts, {acts}: rods", body, colour, front=1)
                     body = plates(heads[own], bolts.plates[own], width)
                     self.add(f"bolts, {acts}: plates", body, colour, "" if rods_said else said, front=1)
@@ -97,6 +95,53 @@ class Scenery:
         self.notes += [rods_said] if rods_said and bolts is not None and len(bolts) else []
         self.notes += [bare] if bare else []
         self.notes += ["bolts without a length are drawn to where they leave their block"] if open_ended else []
+
+    def block_legend(self, rock: bool) -> Legend:
+        """What the colours of `Stage.block_colours` mean."""
+        legend: Legend = []
+        if self.stage.alone:
+            legend.append((self.stage.scene.shapes.names[0], BLOCK, 1.0))
+        else:
+            first, free = int((self.stage.scene.order == 1).sum()), int(self.stage.free.sum())
+            legend += [(f"moves first ({first})", BLOCK, 1.0)] if first else []
+            legend += [(f"other blocks ({free - first})", STANDS, 1.0)] if free > first else []
+            rock = bool(self.stage.scene.shapes.fixed.any())
+        return [*legend, ("bedrock", ROCK, 1.0)] if rock else legend
+
+    def names(self, moved: Floats | None = None, only: Bools | None = None) -> list[tuple[Floats, str]]:
+        """Names of blocks at their centroids, which `moved` (n, 3) takes with them, where there are few enough to read.
+
+        In a section every block is seen; in space a name could stand on another block: only those that move have one.
+        """
+        chosen = self.stage.free & (np.ones_like(self.stage.free) if only is None else only)
+        if not self.stage.in_section:
+            chosen &= self.stage.scene.order > 0
+        if self.stage.alone or int(chosen.sum()) > (_MOST_LABELS if self.stage.in_section else _FEW_LABELS):
+            return []
+        shapes = self.stage.scene.shapes
+        at = shapes.centroids if moved is None else shapes.centroids + moved
+        return [(at[k], shapes.names[k]) for k in np.flatnonzero(chosen).tolist()]
+
+    def measures(self) -> str:
+        """Volume and height in words."""
+        geometry = self.stage.document.get("geometry") or {}
+        volume, height = geometry.get("volume_m3"), geometry.get("total_height_m")
+        parts = [] if volume is None else [f"volume {volume:.6g} m³"]
+        parts += [] if height is None else [f"total height {height:.4g} m"]
+        if self.stage.document.get("assembly") is not None:
+            count = int(self.stage.free.sum())
+            parts.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")
+        elif geometry.get("thickness_m"):
+            parts.append(f"a slice of {geometry['thickness_m']:g} m")
+        return ", ".join(parts)
+
+    def load_names(self) -> list[str]:
+        """The loads by name, bolts with the numbers that the design lists them by."""
+        called = []
+        for name in self.stage.scene.loads.names:
+            bolt = bolt_of_load(self.stage.document, name)
+            called.append(name if bolt is None else f"{bolt[0]} bolt {bolt[1]}{''.join(name.partition(',')[1:])}")
+        return called
 
     def picture(
         self, what: str, *, bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] | None = None, answer: str = ""
@@ -110,35 +155,8 @@ class Scenery:
         title = f"{stage.title or stage.kind} — {what}" + (f"  (sha {digest})" if digest else "")
         return Picture(
             title, answer or stage.answer, tuple(self.layers), tuple(self.legend), stage.eye, tuple(self.notes), bar,
-            tuple(names(stage) if labels is None else labels), not stage.in_section,
+            tuple(self.names() if labels is None else labels), not stage.in_section,
         )  # fmt: skip
-
-
-def measures(stage: Stage) -> str:
-    """Volume and height in words."""
-    geometry = stage.document.get("geometry") or {}
-    volume, height = geometry.get("volume_m3"), geometry.get("total_height_m")
-    parts = [] if volume is None else [f"volume {volume:.6g} m³"]
-    parts += [] if height is None else [f"total height {height:.4g} m"]
-    if stage.document.get("assembly") is not None:
-        count = int(stage.free.sum())
-        parts.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")
-    elif geometry.get("thickness_m"):
-        parts.append(f"a slice of {geometry['thickness_m']:g} m")
-    return ", ".join(parts)
-
-
-def block_legend(stage: Stage, rock: bool) -> Legend:
-    """What the colours of `Stage.block_colours` mean."""
-    legend: Legend = []
-    if stage.alone:
-        legend.append((stage.scene.shapes.names[0], BLOCK, 1.0))
-    else:
-        first, free = int((stage.scene.order == 1).sum()), int(stage.free.sum())
-        legend += [(f"moves first ({first})", BLOCK, 1.0)] if first else []
-        legend += [(f"other blocks ({free - first})", STANDS, 1.0)] if free > first else []
-        rock = bool(stage.scene.shapes.fixed.any())
-    return [*legend, ("bedrock", ROCK, 1.0)] if rock else legend
 
 
 def widened(stage: Stage, joint: int, by: float) -> tuple[Floats, Ints]:
@@ -201,52 +219,6 @@ def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
     return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
 
 
-def names(stage: Stage, moved: Floats | None = None, only: Bools | None = None) -> list[tuple[Floats, str]]:
-    """Names of blocks at their centroids, which `moved` (n, 3) takes with them, where there are few enough to read.
-
-    In a section every block is seen; in space a name could stand on another block, so only those that move have one.
-    """
-    chosen = stage.free & (np.ones_like(stage.free) if only is None else only)
-    if not stage.in_section:
-        chosen &= stage.scene.order > 0
-    if stage.alone or int(chosen.sum()) > (_MOST_LABELS if stage.in_section else _FEW_LABELS):
-        return []
-    shapes = stage.scene.shapes
-    at = shapes.centroids if moved is None else shapes.centroids + moved
-    return [(at[k], shapes.names[k]) for k in np.flatnonzero(chosen).tolist()]
-
-
-def balanced(stage: Stage) -> Bools:
-    """Blocks whose loads and contact forces are all known: they cancel. (n,)"""
-    scene = stage.scene
-    count = len(scene.shapes.names)
-    left, load = np.zeros((count + 1, 3)), np.zeros(count + 1)
-    force = scene.pairs.normal_kn[:, None] * scene.pairs.normals + scene.pairs.shear_kn
-    np.add.at(left, scene.pairs.plus, force)
-    np.subtract.at(left, scene.pairs.minus, force)
-    np.add.at(left, scene.loads.block, scene.loads.force_kn)
-    np.maximum.at(load, scene.loads.block, np.sqrt((scene.loads.force_kn**2).sum(axis=1)))
-    off = np.sqrt((left * left).sum(axis=1))
-    known: Bools = stage.free & touched(stage) & (off[:-1] < _BALANCED * np.maximum(load[:-1], 1e-300))
-    return known
-
-
-def touched(stage: Stage) -> Bools:
-    """Blocks that node pairs lie on, (n,)."""
-    is_touched = np.zeros(len(stage.scene.shapes.names) + 1, dtype=bool)
-    is_touched[stage.scene.pairs.plus] = is_touched[stage.scene.pairs.minus] = True
-    return is_touched[:-1]
-
-
-def neighbourhood(stage: Stage, shown: Bools) -> float:
-    """A length (m) that arrows and node pairs are drawn by: the extent of the blocks shown (n,), or a few of them."""
-    own = shown & (stage.sizes > 0.0)
-    if stage.alone or not own.any():
-        return stage.size
-    extent = np.ptp(stage.scene.shapes.solids.vertices[own[stage.of_vertex]], axis=0).max()
-    return min(float(extent), 2.5 * float(np.median(stage.sizes[own])))
-
-
 def spread(points: Floats, size: Floats) -> Ints:
     """Those of the points (n, 3) with a size that may be drawn: all, or some hundreds spread evenly."""
     own = np.flatnonzero(size > 0.0)
@@ -291,23 +263,6 @@ def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
         return np.stack([np.bincount(of, values[:, k]) for k in range(3)], axis=1)
 
     return summed(points * weight[:, None]) / total[:, None], summed(forces), contact[first, 2]
-
-
-def plate_width(stage: Stage) -> float:
-    """How wide plates are drawn, m: so that they are seen and do not touch; 0 without bolts."""
-    if stage.scene.bolts is None:
-        return 0.0
-    size = min(stage.size, neighbourhood(stage, stage.free))
-    return min(_PLATE * size, _CROWDED * nearest(stage.scene.known_bolts.heads_m))
-
-
-def load_names(stage: Stage) -> list[str]:
-    """The loads by name, bolts with the numbers that the design lists them by."""
-    called = []
-    for name in stage.scene.loads.names:
-        bolt = bolt_of_load(stage.document, name)
-        called.append(name if bolt is None else f"{bolt[0]} bolt {bolt[1]}{''.join(name.partition(',')[1:])}")
-    return called
 
 
 def bolt_colour(name: str) -> Colour | None:
@@ -388,31 +343,6 @@ def millimetres(metres: float) -> str:
     '1.85 mm'
     """
     return f"{metres * 1e3:.3g} mm"
-
-
-def without_strength(stage: Stage) -> Bools:
-    """Blocks that fail whatever the strength: they move in a mechanism that has no factor, (n,)."""
-    return _of_mechanisms(stage, lambda one: one.get("fos") is None and one.get("status") != "not_converged")
-
-
-def unsettled(stage: Stage) -> Bools:
-    """Blocks of mechanisms that did not settle, (n,)."""
-    return _of_mechanisms(stage, lambda one: one.get("status") == "not_converged")
-
-
-def _of_mechanisms(stage: Stage, wanted: Callable[[Mapping[str, Any]], bool]) -> Bools:
-    mechanisms = (stage.document.get("assembly") or {}).get("mechanisms") or []
-    numbers = [k for k, one in enumerate(mechanisms, 1) if wanted(one)]
-    in_mechanism: Bools = np.isin(stage.scene.order, numbers)
-    return in_mechanism
-
-
-def ways(stage: Stage, step: int) -> dict[str, str]:
-    """How the blocks of a mechanism move, by name."""
-    mechanisms = (stage.document.get("assembly") or {}).get("mechanisms") or []
-    if not 0 < step <= len(mechanisms):
-        return {}
-    return {str(block.get("name")): str(block.get("how")) for block in mechanisms[step - 1].get("blocks", [])}
 
 
 def counted(how: Mapping[str, str], named: Sequence[str], chosen: Bools) -> Iterator[tuple[str, int]]:

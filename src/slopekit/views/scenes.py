@@ -40,28 +40,18 @@ from slopekit.views.scene_parts import (
     Scenery,
     amount,
     amounts,
-    balanced,
-    block_legend,
     bolt_colour,
     counted,
     ends,
     joint_faces,
     kilonewtons,
     kinds_of_loads,
-    load_names,
-    measures,
     millimetres,
-    names,
-    neighbourhood,
     nice,
     resultants,
     spacing,
     spread,
-    touched,
-    unsettled,
-    ways,
     widened,
-    without_strength,
 )
 from slopekit.views.stage import Stage, joint_colour
 
@@ -143,7 +133,7 @@ def compose(document: Mapping[str, Any], what: str, asked: SceneOptions | None =
 def _scene(stage: Stage, _: SceneOptions) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
     seen.rock()
-    seen.legend += block_legend(stage, bool(seen.layers))
+    seen.legend += seen.block_legend(bool(seen.layers))
     seen.blocks("blocks", stage.free)
     if stage.alone and not stage.is_curved:
         for joint, name in enumerate(stage.joint_names()):
@@ -156,13 +146,13 @@ def _scene(stage: Stage, _: SceneOptions) -> Picture:
             starts = shapes.centroids[:1] + 0.3 * stage.size * free_normal(shapes) * (0.0 if stage.in_section else 1.0)
             body = arrows(starts, 0.3 * stage.size * way[None, :] / length, 0.03 * stage.size)
             seen.add("movement", body, DARK, "movement as it fails", front=1)
-    seen.notes.append(measures(stage))
+    seen.notes.append(seen.measures())
     if stage.is_curved and not (stage.document.get("inputs") or {}).get("profile_m"):
         seen.notes.append("the ground is a mesh of its own: it is not drawn")
     seen.bolts()
     measured = dimensions(stage)
     seen.layers += lines(stage, measured)
-    return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *names(stage)])
+    return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *seen.names()])
 
 
 def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
@@ -179,25 +169,25 @@ def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
             moved[shapes.fixed] = 0.0
         middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
         note = f"blocks moved apart by {apart:g} of their distance from {middle}"
-    seen.legend += block_legend(stage, bool(seen.layers))
+    seen.legend += seen.block_legend(bool(seen.layers))
     colours = stage.block_colours()
     colours[shapes.fixed] = ROCK
     seen.blocks("blocks", np.ones(len(shapes.names), dtype=bool), offset=moved[stage.of_vertex], colours=colours)
     for joint, body in joint_faces(stage, moved):
         seen.add(shapes.joints[joint], body, joint_colour(joint), stage.joint_names()[joint])
-    seen.notes += [note, measures(stage)]
+    seen.notes += [note, seen.measures()]
     seen.bolts(moved)
-    return seen.picture("exploded", labels=names(stage, moved))
+    return seen.picture("exploded", labels=seen.names(moved))
 
 
 def _tractions(stage: Stage, _: SceneOptions) -> Picture:
     pairs, seen = stage.scene.pairs, Scenery(stage)
-    shown = stage.free if stage.alone else stage.free & touched(stage)
+    shown = stage.free if stage.alone else stage.free & stage.touched
     if stage.alone:
         seen.rock(0.55 if stage.in_section else 1.0)
     seen.blocks("blocks", shown, opacity=0.12)
     seen.legend.append(("block" if stage.alone else "blocks whose contacts were solved", BLOCK, 0.3))
-    scale = neighbourhood(stage, shown)
+    scale = stage.neighbourhood(shown)
     apart = scale if stage.in_section else spacing(pairs.control_area_m2)
     for k, name in enumerate(MODES):
         own = pairs.mode == k
@@ -211,7 +201,7 @@ def _tractions(stage: Stage, _: SceneOptions) -> Picture:
     size[pairs.mode == OPEN] = 0.0
     if not size.any():
         seen.notes.append(_NO_LIMIT if len(pairs) else "no node pairs: nothing was solved")
-        return seen.picture("tractions", labels=names(stage, only=shown))
+        return seen.picture("tractions", labels=seen.names(only=shown))
     drawn = spread(pairs.points_m, size)
     longest = float(size.max())
     body = arrows(pairs.points_m[drawn], 0.25 * scale * traction[drawn] / longest, min(0.014 * scale, 0.15 * apart))
@@ -221,17 +211,17 @@ def _tractions(stage: Stage, _: SceneOptions) -> Picture:
     if len(drawn) < every:
         seen.notes.append(f"{len(drawn)} of {every} tractions are drawn, spread evenly")
     seen.notes.append("tractions at the limit: normal and shear of each pair by the area that it controls")
-    return seen.picture("tractions", labels=names(stage, only=shown))
+    return seen.picture("tractions", labels=seen.names(only=shown))
 
 
 def _forces(stage: Stage, _: SceneOptions) -> Picture:
     scene, loads, seen = stage.scene, stage.scene.loads, Scenery(stage)
-    known = stage.free if stage.alone else balanced(stage)
+    known = stage.free if stage.alone else stage.balanced
     at, force, joint = resultants(stage, known)
     own = known[loads.block]
     every = np.concatenate([loads.force_kn[own], force])
     longest = float(np.sqrt((every * every).sum(axis=1)).max(initial=0.0))
-    scale = neighbourhood(stage, known)
+    scale = stage.neighbourhood(known)
     drawn = 0.65 * scale / max(longest, 1e-300)
     if stage.alone:
         seen.rock(0.35)
@@ -246,7 +236,7 @@ def _forces(stage: Stage, _: SceneOptions) -> Picture:
     every_size = np.sqrt((loads.force_kn**2).sum(axis=1))
     sizes = [every_size[own & (loads.what == k)] for k in range(len(loads.names))]
     large = [k for k, size in enumerate(sizes) if (size > _NO_FORCE * longest).any()]
-    called = load_names(stage)
+    called = seen.load_names()
     alike = kinds_of_loads([called[k] for k in large], [sizes[k] for k in large])
     groups: list[_Group] = []
     for name, kinds in alike:
@@ -266,7 +256,7 @@ def _forces(stage: Stage, _: SceneOptions) -> Picture:
         unseen = " (too small to be seen)" if float((forces**2).sum(axis=1).max()) < (_SEEN * longest) ** 2 else ""
         seen.add(name, arrows(points - (vectors if pushes else 0.0), vectors, 0.022 * scale), colour, said + unseen,
                  front=1)  # fmt: skip
-    return seen.picture("forces", labels=names(stage, only=known))
+    return seen.picture("forces", labels=seen.names(only=known))
 
 
 def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
@@ -315,7 +305,7 @@ def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
     reach = 0.3 * float(stage.sizes[moving].mean()) if not stage.alone else 0.14 * stage.size
     times = reach / fastest if asked.magnify is None else asked.magnify
     moved = rigid(shapes, scene.velocity * times, shapes.solids.vertices, stage.of_vertex)
-    how = ways(stage, asked.step)
+    how = stage.ways(asked.step)
     colours = stage.block_colours()
     for k in np.flatnonzero(moving):
         colours[k] = MOTION_COLOURS.get(how.get(shapes.names[k], ""), BLOCK)
@@ -345,16 +335,15 @@ def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
     if gone.any():
         seen.notes.append(f"{int(gone.sum())} blocks that failed before are left out")
     what = "mechanism" if last == 1 else f"mechanism {asked.step} of {last}"
-    labels = names(stage, scene.velocity[:, :3] * times, moving)
+    labels = seen.names(scene.velocity[:, :3] * times, moving)
     return seen.picture(what, labels=labels, answer=_answer_of(stage, asked.step))
 
 
 def _answer_of(stage: Stage, step: int) -> str:
     """Status and factor of a later mechanism; "" where it is the result's."""
-    mechanisms = (stage.document.get("assembly") or {}).get("mechanisms") or []
-    if step == 1 or step > len(mechanisms):
+    if step == 1 or step > len(stage.mechanisms):
         return ""
-    one = mechanisms[step - 1]
+    one = stage.mechanisms[step - 1]
     factor = "no factor of safety" if one.get("fos") is None else f"FoS {one['fos']:.4f} (limit, PRE-IE)"
     return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
@@ -366,7 +355,7 @@ def _factors(stage: Stage, _: SceneOptions) -> Picture:
     bar = Bar("factor of safety at which a block fails", *ends(factor[known])) if known.any() else None
     one = bar is not None and not np.ptp(factor[known]) > 1e-9 * float(factor[known].max())
     fixed = int(stage.scene.shapes.fixed.sum())
-    falls, open_ = without_strength(stage), unsettled(stage)
+    falls, open_ = stage.without_strength, stage.unsettled
     none = int((stage.free & ~known & ~falls & ~open_).sum())
     text = "no factor: it stands, or was not looked at" if not stage.alone else "no factor of safety"
     asked = [(f"{text} ({none})", STANDS, 1.0)] if none else []
@@ -384,7 +373,7 @@ def _ravelling(stage: Stage, _: SceneOptions) -> Picture:
     order = stage.scene.order
     if not order.any():
         raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
-    open_ = unsettled(stage)
+    open_ = stage.unsettled
     values = np.where((order > 0) & ~open_, order.astype(np.float64), np.nan)
     bar = Bar("order in which blocks fail", 1.0, float(order.max()), whole=True)
     left = int((stage.free & (order == 0)).sum())
@@ -410,8 +399,8 @@ def _by_value(
     known = np.isfinite(values)
     if bar is not None:
         colours[known] = bar.colours(values[known])
-    colours[without_strength(stage) & ~known] = FALLS
-    colours[unsettled(stage) & ~known] = UNSETTLED
+    colours[stage.without_strength & ~known] = FALLS
+    colours[stage.unsettled & ~known] = UNSETTLED
     seen = Scenery(stage, legend=list(legend), notes=list(notes))
     seen.rock()
     seen.blocks("blocks", stage.free, colours=colours)

@@ -12,7 +12,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane, normals
 from slopekit.studies.sets.density import density
 from slopekit.views.drawing import NUMBER, RED, TEXT, needs, short
-from slopekit.views.stereonet import NETS, Net, arrange, cone_circle, lower, points, set_marks, start, unproject
+from slopekit.views.stereonet import NETS, Net, Stereonet, arrange, lower, set_marks, unproject
 
 Document = Mapping[str, Any]
 _ACROSS = 121  # points of the grid that contours are drawn through
@@ -39,40 +39,40 @@ def draw_sets(figure: Any, document: Document, net: Net = "area") -> None:
     weights = np.array([row["weight"] for row in rows], dtype=float)
     own = np.array([str(row["set"] or "") for row in rows])
     named = [str(one["set"]) for one in document["sets"]]
-    axes = figure.subplots()
-    start(axes, "")
-    _contours(axes, poles, weights, float(document["survey"].get("quantity", len(rows))), inputs["contours"], net)
+    on = Stereonet(figure.subplots(), net)
+    on.start("")
+    _contours(on, poles, weights, float(document["survey"].get("quantity", len(rows))), inputs["contours"])
     marks, size = set_marks(named), 4.2 if len(own) <= _MANY else 2.2
     for name in [*named, ""]:
         some = poles[own == name]
         colour, marker = marks[name]
         said = short(name, 14) if name else "of no set"
-        points(axes, some, net, marker=marker, color=colour, markersize=size, markeredgecolor="white",
-               markeredgewidth=0.35, zorder=3, label=f"{said} ({len(some)})")  # fmt: skip
+        on.points(some, marker=marker, color=colour, markersize=size, markeredgecolor="white",
+                  markeredgewidth=0.35, zorder=3, label=f"{said} ({len(some)})")  # fmt: skip
     for one in document["sets"]:
-        _mean(axes, one, marks[str(one["set"])], inputs["confidence"], net)
+        _mean(on, one, marks[str(one["set"])], inputs["confidence"])
     if named:
         for style, said in (
             ("-", f"holds the true mean ({inputs['confidence']:.0%})"),
             ("--", "holds 95 % of its joints"),
         ):
-            axes.plot([], [], color="black", linestyle=style, linewidth=1.2, label=f"cone that {said}")
+            on.axes.plot([], [], color="black", linestyle=style, linewidth=1.2, label=f"cone that {said}")
     if inputs["scanline"] is not None:
         line = Line(float(inputs["scanline"]["trend_deg"]), float(inputs["scanline"]["plunge_deg"]))
-        points(axes, lower(line.vector()[None]), net, marker="*", color=RED, markersize=11, zorder=4.6,
-               label=f"scanline {line}")  # fmt: skip
+        on.points(lower(line.vector()[None]), marker="*", color=RED, markersize=11, zorder=4.6,
+                  label=f"scanline {line}")  # fmt: skip
     name = short(str(document["survey"]["name"]), 40)
     head = f"{name}: poles of {len(rows)} joint{'s' * (len(rows) != 1)}, {len(named)} set{'s' * (len(named) != 1)}"
-    arrange(figure, [axes], 1, f"{head}\n(lower hemisphere, {NETS[net]}; sha {document['input_sha256'][:6]})")
+    arrange(figure, [on.axes], 1, f"{head}\n(lower hemisphere, {NETS[net]}; sha {document['input_sha256'][:6]})")
 
 
-def _contours(axes: Any, poles: Floats, weights: Floats, joints: float, contours: Any, net: Net) -> None:
-    middle = np.linspace(-1.0, 1.0, _ACROSS)
+def _contours(on: Stereonet, poles: Floats, weights: Floats, joints: float, contours: Any) -> None:
+    axes, middle = on.axes, np.linspace(-1.0, 1.0, _ACROSS)
     x, y = np.meshgrid(middle, middle)
     square = x * x + y * y
     # on the rim and beyond it stands the nearest direction of the rim, so that contours reach it; the rim cuts them
     inward = np.minimum(1.0, (1.0 - 1e-9) / np.sqrt(np.maximum(square, 1e-12)))
-    at = unproject(np.column_stack([(x * inward).ravel(), (y * inward).ravel()]), net)
+    at = unproject(np.column_stack([(x * inward).ravel(), (y * inward).ravel()]), on.net)
     values = density(at, poles, weights, joints, contours).reshape(x.shape)
     levels = [level for level in (_KAMB if contours == "kamb" else _SCHMIDT) if level < values.max()]
     if not levels:
@@ -93,17 +93,17 @@ def _contours(axes: Any, poles: Floats, weights: Floats, joints: float, contours
     axes.set_ylim(-1.14, 1.14)
 
 
-def _mean(axes: Any, one: Mapping[str, Any], mark: tuple[str, str], confidence: float, net: Net) -> None:
+def _mean(on: Stereonet, one: Mapping[str, Any], mark: tuple[str, str], confidence: float) -> None:
     """The mean pole of a set, the cone that holds the true mean, and that which holds 95 % of its joints."""
     plane = Plane(float(one["dip_deg"]), float(one["dip_direction_deg"]))
     pole, (colour, marker) = -plane.normal(), mark
     k = "" if one["k"] is None else f", K {one['k']:.3g}"
     mean = f"{plane.dip_deg:.0f}/{round(plane.dip_direction_deg) % 360:03d}{k}"
-    points(axes, pole[None], net, marker=marker, color=colour, markeredgecolor="black", markersize=10,
-           markeredgewidth=1.3, zorder=4.5,
-           label=f"mean {short(str(one['set']), 10)} {mean}")  # fmt: skip
+    on.points(pole[None], marker=marker, color=colour, markeredgecolor="black", markersize=10,
+              markeredgewidth=1.3, zorder=4.5,
+              label=f"mean {short(str(one['set']), 10)} {mean}")  # fmt: skip
     for angle, style, width in (
         (one["cone_of_mean_deg"], "-", 1.6), (one["variability_deg"].get("95%"), "--", 1.1),
     ):  # fmt: skip
         if angle is not None and _LEAST_DEG < angle < 90.0:
-            cone_circle(axes, pole, float(angle), net, color=colour, linewidth=width, linestyle=style)
+            on.cone_circle(pole, float(angle), color=colour, linewidth=width, linestyle=style)

@@ -1,13 +1,14 @@
 """What all scenes of one result share: the blocks with their sizes, the rock about them, where they are seen from."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from slopekit.block_scene import BlockScene
+from slopekit.bolts import nearest
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, parse_plane
@@ -28,6 +29,9 @@ from slopekit.views.layers import (
 )
 
 _LETTERS = 72  # of a title
+_BALANCED = 0.01  # of the largest load on a block
+_PLATE = 0.024  # of the size: width of plates of bolts that stand far enough apart
+_CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,72 @@ class Stage:
     def _given(self, part: str, key: str) -> Any:
         section = self.document.get(part)
         return section.get(key) if isinstance(section, Mapping) else None
+
+    @cached_property
+    def touched(self) -> Bools:
+        """Blocks that node pairs lie on, (n,)."""
+        is_touched = np.zeros(len(self.scene.shapes.names) + 1, dtype=bool)
+        is_touched[self.scene.pairs.plus] = is_touched[self.scene.pairs.minus] = True
+        return is_touched[:-1]
+
+    @cached_property
+    def balanced(self) -> Bools:
+        """Blocks whose loads and contact forces are all known: they cancel. (n,)"""
+        scene = self.scene
+        count = len(scene.shapes.names)
+        left, load = np.zeros((count + 1, 3)), np.zeros(count + 1)
+        force = scene.pairs.normal_kn[:, None] * scene.pairs.normals + scene.pairs.shear_kn
+        np.add.at(left, scene.pairs.plus, force)
+        np.subtract.at(left, scene.pairs.minus, force)
+        np.add.at(left, scene.loads.block, scene.loads.force_kn)
+        np.maximum.at(load, scene.loads.block, np.sqrt((scene.loads.force_kn**2).sum(axis=1)))
+        off = np.sqrt((left * left).sum(axis=1))
+        known: Bools = self.free & self.touched & (off[:-1] < _BALANCED * np.maximum(load[:-1], 1e-300))
+        return known
+
+    def neighbourhood(self, shown: Bools) -> float:
+        """A length (m) that arrows and node pairs are drawn by: the extent of blocks shown (n,), or a few of them."""
+        own = shown & (self.sizes > 0.0)
+        if self.alone or not own.any():
+            return self.size
+        extent = np.ptp(self.scene.shapes.solids.vertices[own[self.of_vertex]], axis=0).max()
+        return min(float(extent), 2.5 * float(np.median(self.sizes[own])))
+
+    @cached_property
+    def plate_width(self) -> float:
+        """How wide plates are drawn, m: so that they are seen and do not touch; 0 without bolts."""
+        if self.scene.bolts is None:
+            return 0.0
+        size = min(self.size, self.neighbourhood(self.free))
+        return min(_PLATE * size, _CROWDED * nearest(self.scene.known_bolts.heads_m))
+
+    # -- how the blocks fail ------------------------------------------------------------------------------------------
+
+    @property
+    def mechanisms(self) -> Sequence[Mapping[str, Any]]:
+        """The mechanisms of many blocks in their order."""
+        return (self.document.get("assembly") or {}).get("mechanisms") or []
+
+    @cached_property
+    def without_strength(self) -> Bools:
+        """Blocks that fail whatever the strength: they move in a mechanism that has no factor, (n,)."""
+        return self._of_mechanisms(lambda one: one.get("fos") is None and one.get("status") != "not_converged")
+
+    @cached_property
+    def unsettled(self) -> Bools:
+        """Blocks of mechanisms that did not settle, (n,)."""
+        return self._of_mechanisms(lambda one: one.get("status") == "not_converged")
+
+    def _of_mechanisms(self, wanted: Callable[[Mapping[str, Any]], bool]) -> Bools:
+        numbers = [k for k, one in enumerate(self.mechanisms, 1) if wanted(one)]
+        in_mechanism: Bools = np.isin(self.scene.order, numbers)
+        return in_mechanism
+
+    def ways(self, step: int) -> dict[str, str]:
+        """How the blocks of a mechanism move, by name."""
+        if not 0 < step <= len(self.mechanisms):
+            return {}
+        return {str(block.get("name")): str(block.get("how")) for block in self.mechanisms[step - 1].get("blocks", [])}
 
     # -- where it is seen from ----------------------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.orientation import Plane, number
+from slopekit.core.records import dataclass
 from slopekit.views.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 Net = Literal["area", "angle"]
@@ -131,72 +132,6 @@ def mean_axis(vectors: Floats) -> Floats:
     return axis
 
 
-def start(axes: Any, title: str) -> None:
-    """The empty net: rim, ticks every ten degrees, north."""
-    turn = np.linspace(0.0, 2.0 * math.pi, 361)
-    axes.plot(np.sin(turn), np.cos(turn), color="black", linewidth=1.2, zorder=5)
-    for degrees in range(0, 360, 10):
-        x, y = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
-        out = 1.03 if degrees % 90 == 0 else 1.018
-        axes.plot([x, out * x], [y, out * y], color="black", linewidth=0.9, zorder=5)
-    for x, y, text in ((0.0, 1.0, "N"), (1.0, 0.0, "E"), (0.0, -1.0, "S"), (-1.0, 0.0, "W")):
-        axes.annotate(text, (1.085 * x, 1.085 * y), ha="center", va="center", fontsize=10)
-    axes.plot([0.0], [0.0], marker="+", color="black", markersize=7, zorder=5)
-    axes.set_aspect("equal")
-    axes.set_xlim(-1.14, 1.14)
-    axes.set_ylim(-1.14, 1.14)
-    axes.axis("off")
-    axes.set_title(title, fontsize=_LETTER, pad=0.0)
-
-
-def arc(axes: Any, vectors: Floats, net: Net, **style: Any) -> None:
-    """A curve through downward vectors (n, 3)."""
-    axes.plot(*project(vectors, net).T, **{"zorder": _LINES} | style)
-
-
-def plane_circle(axes: Any, plane: Plane, net: Net, **style: Any) -> None:
-    """The great circle of a plane."""
-    arc(axes, great_circle(plane), net, **style)
-
-
-def cone_circle(axes: Any, axis: Floats, angle_deg: float, net: Net, **style: Any) -> None:
-    """The small circle of a cone about a downward axis; one entry in the legend."""
-    label = style.pop("label", None)
-    for k, part in enumerate(small_circle(axis, angle_deg)):
-        arc(axes, part, net, label=label if k == 0 else None, **style)
-
-
-def steeper_than(axes: Any, plunge_deg: float, net: Net, **style: Any) -> None:
-    """The circle of the lines of one plunge: what lies within is steeper."""
-    cone_circle(axes, UP, 90.0 - plunge_deg, net, **style)
-
-
-def envelope(axes: Any, face: Plane, net: Net, **style: Any) -> None:
-    """The daylight envelope of a face, for poles."""
-    arc(axes, daylight_envelope(face), net, **style)
-
-
-def spokes(axes: Any, trend_deg: float, within_deg: float) -> None:
-    """Lateral limits on both sides of a trend, from the middle to the rim; none at 90° and more."""
-    if within_deg >= 90.0:
-        return
-    for off, label in ((-within_deg, f"lateral limits ±{number(within_deg)}°"), (within_deg, None)):
-        toward = math.radians(trend_deg + off)
-        axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], color=GREY, linestyle="--", linewidth=1.0,
-                  label=label, zorder=_LINES)  # fmt: skip
-
-
-def points(axes: Any, vectors: Floats, net: Net, **style: Any) -> None:
-    """Lines (n, 3) as points; where many stand so close that they cover each other, one for all of them."""
-    if not len(vectors):
-        return
-    at = project(vectors, net)
-    if len(at) > 2000:
-        cell = np.round(at * _DOTS).astype(np.int64) @ np.array([4 * _DOTS, 1])
-        at = at[np.unique(cell, return_index=True)[1]]
-    axes.plot(*at.T, linestyle="none", **style)
-
-
 @lru_cache(maxsize=4)
 def cells(net: Net) -> tuple[Floats, Bools]:
     """Downward vectors of the middles of the cells within the rim, and which cells those are (rows from south)."""
@@ -207,22 +142,87 @@ def cells(net: Net) -> tuple[Floats, Bools]:
     return frozen(unproject(np.column_stack([x[inside], y[inside]]), net)), inside
 
 
-def shade(axes: Any, zone: Bools, net: Net, colour: str, label: str) -> None:
-    """A zone, given for each cell within the rim, as a coloured area."""
-    from matplotlib.colors import to_rgba
+@dataclass(frozen=True, slots=True)
+class Stereonet:
+    """What is drawn on a net: the axes of matplotlib that have it, and its projection."""
 
-    if not zone.any():
-        return
-    inside = cells(net)[1]
-    image = np.zeros((*inside.shape, 4))
-    image[..., :] = (*to_rgba(colour)[:3], 0.0)
-    shaded = np.zeros(inside.shape, dtype=bool)
-    shaded[inside] = zone
-    image[shaded, 3] = 1.0
-    axes.imshow(image, extent=(-1.0, 1.0, -1.0, 1.0), origin="lower", interpolation="nearest", zorder=0.5)
-    axes.fill([], [], color=colour, linewidth=0.0, label=label)
-    axes.set_xlim(-1.14, 1.14)
-    axes.set_ylim(-1.14, 1.14)
+    axes: Any
+    net: Net
+
+    def start(self, title: str) -> None:
+        """The empty net: rim, ticks every ten degrees, north."""
+        turn = np.linspace(0.0, 2.0 * math.pi, 361)
+        self.axes.plot(np.sin(turn), np.cos(turn), color="black", linewidth=1.2, zorder=5)
+        for degrees in range(0, 360, 10):
+            x, y = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
+            out = 1.03 if degrees % 90 == 0 else 1.018
+            self.axes.plot([x, out * x], [y, out * y], color="black", linewidth=0.9, zorder=5)
+        for x, y, text in ((0.0, 1.0, "N"), (1.0, 0.0, "E"), (0.0, -1.0, "S"), (-1.0, 0.0, "W")):
+            self.axes.annotate(text, (1.085 * x, 1.085 * y), ha="center", va="center", fontsize=10)
+        self.axes.plot([0.0], [0.0], marker="+", color="black", markersize=7, zorder=5)
+        self.axes.set_aspect("equal")
+        self.axes.set_xlim(-1.14, 1.14)
+        self.axes.set_ylim(-1.14, 1.14)
+        self.axes.axis("off")
+        self.axes.set_title(title, fontsize=_LETTER, pad=0.0)
+
+    def arc(self, vectors: Floats, **style: Any) -> None:
+        """A curve through downward vectors (n, 3)."""
+        self.axes.plot(*project(vectors, self.net).T, **{"zorder": _LINES} | style)
+
+    def plane_circle(self, plane: Plane, **style: Any) -> None:
+        """The great circle of a plane."""
+        self.arc(great_circle(plane), **style)
+
+    def cone_circle(self, axis: Floats, angle_deg: float, **style: Any) -> None:
+        """The small circle of a cone about a downward axis; one entry in the legend."""
+        label = style.pop("label", None)
+        for k, part in enumerate(small_circle(axis, angle_deg)):
+            self.arc(part, label=label if k == 0 else None, **style)
+
+    def steeper_than(self, plunge_deg: float, **style: Any) -> None:
+        """The circle of the lines of one plunge: what lies within is steeper."""
+        self.cone_circle(UP, 90.0 - plunge_deg, **style)
+
+    def envelope(self, face: Plane, **style: Any) -> None:
+        """The daylight envelope of a face, for poles."""
+        self.arc(daylight_envelope(face), **style)
+
+    def spokes(self, trend_deg: float, within_deg: float) -> None:
+        """Lateral limits on both sides of a trend, from the middle to the rim; none at 90° and more."""
+        if within_deg >= 90.0:
+            return
+        for off, label in ((-within_deg, f"lateral limits ±{number(within_deg)}°"), (within_deg, None)):
+            toward = math.radians(trend_deg + off)
+            self.axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], color=GREY, linestyle="--", linewidth=1.0,
+                           label=label, zorder=_LINES)  # fmt: skip
+
+    def points(self, vectors: Floats, **style: Any) -> None:
+        """Lines (n, 3) as points; where many stand so close that they cover each other, one for all of them."""
+        if not len(vectors):
+            return
+        at = project(vectors, self.net)
+        if len(at) > 2000:
+            cell = np.round(at * _DOTS).astype(np.int64) @ np.array([4 * _DOTS, 1])
+            at = at[np.unique(cell, return_index=True)[1]]
+        self.axes.plot(*at.T, linestyle="none", **style)
+
+    def shade(self, zone: Bools, colour: str, label: str) -> None:
+        """A zone, given for each cell within the rim, as a coloured area."""
+        from matplotlib.colors import to_rgba
+
+        if not zone.any():
+            return
+        inside = cells(self.net)[1]
+        image = np.zeros((*inside.shape, 4))
+        image[..., :] = (*to_rgba(colour)[:3], 0.0)
+        shaded = np.zeros(inside.shape, dtype=bool)
+        shaded[inside] = zone
+        image[shaded, 3] = 1.0
+        self.axes.imshow(image, extent=(-1.0, 1.0, -1.0, 1.0), origin="lower", interpolation="nearest", zorder=0.5)
+        self.axes.fill([], [], color=colour, linewidth=0.0, label=label)
+        self.axes.set_xlim(-1.14, 1.14)
+        self.axes.set_ylim(-1.14, 1.14)
 
 
 def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None:

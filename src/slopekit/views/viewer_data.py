@@ -24,7 +24,6 @@ from slopekit.views.layers import (
     STANDS,
     UNSETTLED,
 )
-from slopekit.views.scene_parts import plate_width, unsettled, without_strength
 from slopekit.views.stage import Stage
 
 _SMOOTH = np.cos(np.radians(30.0))  # triangles of one face that bend by less have no edge between them
@@ -70,8 +69,8 @@ def data_of(stage: Stage) -> dict[str, Any]:
         "palette": [_hex(colour) for colour in JOINTS], "block_colour": _hex(BLOCK), "rock_colour": _hex(ROCK),
         "falls_colour": _hex(FALLS), "unsettled_colour": _hex(UNSETTLED), "stands_colour": _hex(STANDS),
         "plain": [_hex(colour) for colour in stage.block_colours().tolist()] + [_hex(ROCK)] * rock,
-        "falls": [*without_strength(stage).astype(int).tolist(), *[0] * rock],
-        "unsettled": [*unsettled(stage).astype(int).tolist(), *[0] * rock],
+        "falls": [*stage.without_strength.astype(int).tolist(), *[0] * rock],
+        "unsettled": [*stage.unsettled.astype(int).tolist(), *[0] * rock],
         "mode_colours": [_hex(MODE_COLOURS[mode]) for mode in MODES],
         "modes": list(MODES), "load_names": list(loads.names),
         "fixed": shapes.fixed.astype(int).tolist(), "order": scene.order.astype(int).tolist(),
@@ -94,7 +93,7 @@ def data_of(stage: Stage) -> dict[str, Any]:
         "bolt_passive": _whole(bolts.passive.astype(np.int64)), "bolt_kn": _single(bolts.force_kn),
         "bolt_heads": _single(bolts.heads_m - middle), "bolt_ends": _single(bolts.ends_m - middle),
         "bolt_plates": _single(bolts.plates), "bolt_colours": [_hex(ACTIVE_BOLT), _hex(PASSIVE_BOLT)],
-        "bolt_plate_m": plate_width(stage),
+        "bolt_plate_m": stage.plate_width,
     }  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import (
     Plane,
     azimuth_of,
@@ -138,7 +138,7 @@ class _Reader:
         self.way: tuple[str, ...] = ("dip", "dip_direction")
         self.may_repeat = False
         self.said = Preamble()
-        self.faults: list[Fault] = []
+        self.faults = Faults()
         self.left_out: list[str] = list(table.left_out)
         self.read_as: list[str] = []
         self.first_lines: dict[str, int] = {}
@@ -148,8 +148,8 @@ class _Reader:
         if self.given is not None:
             self.convention = convention_of(self.given)
             if self.convention is None:
-                near = get_close_matches(self.given.lower(), STRIKE_TO_DIP_DIRECTION, n=1)
-                advice = f"Did you mean {near[0]}?" if near else "It is right-hand-rule or left-hand-rule."
+                rules = "It is right-hand-rule or left-hand-rule."
+                advice = did_you_mean(self.given.lower(), STRIKE_TO_DIP_DIRECTION, rules)
                 fail("E192", f"the strike convention {self.given!r} is not known", self.name, advice)
         if not self.table.rows:
             advice = "The first line names the columns: name,dip,dip_direction."
@@ -165,7 +165,7 @@ class _Reader:
             elif self.skip_bad and self.faults:
                 said = "; ".join(f"{part.code} {part.message}" for part in self.faults)
                 self.left_out.append(f"{self.table.noun} {line} ({said})")
-                self.faults = []
+                self.faults.clear()
                 if "name" in self.columns:  # a name that went with its row may be used again
                     self.first_lines = {name: at for name, at in self.first_lines.items() if at != line}
         if not joints and not self.faults:
@@ -175,8 +175,7 @@ class _Reader:
                 fail("E190", message, self.name, f"The first: {self.left_out[-bad]}")
             fail("E190", f"{self.name} has a header and no joints", self.name, "Each row below it is one joint.")
         self.faults += self.planes.radians(self.name)
-        if self.faults:
-            raise DesignError(self.faults)
+        self.faults.refuse()
         if self.repeated:
             many = self.repeated > 1
             names, them = ("names that stand", "them") if many else ("name that stands", "it")
@@ -266,8 +265,7 @@ class _Reader:
         self.poles()
         if said.declination_deg:
             self.read_as.append(f"a declination of {number(said.declination_deg)}° is added to all azimuths")
-        if self.faults:
-            raise DesignError(self.faults)
+        self.faults.refuse()
 
     def strikes(self, line: int) -> None:
         """The convention of a strike: of the header, the preamble or the user, who must not contradict each other."""
@@ -327,8 +325,7 @@ class _Reader:
             del self.columns[key]
         if way == ("strike", "dip") and self.convention is None and self.columns["strike"].convention is None:
             self.without_convention(line, below)
-        if self.faults:
-            raise DesignError(self.faults)
+        self.faults.refuse()
 
     def without_convention(self, line: int, below: Sequence[int]) -> None:
         """A strike needs its convention, but where every dip says which side it dips to, or a preamble says it."""
@@ -457,11 +454,7 @@ class _Reader:
         if empty:
             self.fault("E193", f"{name} has no {' and no '.join(empty)}", line)
             return None
-        try:
-            return self.planes.plane(name, tuple(texts.values()), self.where(line))
-        except DesignError as error:
-            self.faults += error.faults
-            return None
+        return self.faults.of(self.planes.plane, name, tuple(texts.values()), self.where(line))
 
     # -- sizes -------------------------------------------------------------------------------------------------
 
@@ -471,12 +464,8 @@ class _Reader:
         if not text:
             return None
         what = f"{key} of {name}"
-        try:
-            value = quantity(text, "length", what, self.where(line))
-        except DesignError as error:
-            self.faults += error.faults
-            return None
-        if key != "position" and value <= 0.0:
+        value = self.faults.of(quantity, text, "length", what, self.where(line))
+        if value is not None and key != "position" and value <= 0.0:
             self.fault("E428", f"{what} is {number(value)} m, it must be more than 0", line, "Leave the cell empty.")
             return None
         return value
@@ -500,10 +489,9 @@ class _Reader:
             advice = "Write it without the comma, or with a point."
             self.fault("E193", f"c of {name} has a comma that may part decimals or thousands", line, advice)
             return None
-        try:
-            value = quantity(text, "pressure" if key == "c" else "angle", f"{key} of {name}", self.where(line))
-        except DesignError as error:
-            self.faults += error.faults
+        kind = "pressure" if key == "c" else "angle"
+        value = self.faults.of(quantity, text, kind, f"{key} of {name}", self.where(line))
+        if value is None:
             return None
         if key == "c" and value < 0.0:
             self.fault("E114", f"c of {name} is {number(value)} kPa, cohesion is never negative", line)

@@ -12,22 +12,8 @@ from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_t
 from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
 from slopekit.findings import ToppleColumn as GoodmanBray
 from slopekit.kinds import dilates
-from slopekit.kinds.sheets.shared import (
-    Factor,
-    accept,
-    all_pairs,
-    curved_strength,
-    elastic,
-    factors_table,
-    forces,
-    governs,
-    leading,
-    locked_in,
-    methods,
-    residual,
-    series,
-    verdict,
-)
+from slopekit.kinds.sheets import shared
+from slopekit.kinds.sheets.shared import Factor
 from slopekit.kinds.words import first_and_last, in_order, line_in_words, many_times, names_in_runs, size_number
 from slopekit.result import Result
 
@@ -59,23 +45,23 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     """The sections below what was analysed, in order; those without entries print nothing."""
     order = _order(result)
     first = findings.mechanisms[0] if findings.mechanisms else None
-    yield Section("FORCES", forces(result))
+    yield Section("FORCES", shared.forces(result))
     yield Section("STATUS", [_status(result, findings, order)])
-    yield Section("FoS", [factors_table(_factors(result))])
-    yield from elastic(result)
-    yield Section("STRENGTH", curved_strength(result))
-    yield Section("ALL PAIRS", all_pairs(result))
-    yield Section("ACCEPT", accept(result))
+    yield Section("FoS", [shared.factors_table(result, _factors(result))])
+    yield from shared.elastic(result)
+    yield Section("STRENGTH", shared.curved_strength(result))
+    yield Section("ALL PAIRS", shared.all_pairs(result))
+    yield Section("ACCEPT", shared.accept(result))
     yield Section("MOVES", _moves(result, first))
     yield Section("NEXT", _next(result, findings, order), hang=32)
     yield Section("BY BLOCK", _by_block(findings, order))
     yield Section("TABLE", toppling_rows(result, findings.table))
-    yield Section("METHODS", methods(result))
-    yield Section("SERIES", series(result))
+    yield Section("METHODS", shared.methods(result))
+    yield Section("SERIES", shared.series(result))
     yield Section("CHECKS", _checks(result, findings, first))
     yield Section("MODEL", _model(result))
     yield Section("TIME", [_time(result.timing_s)] if result.timing_s else [])
-    yield Section("GOVERNS", governs(result))
+    yield Section("GOVERNS", shared.governs(result))
     yield Section("DEFAULTS", _defaults(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings])
 
@@ -116,21 +102,21 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
     return ", ".join(words)
 
 
-def _factors(result: Result) -> list[Factor]:
+def _factors(result: Result) -> Iterator[Factor]:
     fos, dilating = result.fos, dilates(result.design)
     limit = f"{limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
-    rows = [*leading(result), Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")]
+    yield Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")
     without = result.status == "not_converged" and fos.closed_form is None  # nothing to agree with, or not to
     if fos.closed_form is not None or (result.agree is not None and not without):
         closed = f"{result.words.closed_form}{', zero dilation' if dilating else ''}"
-        rows.append(Factor(fos.closed_form, closed, verdict(result)))
+        yield Factor(fos.closed_form, closed, shared.verdict(result))
     else:
         instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
-        rows.append(Factor(None, f"closed form: {result.words.no_closed_form}{instead}"))
+        yield Factor(None, f"closed form: {result.words.no_closed_form}{instead}")
     if fos.lowest is not None or fos.highest is not None:
-        rows.append(locked_in(result))
+        yield shared.locked_in(result)
     elif fos.limit is not None:
-        rows.append(Factor(None, "same mechanism, whatever forces are locked in: no range was found"))
+        yield Factor(None, "same mechanism, whatever forces are locked in: no range was found")
     if fos.static_bound is not None:
         above = ""
         if fos.limit:
@@ -139,15 +125,14 @@ def _factors(result: Result) -> list[Factor]:
             times = many_times(fos.static_bound / fos.limit)
             above = f", {times} the limit" if times else above
         proved = "" if result.static_bound_proved else ", not proved"
-        rows.append(Factor(fos.static_bound, f"static bound (joints free to dilate; upper bound{proved}){above}"))
+        yield Factor(fos.static_bound, f"static bound (joints free to dilate; upper bound{proved}){above}")
     elif fos.limit is not None:
-        rows.append(Factor(None, "static bound: not found"))
+        yield Factor(None, "static bound: not found")
     if fos.all_pairs_failed is not None:
         said = "all pairs failed (no block is tied to bedrock by sticking pairs; depends on the stiffness)"
-        rows.append(Factor(fos.all_pairs_failed, said))
+        yield Factor(fos.all_pairs_failed, said)
     elif result.design.criterion == "all-pairs":
-        rows.append(Factor(None, "all pairs failed: asked for, and not found"))
-    return [*rows, *residual(result)]
+        yield Factor(None, "all pairs failed: asked for, and not found")
 
 
 def limit_in_words(result: Result) -> str:

@@ -1,29 +1,15 @@
 """The sheet of a result: one design on one screen, 100 columns, no colour needed. Never a bare factor of safety."""
 
 from collections.abc import Iterable, Iterator
+from operator import attrgetter
 
 from slopekit._version import __version__
 from slopekit.core.orientation import line_of
-from slopekit.core.sheet import Section, Sheet
+from slopekit.core.sheet import Column, Section, Sheet, Table
+from slopekit.design.parts import FactoredNumber, PartialFactors
 from slopekit.kinds import dilates, kind_of
-from slopekit.kinds.sheets.shared import (
-    Factor,
-    accept,
-    all_pairs,
-    cohesion,
-    curved_strength,
-    elastic,
-    factors_table,
-    forces,
-    governs,
-    leading,
-    locked_in,
-    methods,
-    residual,
-    series,
-    times,
-    verdict,
-)
+from slopekit.kinds.sheets import shared
+from slopekit.kinds.sheets.shared import Factor
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.notices import INVENTED
 from slopekit.result import Result
@@ -42,9 +28,7 @@ def sheet_of(result: Result) -> Sheet:
 
         own = sections_of_many(result, result.findings)
     if result.design.partial is not None:
-        from slopekit.kinds.sheets.partial_factors import partial_factors
-
-        slope = (*slope, partial_factors(result.design.partial))
+        slope = (*slope, _partial_factors(result.design.partial))
     if not result.design.bolts:  # most designs have none: they load nothing of it
         return Sheet(head, (*slope, *own))
     from slopekit.core.codec import json_of
@@ -56,21 +40,21 @@ def sheet_of(result: Result) -> Sheet:
 
 def _sections(result: Result) -> Iterator[Section]:
     """The sections of one block below what was analysed, in order."""
-    yield Section("FORCES", forces(result))
+    yield Section("FORCES", shared.forces(result))
     yield Section("STATUS", [_status(result)])
-    yield Section("FoS", [factors_table(_factors(result))])
-    yield from elastic(result)
-    yield Section("COLUMNS", methods(result))
+    yield Section("FoS", [shared.factors_table(result, _factors(result))])
+    yield from shared.elastic(result)
+    yield Section("COLUMNS", shared.methods(result))
     yield Section("ROTATION", _rotation(result))
-    yield Section("STRENGTH", curved_strength(result))
-    yield Section("COHESION", cohesion(result))
-    yield Section("ALL PAIRS", all_pairs(result))
-    yield Section("SERIES", series(result))
-    yield Section("ACCEPT", accept(result))
+    yield Section("STRENGTH", shared.curved_strength(result))
+    yield Section("COHESION", shared.cohesion(result))
+    yield Section("ALL PAIRS", shared.all_pairs(result))
+    yield Section("SERIES", shared.series(result))
+    yield Section("ACCEPT", shared.accept(result))
     yield Section("MODEL", _model(result))
     yield Section("MOVES", _moves(result))
     yield Section("TIME", [_time(result)])
-    yield Section("GOVERNS", governs(result))
+    yield Section("GOVERNS", shared.governs(result))
     yield Section("DEFAULTS", _defaults(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings if notice.code != INVENTED])
 
@@ -82,7 +66,7 @@ def _status(result: Result) -> str:
     return text
 
 
-def _factors(result: Result) -> list[Factor]:
+def _factors(result: Result) -> Iterator[Factor]:
     fos, curved = result.fos, result.curved_strength
     compared = fos.closed_form is not None or result.agree is not None
     dilating = dilates(result.design)
@@ -90,23 +74,21 @@ def _factors(result: Result) -> list[Factor]:
     assumption += result.words.assumes
     if curved is not None:
         assumption += ", strength of each node pair at its own normal traction"
-    rows = [*leading(result), Factor(fos.limit, assumption, verdict(result) if compared and curved is None else "")]
+    yield Factor(fos.limit, assumption, shared.verdict(result) if compared and curved is None else "")
     if fos.lowest is not None and (fos.highest is None or fos.highest > (1.0 + _NARROW) * fos.lowest):
-        rows.append(locked_in(result))
+        yield shared.locked_in(result)
     if result.moments_govern and result.forces_only is not None:
-        rows.append(Factor(result.forces_only, "forces only, PRE-IE (no turning: the closed form's assumptions)"))
+        yield Factor(result.forces_only, "forces only, PRE-IE (no turning: the closed form's assumptions)")
     if curved is not None and curved.mean_stress is not None and fos.closed_form is not None:
-        rows.append(Factor(curved.mean_stress, "one traction a plane, PRE-IE", verdict(result)))
+        yield Factor(curved.mean_stress, "one traction a plane, PRE-IE", shared.verdict(result))
     zero = ", zero dilation" if dilating else ""
     zero += "" if curved is None else ", secant at the mean normal traction of each plane"
     closed = f"{result.words.closed_form}{zero}" if compared else f"closed form: {result.words.no_closed_form}"
-    rows.append(Factor(fos.closed_form, closed))
+    yield Factor(fos.closed_form, closed)
     if fos.static_bound is not None:
-        rows.append(Factor(fos.static_bound, "static bound (joints free to dilate; upper bound)"))
+        yield Factor(fos.static_bound, "static bound (joints free to dilate; upper bound)")
     if fos.all_pairs_failed is not None:
-        said = "all pairs failed (the paper's criterion; depends on the stiffness)"
-        rows.append(Factor(fos.all_pairs_failed, said))
-    return [*rows, *residual(result)]
+        yield Factor(fos.all_pairs_failed, "all pairs failed (the paper's criterion; depends on the stiffness)")
 
 
 def _rotation(result: Result) -> list[str]:
@@ -126,7 +108,7 @@ def _rotation(result: Result) -> list[str]:
 
 def _model(result: Result) -> list[str]:
     model = result.model
-    refined = f", triangles split {times(model.refined)}" if model.refined else ""
+    refined = f", triangles split {shared.times(model.refined)}" if model.refined else ""
     return [
         f"{model.moving_blocks} moving block, {model.unknowns} unknowns, {model.node_pairs} node pairs{refined}; "
         f"left out: {', '.join(model.left_out)}"
@@ -166,3 +148,21 @@ def _defaults(result: Result) -> list[str]:
     if "seismic.trend" in names:
         parts.append(f"seismic trend ({result.words.seismic})")
     return ["; ".join(parts)]
+
+
+def _partial_factors(given: PartialFactors) -> Section:
+    """Whose factors they are, what they have made, and how to read the factor of safety."""
+    columns: list[Column[FactoredNumber]] = [
+        Column("of", attrgetter("what"), "what", width=-47),
+        Column("characteristic", attrgetter("characteristic"), "characteristic", show=".5g", width=14),
+        Column("factor", _factor, "factor", width=9),
+        Column("design", attrgetter("design"), "design", show=".5g", width=10),
+        Column(" unit", attrgetter("unit"), "unit", width=-1, about=" {}"),
+    ]
+    said = given.called + (f" ({given.source})" if given.source else "")
+    end = "all numbers above are design values, and FoS is the over-design factor: 1 is enough"
+    return Section("FACTORED", [f"{said}: {end}", Table(columns, given.table)])
+
+
+def _factor(row: FactoredNumber) -> str:
+    return "" if row.factor is None else f"{'/' if row.divided else 'x'} {row.factor:.4g}"

@@ -1,6 +1,6 @@
 """Entries that the sheets of one block and of many blocks share."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from operator import attrgetter, itemgetter
 
 import numpy as np
@@ -134,8 +134,8 @@ def elastic(result: Result) -> Iterator[Section]:
         yield Section("ELASTIC", elastic_entries(result))
 
 
-def factors_table(rows: Sequence[Factor]) -> Table[Factor]:
-    """The factors of safety, each with what it is."""
+def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
+    """The factors of safety, each with what it is: that which acceptance hangs on, `rows`, those after slip."""
     columns: list[Column[Factor]] = [
         Column("factor", attrgetter("value"), "factor", show=factor_text, width=1),
         Column("to", attrgetter("to"), "to", show=lambda to: "" if to is None else factor_text(to), width=1,
@@ -143,7 +143,7 @@ def factors_table(rows: Sequence[Factor]) -> Table[Factor]:
         Column("what it is", attrgetter("what"), "what", width=1, about="  {}"),
         Column("check", attrgetter("check"), "check", width=1, about="       {}"),
     ]  # fmt: skip
-    return Table(columns, rows, headless=True)
+    return Table(columns, [*leading(result), *rows, *_residual(result)], headless=True)
 
 
 def locked_in(result: Result) -> Factor:
@@ -175,7 +175,7 @@ def has_range(result: Result) -> bool:
     return result.fos.highest is not None
 
 
-def residual(result: Result) -> list[Factor]:
+def _residual(result: Result) -> list[Factor]:
     """The factors on residual strength, after slip."""
     left = result.residual
     if left is None:

@@ -17,7 +17,7 @@ from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
-from slopekit.design.ground_water import table_in_words
+from slopekit.design.ground_water import ground_in_words
 from slopekit.design.parts import MeshFile
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
@@ -393,58 +393,54 @@ def _columns(design: SurfaceDesign, cut: _Mass, notes: list[Notice]) -> dict[str
     }
 
 
-def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, float | None]) -> list[Notice]:
+def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, float | None]) -> Iterator[Notice]:
     """A rule that the limit meets and a method of columns does not is worth a second look."""
     limit = solved.limit.factor
-    notices = []
     for rule in design.rules:
         below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
                  if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
         if rule.name in ("fos", "fos.limit") and rule.met(limit) and below:
-            notices.append(Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not"))
-    return notices
+            yield Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not")
 
 
-def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> list[Notice]:
-    notices = []
+def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> Iterator[Notice]:
     if design.slip.normals == "facet":
         message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
-        notices.append(Notice("W326", message))
+        yield Notice("W326", message)
     elif left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
-        notices.append(Notice("W325", message))
+        yield Notice("W325", message)
     elif misfit > 0.5:
         message = (
             f"the normals were turned by {misfit:.2g}° (root mean square) to let the mass slip without dilating: the "
             "surface itself opens by that"
         )
-        notices.append(Notice("W325", message))
+        yield Notice("W325", message)
     if design.profile_m is not None:
         ends = [x for x, _ in design.profile_m]
         low, high = (float(cut.mass.vertices[:, 0].min()), float(cut.mass.vertices[:, 0].max()))
         beyond = max(min(ends) - low - float(cut.origin[0]), high + float(cut.origin[0]) - max(ends))
         if beyond > 1e-6 * (high - low):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
-            notices.append(Notice("W331", message))
+            yield Notice("W331", message)
     if cut.turned:
-        notices.append(Notice("W343", f"meshes that were inside out have been turned: {', '.join(cut.turned)}"))
+        yield Notice("W343", f"meshes that were inside out have been turned: {', '.join(cut.turned)}")
     if cut.mass.pieces:
         message = (
             f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
             f"{sum(cut.mass.pieces):.4g} m³ are left out"
         )
-        notices.append(Notice("W322", message))
+        yield Notice("W322", message)
     lowest = float(cut.mass.vertices[:, 2].min() + cut.origin[2])
     if design.pond_m is not None and design.pond_m <= lowest:
-        notices.append(Notice("W419", f"the pond stands at {shown(design.pond_m)} m, below the mass: it wets nothing"))
+        yield Notice("W419", f"the pond stands at {shown(design.pond_m)} m, below the mass: it wets nothing")
     if float(np.abs(cut.origin).max()) > _FAR_M:
         message = "map coordinates: computed about the slip surface and put back, no digits lost"
         if cut.grain:
             message = (
                 f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
             )
-        notices.append(Notice("W305", message))
-    return notices
+        yield Notice("W305", message)
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------
@@ -550,9 +546,7 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
 def _water_in_words(design: SurfaceDesign) -> list[str]:
     if not design.is_cut_for_loads:
         return water_in_words(design)
-    depth = design.table_depth_m
-    first = [] if depth is None else [f"water table {shown(depth)} m below the ground"]
-    return [*first, *table_in_words(design, " (x)", "at the origin")]
+    return list(ground_in_words(design, " (x)"))
 
 
 WORDS = Words(

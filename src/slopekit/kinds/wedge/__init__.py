@@ -12,6 +12,7 @@ from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength
 from slopekit.evidence import WithoutBasal
@@ -41,40 +42,97 @@ JOINTS = ((J1, "J1"), (J2, "J2"))
 _NEARLY_PARALLEL_DEG = 5.0
 _OUTCOMES = (*OUTCOMES, "E486", "E487")  # the last two by limits of size
 _FAR_M = 1e4  # coordinates beyond this are a map's
+_PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A wedge cut out of its planes, on two joints or on a basal joint too, with what is said of it by its planes.
+
+    Attributes
+    ----------
+    block : its faces by plane id; joints : ids and names of its joints; planes : names of all planes, by id
+    offset_m : of the upper slope, upward normal · x; the face passes through the origin
+    line : (3,) unit vector down the intersection of J1 and J2; line_length_m : of it that bounds the block
+    corners_m : (3,) each by name
+    water : on joints and crack
+    trend_deg : that an earthquake without a trend acts toward; stays : in words, what is left out of it alone
+    """
+
+    block: Block
+    joints: Sequence[tuple[int, str]]
+    planes: tuple[str, ...]
+    offset_m: float
+    line: Floats
+    line_length_m: float
+    corners_m: Mapping[str, Floats]
+    water: Mapping[int, WaterPressure]
+    trend_deg: float
+    stays: tuple[str, ...] = ()
+
+    @property
+    def ids(self) -> tuple[int, ...]:
+        """The plane ids of its joints."""
+        return tuple(joint for joint, _ in self.joints)
+
+    @property
+    def free(self) -> tuple[int, int]:
+        """The plane ids of face and upper slope."""
+        return self.planes.index("face"), self.planes.index("upper slope")
+
+    @property
+    def crack(self) -> int:
+        """The plane id of the crack."""
+        return self.planes.index("crack")
+
+    @property
+    def interfaces(self) -> dict[int, str]:
+        """What bounds it in the rock, by plane id: joints, and the crack where it has a face there."""
+        every = (*self.joints, (self.crack, "crack"))
+        return {plane: name for plane, name in every if plane in self.block.faces}
+
+
+def shape_of(design: WedgeDesign) -> Shape:
+    """The wedge cut out of its planes. Raises GeometryError where they cut no such wedge."""
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        return basal.shape_of(design)
+    rock = _rock_mass(design)
+    block, line = cut_wedge(rock), rock.line_of_intersection
+    back = rock.back
+    if CRACK in block.faces:
+        back = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
+    corners = {"toe": rock.toe, "back": back, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
+    return Shape(
+        block, JOINTS, PLANE_NAMES, float(rock.offsets[UPPER]), line, math.sqrt(float(back @ back)), corners,
+        _water(design, rock, block), line_of(line).trend_deg,
+    )  # fmt: skip
 
 
 def cut(design: WedgeDesign) -> Cut:
     """Cut the wedge and load it. Raises GeometryError where the planes cut no such wedge."""
-    if design.basal is not None:
-        from slopekit.kinds.wedge import basal
-
-        return basal.cut(design)
-    rock = _rock_mass(design)
-    block = cut_wedge(rock)
-    acting = _loads(design, rock, block)
-    polygons = {joint: block.faces[joint] for joint, _ in JOINTS}
-    strengths = strengths_of(design)
-    strength = joint_strength(strengths)
+    shape = shape_of(design)
+    block, face = shape.block, shape.free[0]
+    acting = _loads(design, shape)
+    polygons = {joint: block.faces[joint] for joint in shape.ids}
+    strength = joint_strength(design.strengths)
     bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
+    left_out = ["deformation of the rock", *shape.stays]
     return Cut(
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
-        [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, strengths, strict=True)],
-        lambda: _geometry(design, rock, block),
-        left_out_of_slope(["deformation of the rock"], CRACK in block.faces, design.strengths),
-        {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
-        | design.ponded(FACE, UPPER),
-        FACE, design.refine, origin=np.array(design.origin_m),
+        [Interface(joint, name, own) for (joint, name), own in zip(shape.joints, design.strengths, strict=True)],
+        lambda: _geometry(design, shape), left_out_of_slope(left_out, shape.crack in block.faces, design.strengths),
+        shape.interfaces | design.ponded(*shape.free), face, design.refine, origin=np.array(design.origin_m),
     )  # fmt: skip
 
 
 def compared(design: WedgeDesign) -> ClosedForm:
-    """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, without cutting the wedge."""
+    """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, on two joints without a cut."""
     if design.basal is None:
         _rock_mass(design)
     else:
-        from slopekit.kinds.wedge import basal
-
-        basal.block_of(design)
+        shape_of(design)
     return replace(closed_form(design), why_not=DILATES if any(design.dilation_deg) else "")
 
 
@@ -120,47 +178,41 @@ def strengths_of(design: WedgeDesign) -> list[Strength]:
     return list(design.strengths)
 
 
-def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
-    line = line_of(rock.line_of_intersection)
-    trend = line.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
-    seismic = design.seismic.coefficient * Line(trend, 0.0).vector()
-    origin = np.array(design.origin_m)
+def _loads(design: WedgeDesign, shape: Shape) -> Loads:
+    block, origin = shape.block, np.array(design.origin_m)
+    trend = shape.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
     hull = cache(lambda: Hull.of(block))  # which a block without bolts does not need
     active, passive = bolt_forces(
-        design,
-        origin,
-        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, (J1, J2), where),
-    )
+        design, origin,
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, shape.ids, where),
+    )  # fmt: skip
+    pushes: dict[str, PointForce] = {}
+    if design.is_cut_for_loads:  # ground water and surcharge are integrated over the faces: plain wedges do not pay
+        from slopekit.kinds import ground_water
+
+        pushes = ground_water.pushes(design, _ground(design, shape), _in_crack(design, shape))
     return block_loads(
-        block, design.unit_weight_kn_m3, _water(design, rock, block), seismic,
-        [point_force(force, origin) for force in design.forces], active, passive,
-        _pushes(design, rock, block),
+        block, design.unit_weight_kn_m3, shape.water, design.seismic.coefficient * Line(trend, 0.0).vector(),
+        [point_force(force, origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
 
-def _pushes(design: WedgeDesign, rock: RockMass, block: Block) -> dict[str, PointForce]:
-    """Ground water and surcharge, integrated over the faces; plain wedges do not pay for them."""
-    if not design.is_cut_for_loads:
-        return {}
-    from slopekit.kinds import ground_water
-
-    return ground_water.pushes(design, _ground(design, rock, block), in_crack(design, block, (J1, J2), CRACK))
-
-
-def in_crack(design: WedgeDesign, block: Block, joints: Sequence[int], crack: int) -> dict[str, PointForce]:
+def _in_crack(design: WedgeDesign, shape: Shape) -> dict[str, PointForce]:
     """What water that stands so deep in the crack does to the block, there and on its joints."""
     if not design.crack_water_m:
         return {}
     from slopekit.kinds.wedge import crack_water
 
-    return crack_water.pushes(block, joints, crack, design.crack_water_m, design.water_unit_weight_kn_m3)
+    depth, weight = design.crack_water_m, design.water_unit_weight_kn_m3
+    return crack_water.pushes(shape.block, shape.ids, shape.crack, depth, weight)
 
 
-def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> "ground_water.LocalSlope":
+def _ground(design: WedgeDesign, shape: Shape) -> "ground_water.LocalSlope":
     from slopekit.kinds import ground_water
 
+    normals = np.array([design.face.normal(), design.upper.normal()])
     return ground_water.LocalSlope(
-        block, (J1, J2, CRACK), (FACE, UPPER), rock.normals[[FACE, UPPER]], rock.offsets[[FACE, UPPER]], np.eye(3),
+        shape.block, (*shape.ids, shape.crack), shape.free, normals, np.array([0.0, shape.offset_m]), np.eye(3),
         -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
     )  # fmt: skip
 
@@ -169,16 +221,9 @@ def _for_closed_form(design: WedgeDesign) -> tuple[list[float], Floats]:
     """Mean pressures of the joints and the crack (kPa), and the sum of all else (kN)."""
     from slopekit.kinds import ground_water
 
-    if design.basal is not None:
-        from slopekit.kinds.wedge import basal
-
-        ground = basal.ground_of(design)
-    else:
-        rock = _rock_mass(design)
-        ground = _ground(design, rock, cut_wedge(rock))
-    *joints, crack = ground.joints
-    means, rest = ground_water.for_closed_form(design, ground, in_crack(design, ground.block, joints, crack))
-    return [means.get(face, 0.0) for face in ground.joints], rest
+    shape = shape_of(design)
+    means, rest = ground_water.for_closed_form(design, _ground(design, shape), _in_crack(design, shape))
+    return [means.get(face, 0.0) for face in (*shape.ids, shape.crack)], rest
 
 
 def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, WaterPressure]:
@@ -256,21 +301,20 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     ----------
     bolts : east, north and up of the passive ones
     """
-    if "basal_dip_deg" in arguments:
-        from slopekit.kinds.wedge import basal
-
-        return basal.closed_forms(arguments, bolts)
     given = dict(arguments)
     why = given.pop("left_out")
-    pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure5")]
+    pressures = [given.pop(name) for name in _PRESSURES if name in given]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
-    wedges = hoek_bray_wedges(
-        WedgeArrays(
-            **given, passive_kn=bolts,
-            pressures_kpa=() if pressures[0] is None else pressures,
-            force_kn=None if force[0] is None else force,
-        )
-    )  # fmt: skip
+    given |= {
+        "passive_kn": bolts, "pressures_kpa": () if pressures[0] is None else pressures,
+        "force_kn": None if force[0] is None else force,
+    }  # fmt: skip
+    if "basal_dip_deg" in given:
+        from slopekit.closed_form import basal
+
+        three = basal.basal_wedges(basal.BasalWedgeArrays(**given))
+        return ClosedForms(basal.OUTCOMES, three.outcome, three.factor, list(three.normal_kn), list(three.areas_m2[:3]))
+    wedges = hoek_bray_wedges(WedgeArrays(**given))
     outcome, factor = wedges.outcome, wedges.factor
     if why is not None:
         from slopekit.kinds.wedge import limits
@@ -279,19 +323,29 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     return ClosedForms(_OUTCOMES, outcome, factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
 
 
+def crest_of(design: WedgeDesign) -> tuple[list[Floats], list[Floats], Floats, Floats]:
+    """Of the wedges of a design whose numbers may be arrays: upward normals of J1, J2, face and upper slope (n, 3).
+
+    Then the traces of the joints on the face, where that of J1 meets the crest (n, 3), the upper slope's offset (n,).
+    """
+    planes = (*design.joints, design.face, design.upper)
+    normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
+    traces = [np.cross(joint, normals[2]) for joint in normals[:2]]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crest = traces[0] * (np.atleast_1d(_heights(design)[0]) / traces[0][:, 2])[:, None]
+    return normals, traces, crest, (normals[3] * crest).sum(axis=-1)
+
+
 def bounds(design: WedgeDesign) -> Bounds:
     """The planes that bound the wedge; of planes that cut none they are not numbers, or mean nothing."""
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
         return basal.bounds(design)
-    planes = [*design.joints, design.face, design.upper]
-    first, second, face, upper = normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
+    normals, traces, crest1, offset = crest_of(design)
     with np.errstate(divide="ignore", invalid="ignore"):
-        line, traces = np.cross(first, second), [np.cross(joint, face) for joint in (first, second)]
-        crest1 = traces[0] * (np.atleast_1d(_heights(design)[0]) / traces[0][:, 2])[:, None]
-        offset = (upper * crest1).sum(axis=-1)
-        crest2, back = (way * (offset / (upper * way).sum(axis=-1))[:, None] for way in (traces[1], line))
+        line = np.cross(normals[0], normals[1])
+        crest2, back = (way * (offset / (normals[3] * way).sum(axis=-1))[:, None] for way in (traces[1], line))
         within, offsets = (crest1 + crest2 + back) / 4.0, [0.0, 0.0, 0.0, offset]
         if design.crack is not None:
             crack = upward(design.crack.plane.dip_deg, design.crack.plane.dip_direction_deg)
@@ -324,13 +378,9 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     """
     if design.basal is not None:
         return None
-    planes = (*design.joints, design.face, design.upper)
-    first, second, face, upper = (upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        line, trace = np.cross(first, second), np.cross(first, face)
-        crest = trace * (np.atleast_1d(_heights(design)[0]) / trace[..., 2])[:, None]
-        back = line * ((upper * crest).sum(axis=-1) / (upper * line).sum(axis=-1))[:, None]
-    reach_m: Floats = np.sqrt(((back - crest) ** 2).sum(axis=-1))
+    from slopekit.kinds.wedge import limits
+
+    reach_m: Floats = limits.fitted(design).sizes.upper_trace1_m
     return reach_m
 
 
@@ -373,58 +423,46 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
     return worst_crack.with_worst_crack(design, ON_ARRAYS, reach, place)
 
 
-def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
-    changes: list[tuple[str, WedgeDesign]] = []
+def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
         without = replace(design, crack_water_m=None)
-        changes.append(
-            ("full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
-        )
+        yield "full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=()))
     one_for_all = len(set(design.strengths)) == 1
     for strength in dict.fromkeys(design.strengths):
         held = zip(("J1", "J2", "basal"), design.strengths, strict=False)
         of = "" if one_for_all else " of " + " and ".join(joint for joint, own in held if own == strength)
         for name, other in changed_laws(strength):
             each = [other if own == strength else own for own in design.strengths]
-            changes.append((name + of, design.with_strengths(each)))
+            yield (name + of, design.with_strengths(each))
     is_straight = not any((*design.laws, *design.made_of))
     phi, c = design.friction_angle_deg, design.cohesion_kpa
     if is_straight and max(phi) < 88.0:
-        changes.append(("φ +1°", replace(design, friction_angle_deg=tuple(own + 1.0 for own in phi))))
+        yield "φ +1°", replace(design, friction_angle_deg=tuple(own + 1.0 for own in phi))
     if is_straight and any(c):
-        changes.append(("c +10 %", replace(design, cohesion_kpa=tuple(own * 1.1 for own in c))))
+        yield "c +10 %", replace(design, cohesion_kpa=tuple(own * 1.1 for own in c))
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
             joints = (steeper, design.joints[1]) if k == 0 else (design.joints[0], steeper)
-            changes.append((f"dip of J{k + 1} +1°", replace(design, joints=joints)))
+            yield f"dip of J{k + 1} +1°", replace(design, joints=joints)
     if design.basal is not None and design.basal.plane.dip_deg <= 89.0:
         plane = design.basal.plane
         under = replace(design.basal, plane=Plane(plane.dip_deg + 1.0, plane.dip_direction_deg))
-        changes.append(("dip of basal +1°", replace(design, basal=under)))
-    return changes
+        yield "dip of basal +1°", replace(design, basal=under)
 
 
 # -- reading the answer -------------------------------------------------------------------------------
 
 
-def _geometry(design: WedgeDesign, rock: RockMass, block: Block) -> WedgeGeometry:
-    line = line_of(rock.line_of_intersection)
-    origin = np.array(design.origin_m)
-    back = rock.back
-    if CRACK in block.faces:
-        back = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
-    corners = {"toe": rock.toe, "back": back, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
-    areas = {name: block.areas[joint] for joint, name in JOINTS}
-    if CRACK in block.faces:
-        areas["crack"] = block.areas[CRACK]
+def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:
+    block, line, origin = shape.block, line_of(shape.line), np.array(design.origin_m)
+    areas = {name: block.areas[plane] for plane, name in shape.interfaces.items()}
+    faces = {shape.planes[plane]: polygon for plane, polygon in block.faces.items()}
+    crest = Crest(shape.corners_m["crest_J1"], design.face.normal(), design.upper.normal())
     return WedgeGeometry(
-        block.volume, float(np.ptp(block.corners[:, 2])), areas, line.trend_deg, line.plunge_deg,
-        math.sqrt(float(back @ back)), {name: frozen(point + origin) for name, point in corners.items()},
-        frozen(block.centroid + origin),
-        {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
-        sizes_of_faces({PLANE_NAMES[plane]: polygon for plane, polygon in block.faces.items()}, areas,
-                       Crest(rock.crest1, design.face.normal(), design.upper.normal())),
+        block.volume, float(np.ptp(block.corners[:, 2])), areas, line.trend_deg, line.plunge_deg, shape.line_length_m,
+        {name: frozen(point + origin) for name, point in shape.corners_m.items()}, frozen(block.centroid + origin),
+        {name: frozen(polygon + origin) for name, polygon in faces.items()}, sizes_of_faces(faces, areas, crest),
         _scaled(design),
     )  # fmt: skip
 
@@ -548,10 +586,10 @@ _ON_THREE = replace(
     },
 )  # fmt: skip
 
-KIND = kind_of_one_block(
+KIND = replace(kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
-    variants={"basal": _ON_THREE}, without_basal=_without_basal,
+    on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
+), has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
     drawn_planes=lambda design: (f"joints.{design.joint_names[0]}.plane", f"joints.{design.joint_names[1]}.plane"),
 )  # fmt: skip

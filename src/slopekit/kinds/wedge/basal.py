@@ -1,23 +1,20 @@
-"""A wedge with a basal joint: how it is cut, loaded and closed, and what a reader must know of it."""
+"""A wedge with a basal joint: its shape and water, its bounds, and what a reader must know of it."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
-from slopekit.core.arrays import Floats, frozen
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError, Notice
-from slopekit.core.orientation import Line, Plane, line_of
+from slopekit.core.orientation import Line, Plane
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.basal import (
     BASAL,
     CRACK,
-    FACE,
     J1,
     J2,
     PLANE_NAMES,
@@ -28,29 +25,18 @@ from slopekit.geometry.basal import (
     trace_behind,
 )
 from slopekit.geometry.cutting import Block
-from slopekit.geometry.interfaces import node_pairs
-from slopekit.kinds.closed_forms import ClosedForms
-from slopekit.kinds.held_bolts import Bounds, upward
-from slopekit.kinds.one_block import Cut, left_out_of_slope
-from slopekit.kinds.one_block_states import Bedding
-from slopekit.kinds.sizes import Crest, sizes_of_faces
-from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
+from slopekit.kinds.wedge import Shape, closed_form, crest_of
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
-from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
-from slopekit.notices import Interface
-from slopekit.preie.model import build_model
-
-if TYPE_CHECKING:
-    from slopekit.kinds import ground_water
+from slopekit.loads import WaterPressure
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
-_IDS = tuple(joint for joint, _ in JOINTS)
 _ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way
 
 
-def cut(design: WedgeDesign) -> Cut:
-    """Cut the wedge above its basal joint and load it.
+def shape_of(design: WedgeDesign) -> Shape:
+    """The wedge above its basal joint, cut out of its planes.
 
     Raises
     ------
@@ -59,24 +45,12 @@ def cut(design: WedgeDesign) -> Cut:
     """
     rock = _rock_mass(design)
     block = cut_basal_wedge(rock)
-    acting = _loads(design, rock, block)
-    polygons = {joint: block.faces[joint] for joint in _IDS}
-    strength = joint_strength(design.strengths)
-    bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
-    left = ["deformation of the rock", "the rock below the basal joint (it stays)"]
-    return Cut(
-        block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
-        [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, design.strengths, strict=True)],
-        lambda: _geometry(design, rock, block), left_out_of_slope(left, CRACK in block.faces, design.strengths),
-        {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
-        | design.ponded(FACE, UPPER),
-        FACE, design.refine, origin=np.array(design.origin_m),
+    corners = {"toe": np.zeros(3), "basal_J1": rock.basal_at, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
+    return Shape(
+        block, JOINTS, PLANE_NAMES, rock.offsets[UPPER], rock.line, _shared_edge(block.faces[J1], block.faces[J2]),
+        corners, _water(design, rock, block), design.face.dip_direction_deg,
+        ("the rock below the basal joint (it stays)",),
     )  # fmt: skip
-
-
-def block_of(design: WedgeDesign) -> Block:
-    """The block alone. Raises GeometryError as `cut`."""
-    return cut_basal_wedge(_rock_mass(design))
 
 
 def crack_reach(design: WedgeDesign, crack: Plane) -> float:
@@ -104,49 +78,9 @@ def _rock_mass(design: WedgeDesign) -> BasalRockMass:
     )  # fmt: skip
 
 
-def _loads(design: WedgeDesign, rock: BasalRockMass, block: Block) -> Loads:
-    given = design.seismic
-    trend = design.face.dip_direction_deg if given.trend_deg is None else given.trend_deg
-    origin = np.array(design.origin_m)
-    hull = cache(lambda: Hull.of(block))  # which a block without bolts does not need
-    active, passive = bolt_forces(
-        design, origin, lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, _IDS, where)
-    )
-    return block_loads(
-        block, design.unit_weight_kn_m3, _water(design, rock, block), given.coefficient * Line(trend, 0.0).vector(),
-        [point_force(force, origin) for force in design.forces], active, passive,
-        _pushes(design, rock, block),
-    )  # fmt: skip
-
-
-def _pushes(design: WedgeDesign, rock: BasalRockMass, block: Block) -> dict[str, PointForce]:
-    if not design.is_cut_for_loads:
-        return {}
-    from slopekit.kinds import ground_water
-    from slopekit.kinds.wedge import in_crack
-
-    return ground_water.pushes(design, _ground(design, rock, block), in_crack(design, block, _IDS, CRACK))
-
-
-def ground_of(design: WedgeDesign) -> "ground_water.LocalSlope":
-    """The block in its slope, for water and surcharge on its faces."""
-    rock = _rock_mass(design)
-    return _ground(design, rock, cut_basal_wedge(rock))
-
-
-def _ground(design: WedgeDesign, rock: BasalRockMass, block: Block) -> "ground_water.LocalSlope":
-    from slopekit.kinds import ground_water
-
-    return ground_water.LocalSlope(
-        block, (*_IDS, CRACK), (FACE, UPPER), np.array([rock.outward[face] for face in (FACE, UPPER)]),
-        np.array([rock.offsets[face] for face in (FACE, UPPER)]), np.eye(3),
-        -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
-    )  # fmt: skip
-
-
 def _water(design: WedgeDesign, rock: BasalRockMass, block: Block) -> dict[int, WaterPressure]:
     """Mean pressures, even over each joint: γ_w H/6, with a crack γ_w h₅/3 on all, or those that the user gave."""
-    water, joints = design.water, list(_IDS)
+    water, joints = design.water, [joint for joint, _ in JOINTS]
     if water.mode == "table" or (water.mode == "dry" and not water.crack_fill):
         return {}
     faces = [*joints, CRACK] if CRACK in block.faces else joints
@@ -169,32 +103,14 @@ def _full(design: WedgeDesign, rock: BasalRockMass, block: Block) -> float:
     return design.water_unit_weight_kn_m3 * float(depths.max()) / 3.0
 
 
-def _geometry(design: WedgeDesign, rock: BasalRockMass, block: Block) -> WedgeGeometry:
-    line, origin = line_of(rock.line), np.array(design.origin_m)
-    corners = {"toe": np.zeros(3), "basal_J1": rock.basal_at, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
-    areas = {name: block.areas[face] for face, name in (*JOINTS, (CRACK, "crack")) if face in block.areas}
-    return WedgeGeometry(
-        block.volume, float(np.ptp(block.corners[:, 2])), areas, line.trend_deg, line.plunge_deg,
-        _shared_edge(block.faces[J1], block.faces[J2]), {name: frozen(at + origin) for name, at in corners.items()},
-        frozen(block.centroid + origin),
-        {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
-        sizes_of_faces({PLANE_NAMES[plane]: polygon for plane, polygon in block.faces.items()}, areas,
-                       Crest(rock.crest1, design.face.normal(), design.upper.normal())),
-    )  # fmt: skip
-
-
 def bounds(design: WedgeDesign) -> Bounds:
     """The planes that bound the block, of one design or of one whose numbers are arrays; see `geometry.basal`."""
     basal, crack = design.basal, design.crack
     assert basal is not None
-    planes = [*design.joints, basal.plane, design.face, design.upper, *([] if crack is None else [crack.plane])]
-    normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
-    first, second, under, face, upper = normals[:5]
+    (first, second, face, upper), traces, crest1, offset = crest_of(design)
+    under = upward(basal.plane.dip_deg, basal.plane.dip_direction_deg)
     height, low = np.atleast_1d(design.height_m), np.atleast_1d(basal.height_m)
     with np.errstate(divide="ignore", invalid="ignore"):
-        traces = [np.cross(joint, face) for joint in (first, second)]
-        crest1 = traces[0] * (height / traces[0][:, 2])[:, None]
-        offset = _dots(upper, crest1)
         crest2 = traces[1] * (offset / _dots(upper, traces[1]))[:, None]
         below = np.where(low < 0.0, -1.0, 1.0)
         sides = [np.copysign(1.0, _dots(first, crest2)) * below, np.copysign(1.0, _dots(second, crest1)) * below]
@@ -203,17 +119,13 @@ def bounds(design: WedgeDesign) -> Bounds:
         if crack is not None:
             trace = np.cross(first, upper)
             trace /= (np.copysign(np.sqrt(_dots(trace, trace)), -_dots(face, trace)))[:, None]
-            ahead = _dots(normals[5], trace) * crack.distance_m
+            normal = upward(crack.plane.dip_deg, crack.plane.dip_direction_deg)
+            ahead = _dots(normal, trace) * crack.distance_m
             sign = np.where(ahead > 0.0, 1.0, -1.0)
-            outward.append(sign[:, None] * normals[5])
-            offsets.append(sign * (_dots(normals[5], crest1) + ahead))
+            outward.append(sign[:, None] * normal)
+            offsets.append(sign * (_dots(normal, crest1) + ahead))
     size = np.sqrt(np.maximum(_dots(crest1, crest1), _dots(crest2, crest2)))
-    count = max(len(size), *map(len, outward), *(np.size(np.asarray(one)) for one in offsets))
-    faces = np.stack([np.broadcast_to(one, (count, 3)) for one in outward])
-    at = np.stack([np.broadcast_to(np.asarray(one, dtype=np.float64), count) for one in offsets]) + faces @ np.array(
-        design.origin_m
-    )
-    return Bounds(faces, at, (0, 1, 2), (3, 4), np.broadcast_to(size, count))
+    return bounds_of(outward, offsets, None, np.array(design.origin_m), (0, 1, 2), (3, 4), size)
 
 
 def _dots(one: Floats, other: Floats) -> Floats:
@@ -225,24 +137,6 @@ def _shared_edge(one: Floats, other: Floats) -> float:
     """Length of the edge that two faces of a block share: their corners are the same numbers."""
     both = [np.array(corner) for corner in set(map(tuple, one.tolist())) & set(map(tuple, other.tolist()))]
     return math.sqrt(float(((both[0] - both[1]) ** 2).sum())) if len(both) == 2 else 0.0
-
-
-# -- the closed form ----------------------------------------------------------------------------------
-
-
-def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
-    """Designs by the closed form of three joints; see `kinds.wedge.closed_forms`."""
-    given = dict(arguments)
-    del given["left_out"]  # of limits of size, which it has not
-    pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure3", "pressure5")]
-    force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
-    wedges = basal_wedges(
-        BasalWedgeArrays(
-            **given, passive_kn=bolts, pressures_kpa=() if pressures[0] is None else pressures,
-            force_kn=None if force[0] is None else force,
-        )
-    )  # fmt: skip
-    return ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:3]))
 
 
 # -- words ----------------------------------------------------------------------------------------------------------
@@ -296,8 +190,6 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     The rock below the basal joint is part of it, and no part of the block that is analysed. None where J1 and J2 make
     no wedge that daylights, or the basal joint leaves its toe.
     """
-    from slopekit.kinds.wedge import closed_form
-
     basal = design.basal
     if basal is None or basal.height_m < 0.0:
         return None

@@ -4,10 +4,9 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -276,8 +275,7 @@ def _limits(reader: Reader, names: Sequence[str], also: Sequence[str]) -> SizeLi
         return None
     if also:
         message = f"limits of size and {' and '.join(also)}: a wedge that keeps its shape cannot have both"
-        advice = "Leave limits out: the height, basal joint and crack bound the wedge."
-        reader.fault("E490", message, node, advice)
+        reader.fault("E490", message, node, "Leave limits out: the height, basal joint and crack bound the wedge.")
     own = reader.fields(SizeLimits, node)
     fields = fields_of(SizeLimits)
     for key in ("trace_length_m", "persistence_m"):
@@ -349,19 +347,13 @@ def crack_of_words(value: object, where: str) -> Crack:
         given = value
     else:
         raise DesignError([Fault("E120", f"crack is {words.shown(value)}, it is written 80/180@5m", where)])
-    faults: list[Fault] = []
-    try:
+    faults, away = Faults(), math.inf  # looked for once the wedge is known
+    with faults.kept():
         orientation = parse_plane(given["plane"], "crack", where)
-    except DesignError as error:
-        faults += error.faults
-    away = math.inf  # looked for once the wedge is known
-    try:
+    with faults.kept():
         if str(given["distance"]).strip() != WORST:
             away = words.above_zero(given["distance"], "length", "crack distance", "E121", where)
-    except DesignError as error:
-        faults += error.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return Crack(orientation, away)
 
 
@@ -452,8 +444,7 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
     values = {key: _plain(value) for key, value in given.items() if value is not None}
     for key in values:
         if key not in _KNOWN:
-            near = get_close_matches(key, _KNOWN, n=1)
-            advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(_KNOWN)}."
+            advice = did_you_mean(key, _KNOWN, f"Known: {', '.join(_KNOWN)}.")
             faults.append(Fault("E128", f"{key} is not an input of a wedge", key, advice))
     for name, plane in zip(("J1", "J2"), _both_joints(values.get("dips"), option, faults), strict=False):
         put(f"joints.{name}.plane", node("dips", plane))
@@ -543,8 +534,7 @@ def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) 
         faults.append(Fault("E394", message, f"{option('limits')} {words.shown(value)}", advice))
     known = [field.path for field in fields_of(SizeLimits).values()]
     for key in [key for key in limits if key not in known]:
-        near = get_close_matches(key, known, n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(known)}."
+        advice = did_you_mean(key, known, f"Known: {', '.join(known)}.")
         faults.append(
             Fault("E394", f"{key} is no limit of size", f"{option('limits')} {key}={limits.pop(key)}", advice)
         )
