@@ -30,7 +30,7 @@ def main(halved: int = 3) -> None:
     for edge in (longest / 2.0**k for k in range(1, halved + 2)):
         for order in (1, 2):
             design = replace(plain.design, elastic_edge_m=edge * (1.0 + 1e-9))
-            with patch.object(elastic, "ORDER", order):
+            with patch.object(elastic_scene, "ORDER", order):
                 began = time.process_time()
                 found = elastic.with_elastic(kind_of(design), replace(plain, design=design), bracket=False).elastic
                 took = time.process_time() - began
