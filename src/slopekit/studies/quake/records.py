@@ -20,6 +20,7 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import counted
 from slopekit.design.on_disk import read_bytes
 
 #: Standard gravity, of which accelerations in g are parts.
@@ -52,7 +53,7 @@ _OTHER_DT = re.compile(r"\bDT\s*=\s*[\d.eEdD+-]+\s*(ms|msec|millisec\w*|min\w*)\
 _NO_VALUES = ("nan", "inf", "infinity", "na", "null", "none")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?")
 _STEPS = (
-    re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eEdD+-]+)", re.IGNORECASE),
+    re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eEdD+-]+)(?!\d|,\d)", re.IGNORECASE),
     re.compile(r"^\s*(\d+)\s+([\d.eEdD+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
 _NOT_STEPS = re.compile(r"\bNPTS\b", re.IGNORECASE)  # of a line that has to say them
@@ -135,7 +136,7 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
         raise DesignError([Fault("E513", f"{name}: sample {at + 1} is not a finite number", name)])
     a = a * _factor_of(unit, name)
     if len(a) < 2 or not a.any():
-        what = f"{len(a)} sample{'s' if len(a) != 1 else ''}" if len(a) < 2 else "nothing but zeros"
+        what = counted(len(a), "sample") if len(a) < 2 else "nothing but zeros"
         raise DesignError([Fault("E516", f"{name} has {what}: no record of an earthquake", name)])
     steps = np.diff(t)
     falls = np.flatnonzero(steps < 0.0 if is_pulse else steps <= 0.0)
@@ -286,6 +287,8 @@ def _with_coarse_steps_said(record: Record) -> Record:
 
 def _text_of(content: bytes, name: str) -> str:
     if b"\0" in content[:4096]:
+        if content[:4] in (b"\xff\xfe\0\0", b"\0\0\xfe\xff"):
+            return content.decode("utf-32", errors="replace")
         if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
             return content.decode("utf-16", errors="replace")
         raise DesignError([Fault("E513", f"{name} is no text: it holds bytes that no record has", name)])
@@ -367,8 +370,9 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip() and line.strip()[0] not in "#%!*"]
     if not rows:
         raise DesignError([Fault("E516", f"{name} has no samples", name)])
-    mark = next((mark for mark in (";", "\t", ",") if mark in rows[-1][1]), None)
-    commas = mark in (";", "\t") and any("," in line for _, line in rows[-3:])
+    later = [line for _, line in rows[len(rows) // 2 :]]  # samples, but for a line or two below them
+    mark = next((mark for mark in (";", "\t", ",") if 2 * sum(mark in line for line in later) >= len(later)), None)
+    commas = mark in (";", "\t") and any("," in line for line in later)
 
     def cells(line: str) -> list[str]:
         parts = [part.strip().strip('"') for part in (line.split(mark) if mark else line.split())]
@@ -408,8 +412,9 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
         parts = cells(text)
         if len(parts) != width:
             faults.append(
-                Fault("E512", f"{name}: line {line} has {len(parts)} columns, the first has {width}", f"{name}:{line}")
-            )
+                Fault("E512", f"{name}: line {line} has {counted(len(parts), 'column')}, the first has {width}",
+                      f"{name}:{line}")
+            )  # fmt: skip
         else:
             with faults.kept():
                 time, value = (_value(parts[k], name, line) for k in at)
@@ -469,7 +474,7 @@ def _places(name: str, heads: Sequence[str], width: int, line: int) -> tuple[int
             return times[0], accelerations[0]
     if width != 2:
         advice = "Two columns, time and acceleration, or name them so in the header."
-        message = f"{name}: {width} column{'s' if width != 1 else ''}, which are time and acceleration?"
+        message = f"{name}: {counted(width, 'column')}, which are time and acceleration?"
         raise DesignError([Fault("E512", message, f"{name}:{line}", advice)])
     return 0, 1
 
