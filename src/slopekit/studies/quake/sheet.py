@@ -194,9 +194,8 @@ def _six_notes(quake: Quake) -> list[str]:
     steps, halved = sum(one.steps for one in quake.six), sum(one.halved for one in quake.six)
     assert quake.in_six is not None
     pairs, percent = quake.in_six.pairs, quake.in_six.percent
-    settled = (
-        f"the last refinement moved what slides by {percent} % at most" if percent else "finer ones gave no answer"
-    )
+    settled = f"the last refinement moved what slides by {percent} % at most"
+    settled = settled if percent else "finer ones gave no answer"
     return [
         f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
         f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"
