@@ -14,7 +14,9 @@ from unittest.mock import patch
 import numpy as np
 
 import slopekit as sk
+from slopekit.elastic.outcome import ElasticBlocks
 from slopekit.kinds import elastic, elastic_scene, kind_of
+from slopekit.result import Result
 
 PAPER_S, COARSE_S, STATE_S, BEDROCK_S = 305.0, 3.0, 1.0, 30.0  # Table 7; what we may take
 
@@ -30,13 +32,7 @@ def main(halved: int = 3) -> None:
     for edge in (longest / 2.0**k for k in range(1, halved + 2)):
         for order in (1, 2):
             design = replace(plain.design, elastic_edge_m=edge * (1.0 + 1e-9))
-            with patch.object(elastic, "ORDER", order):
-                began = time.process_time()
-                found = elastic.with_elastic(kind_of(design), replace(plain, design=design), bracket=False).elastic
-                took = time.process_time() - began
-            assert found is not None
-            assert found.limit is not None
-            rows.append((edge, order, found, took))
+            rows.append((edge, order, *timed(replace(plain, design=design), order)))
     finest = rows[-1][2]
     print("edge m  order  elements  pairs  unknowns  opened    limit    off finest  moved mm    σ' J1 kPa     CPU s")
     for edge, order, found, took in rows:
@@ -50,10 +46,7 @@ def main(halved: int = 3) -> None:
         _said(f"edge: auto is {edge:.1f} m in P2, rigid bedrock", took, COARSE_S)
     for bedrock in ("rigid", "elastic"):
         design = replace(plain.design, elastic_bedrock=bedrock)
-        began = time.process_time()
-        found = elastic.with_elastic(kind_of(design), replace(plain, design=design), bracket=False).elastic
-        took = time.process_time() - began
-        assert found is not None
+        found, took = timed(replace(plain, design=design))
         _said(f"{bedrock} bedrock: limit {found.limit:.5f}, {found.cells} elements, {found.unknowns} unknowns", took,
               BEDROCK_S if bedrock == "elastic" else COARSE_S)  # fmt: skip
         scene = elastic_scene.scene_of_one(design, kind_of(design).cut(design))
@@ -61,6 +54,17 @@ def main(halved: int = 3) -> None:
         _, state = elastic._at_rest(scene, scene.model, 1.0)
         scene.limit_without(state.parted)
         _said(f"{bedrock} bedrock: state at F = 1 and limit without what is open", time.process_time() - began, STATE_S)
+
+
+def timed(plain: Result, order: int = elastic_scene.ORDER) -> tuple[ElasticBlocks, float]:
+    """The elastic blocks of a result with elements of an order, and the CPU seconds that they take."""
+    began = time.process_time()
+    with patch.object(elastic_scene, "ORDER", order):
+        found = elastic.with_elastic(kind_of(plain.design), plain, bracket=False).elastic
+    took = time.process_time() - began
+    assert found is not None
+    assert found.limit is not None
+    return found, took
 
 
 def _said(what: str, took: float, most: float) -> None:

@@ -3,7 +3,8 @@
 import math
 from dataclasses import replace
 
-from benchmarks import block_speed, mutations, rivals, speed_error, speed_pages
+import slopekit as sk
+from benchmarks import block_speed, elastic_speed, mutations, rivals, speed_error, speed_pages
 
 
 def test_the_wedge_names_every_solver_and_its_rows_make_sense(monkeypatch, tmp_path):
@@ -47,6 +48,16 @@ def test_many_blocks_with_and_without_their_range() -> None:
     assert found["basis"] == "limit"
     assert math.isclose(found["factor"], found["exact"], rel_tol=1e-9)
     assert "limit" in block_speed.printed(found)
+
+
+def test_elastic_blocks_are_timed_with_the_order_that_is_asked_for() -> None:
+    """Eight tetrahedra: 35 nodes of order two, ten of order one, three unknowns each; three of each node pair; six."""
+    plain = sk.wedge(("45/115", "45/245"), shear_stiffness=1e5, edge=140)
+    for order, nodes in ((1, 10), (2, 35)):
+        found, took = elastic_speed.timed(plain, order)
+        assert (found.cells, found.order) == (8, order)
+        assert found.unknowns == 3 * nodes + 3 * found.node_pairs + 6
+        assert took > 0.0
 
 
 def test_every_mutation_still_changes_a_line() -> None:

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -16,7 +17,8 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.studies.quake.records import record_of
 from slopekit.studies.quake.regressions import REGRESSIONS, median_m
-from slopekit.studies.quake.six import _in_space, _settled, _velocity_at
+from slopekit.studies.quake.run import _of_six
+from slopekit.studies.quake.six import InSix, _in_space, _settled, _velocity_at
 from slopekit.studies.quake.sliding import slide
 from tests.commands import slopekit
 
@@ -470,6 +472,16 @@ def test_what_hangs_on_node_pairs_is_said(wedge, monkeypatch) -> None:
     assert found.in_six.pairs == 20
     assert found.in_six.change > 0.1
     assert [notice.code for notice in found.warnings] == ["W471"]
+    percent = re.search(r"still moved what slides by ([\d.]+) %", found.warnings[0].message)
+    assert float(percent[1]) == pytest.approx(100.0 * found.in_six.change, rel=0.05)  # two digits
+    assert f"moved what slides by {percent[1]} % at most" in " ".join(str(found).split())
+
+
+@pytest.mark.parametrize(("change", "said"), [(0.009, []), (0.015, ["1.5 %"]), (1.274, ["130 %"]), (None, [])])
+def test_what_changes_by_more_than_a_percent_is_not_settled(change, said) -> None:
+    """As the manual has it: finer node pairs are made until they change no more than that."""
+    notices = _of_six(InSix((), None, 818, change))
+    assert [notice.message.partition(" by ")[2].partition(":")[0] for notice in notices] == said
 
 
 def test_six_degrees_of_freedom(tmp_path) -> None:

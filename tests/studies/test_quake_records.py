@@ -73,6 +73,9 @@ def test_one_motion_in_many_files(tmp_path, text) -> None:
     (_at2().replace("E-0", "x", 1), "E513", "line 5"),
     (_at2(points="NPTS=   200, DT= fast SEC"), "E515", "line 4 says no number of points and no time step"),
     (_at2(points="NPTS=   200"), "E515", "line 4 says"),
+    (_at2(points="NPTS= 200, DT= 0,02 SEC"), "E515", "line 4 says no number of points and no time step"),
+    (_columns("time (s),acceleration (g)") + "END OF FILE\n", "E512", "line 202 has 1 column,"),
+    (_columns("t;a (g)", mark=";") + "\nEnd, of file\n", "E512", "line 203 has 1 column,"),
     (_columns("period (s),Sa (g)"), "E515", "'period (s)' holds no times"),
     (_columns("freq (Hz),acc (g)"), "E515", "'freq (hz)' holds no times"),
     (_columns("time (s),velocity (m/s)"), "E515", "'velocity (m/s)' holds no accelerations"),
@@ -93,6 +96,13 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path, text, code, said) -> None
         read_record(path)
     assert caught.value.faults[0].code == code
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-32", "latin-1"])
+def test_files_in_other_encodings(tmp_path, encoding) -> None:
+    path = tmp_path / "motion.csv"
+    path.write_text(_columns("Zeit (s);Beschleunigung (m/s²)", VALUES * GRAVITY, ";", ","), encoding=encoding)
+    assert read_record(path).pga_g == pytest.approx(np.abs(VALUES).max(), rel=1e-7)
 
 
 def test_the_unit_may_be_given(tmp_path) -> None:

@@ -51,7 +51,7 @@ def draw_motion(figure: Any, document: Mapping[str, Any]) -> None:
                    color=GREY)  # fmt: skip
 
 
-_ROUNDING, _LEAST_DEG = 1e-6, 1e-3  # of the displacement that is none; what the axis of turning shows at least
+_ROUNDING, _LEAST_DEG = 1e-4, 1e-3  # of the displacement that is none; what the axis of turning shows at least
 _AXES = (("east", BLUE), ("north", GREEN), ("up", ORANGE))
 
 

@@ -54,7 +54,7 @@ _OTHER_DT = re.compile(r"\bDT\s*=\s*[\d.eEdD+-]+\s*(ms|msec|millisec\w*|min\w*)\
 _NO_VALUES = ("nan", "inf", "infinity", "na", "null", "none")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?")
 _STEPS = (
-    re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eEdD+-]+)", re.IGNORECASE),
+    re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eEdD+-]+)(?!\d|,\d)", re.IGNORECASE),
     re.compile(r"^\s*(\d+)\s+([\d.eEdD+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
 _NOT_STEPS = re.compile(r"\bNPTS\b", re.IGNORECASE)  # of a line that has to say them
@@ -280,6 +280,8 @@ def _with_coarse_steps_said(record: Record) -> Record:
 
 def _text_of(content: bytes, name: str) -> str:
     if b"\0" in content[:4096]:
+        if content[:4] in (b"\xff\xfe\0\0", b"\0\0\xfe\xff"):
+            return content.decode("utf-32", errors="replace")
         if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
             return content.decode("utf-16", errors="replace")
         raise DesignError([Fault("E513", f"{name} is no text: it holds bytes that no record has", name)])
@@ -362,8 +364,9 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip() and line.strip()[0] not in "#%!*"]
     if not rows:
         raise DesignError([Fault("E516", f"{name} has no samples", name)])
-    mark = next((mark for mark in (";", "\t", ",") if mark in rows[-1][1]), None)
-    commas = mark in (";", "\t") and any("," in line for _, line in rows[-3:])
+    later = [line for _, line in rows[len(rows) // 2 :]]  # samples, but for a line or two below them
+    mark = next((mark for mark in (";", "\t", ",") if 2 * sum(mark in line for line in later) >= len(later)), None)
+    commas = mark in (";", "\t") and any("," in line for line in later)
 
     def cells(line: str) -> list[str]:
         parts = [part.strip().strip('"') for part in (line.split(mark) if mark else line.split())]
@@ -398,7 +401,7 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
         parts = cells(text)
         with faults.kept():
             if len(parts) != width:
-                message = f"line {line} has {len(parts)} columns, the first has {width}"
+                message = f"line {line} has {counted(len(parts), 'column')}, the first has {width}"
                 raise _refused("E512", name, message, line)
             time, value = (_value(parts[k], name, line) for k in at)
             if times and not time > times[-1]:

@@ -27,7 +27,7 @@ from slopekit.kinds import kind_of, notices_of_inputs
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
-from slopekit.studies.quake.six import InSix, Shaking, SixMotion, shaken_in_six, six_block
+from slopekit.studies.quake.six import SETTLED, InSix, Shaking, SixMotion, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import RecordSlide, slide
 from slopekit.studies.quake.yielding import (
     KEY,
@@ -47,7 +47,6 @@ _MOST_DRAWN = 2000  # points of a motion in JSON
 _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
 _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
-_HANGS = 0.02  # of what slides in six degrees of freedom: more hangs on the node pairs
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
 Way = Literal["as recorded", "reversed"]
 
@@ -453,9 +452,9 @@ def _off_section(static: Design) -> list[Notice]:
 def _of_six(six: InSix | None) -> list[Notice]:
     """What did not come to rest, and what hangs on the node pairs."""
     in_six = () if six is None else six.shaken
-    hangs = [] if six is None or (six.change or 0.0) < _HANGS else [
+    hangs = [] if six is None or (six.change or 0.0) <= SETTLED else [
         Notice("W471", f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by "
-               f"{six.change:.2g} of it: where joints open it hangs on them")
+               f"{six.percent} %: where joints open it hangs on them")
     ]  # fmt: skip
     said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
     return hangs + [

@@ -129,7 +129,13 @@ def _records(shaken: Sequence[Shaken]) -> Table[Shaken]:
 
 
 def _cut(name: str, width: int = _NAME) -> str:
-    return name if len(name) < width else f"…{name[-(width - 2) :]}"
+    """A name that leaves a blank before the next column: its beginning and its end.
+
+    >>> _cut("rectangular:0.5g,0.3s", 16), _cut("triangular:0.5g,0.3s", 16)
+    ('rectang…5g,0.3s', 'triangu…5g,0.3s')
+    """
+    kept = (width - 2) // 2
+    return name if len(name) < width else f"{name[:kept]}…{name[-kept:]}"
 
 
 def _percentiles(quake: Quake) -> Table[Any]:
@@ -187,10 +193,9 @@ def _six_notes(quake: Quake) -> list[str]:
     off = abs(work.unbalanced) / max(abs(work.put_in), 1e-300)
     steps, halved = sum(one.steps for one in quake.six), sum(one.halved for one in quake.six)
     assert quake.in_six is not None
-    pairs, change = quake.in_six.pairs, quake.in_six.change
-    settled = "finer ones gave no answer"
-    if change is not None:
-        settled = f"the last refinement moved what slides by {change * 100.0:.2g} % at most"
+    pairs, percent = quake.in_six.pairs, quake.in_six.percent
+    settled = f"the last refinement moved what slides by {percent} % at most"
+    settled = settled if percent else "finer ones gave no answer"
     return [
         f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
         f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"

@@ -7,6 +7,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
@@ -21,7 +22,8 @@ from slopekit.studies.quake.yielding import KEY
 
 _STEP = 0.005  # s: springs of joints follow and do not ring, and the block slides to some 1e-3
 _SAME_VOLUME = 1e-6
-_SETTLED = 0.01  # of what slides, that finer node pairs may still change
+#: Of what slides, that finer node pairs may still change.
+SETTLED = 0.01
 _SLIDES = 1e-3  # m: what slides less does not ask for finer ones
 _MOST_PAIRS = 2000
 #: Polarities by their names.
@@ -101,6 +103,11 @@ class InSix:
     pairs: int
     change: float | None
 
+    @property
+    def percent(self) -> str:
+        """The change in percent, two digits; empty where none was made."""
+        return "" if self.change is None else number(float(f"{100.0 * self.change:.2g}"))
+
 
 def six_block(static: Design, records: int, across: Record | None, vertical: Record | None) -> SixBlock:
     """The block of a design at rest on its springs.
@@ -164,7 +171,7 @@ def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake
         slid = [[_slid(one[way], block) for one in (before, motions)] for way in WAYS]
         change = max(abs(a - b) / max(a, b, _SLIDES) for a, b in slid)
         opens = any(one.opened or one.debonded for one in motions.values())
-        if change < _SETTLED and (level > of.made.refine + 1 or not opens):
+        if change < SETTLED and (level > of.made.refine + 1 or not opens):
             break
     return block, motions, change
 
