@@ -266,7 +266,6 @@ def test_picture(tmp_path) -> None:
         ("wedge --dips 45/115 45/245 >&-", 2, "E129 the output cannot be written: it is closed"),
         ("wedge --dips 45/115 45/245 --quiet 2>&-", 0, ""),
         ("wedge --dips 45/115 2> /dev/full", 2, ""),
-        ("explain --all | true", 0, ""),
     ],
 )
 def test_streams_that_take_nothing(redirected, code, says, tmp_path) -> None:

@@ -2,6 +2,7 @@
 flexibilities, one block, stiff blocks and a bench are what they have to be; work that ends says so."""
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +16,7 @@ from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic_scene import scene_of_many
+from slopekit.result import Result
 
 
 def wall(cohesion: float = 0.0, high: int = 4) -> dict:
@@ -169,11 +171,16 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     assert "elastic blocks none: see NOTE" in " ".join(str(checked).split())
 
 
+@cache
+def bracketed() -> Result:
+    """A wall and where its elastic blocks no longer come to rest."""
+    return sk.run(wall(cohesion=2.0, high=2), elastic_bracket=True)
+
+
 @pytest.mark.parametrize("asked", [{"elastic": True}, {"elastic_bracket": True}])
 def test_a_limit_that_is_not_found_has_two_ends(monkeypatch: pytest.MonkeyPatch, asked: dict) -> None:
     """Elastic blocks rest at the first, near where they end; the second is no less than that end."""
-    given = wall(cohesion=2.0, high=2)
-    whole = sk.run(given, elastic_bracket=True)
+    given, whole = wall(cohesion=2.0, high=2), bracketed()
     scenes = []
 
     def without_limit(*asked):

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import slopekit as sk
 from benchmarks import populations
 from slopekit.design.files import with_values
 from slopekit.design.templates import path_of
+from slopekit.evidence import FactorsOfSafety
 from slopekit.preie import blocks, bonds, ravelling
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
@@ -470,6 +472,12 @@ def test_finer_node_pairs_go_on_and_unsettled_ones_change_nothing() -> None:
     assert 0.95 * rests < found.fos.limit < rests
 
 
+@cache
+def as_it_is(number: int) -> FactorsOfSafety:
+    """Factors of a random bench before a test changes its limits."""
+    return sk.run(populations.bench(number)).fos
+
+
 def refining(monkeypatch, change):
     """Component limits that a function changes: it gets the limit, and whether its node pairs are finer."""
     whole = ravelling.component_limit
@@ -484,7 +492,7 @@ def refining(monkeypatch, change):
 def test_the_lowest_factor_is_no_more_than_on_finer_pairs_without_a_range_as_well(monkeypatch) -> None:
     """Where nobody looked at other forces; random bench 619 had 0.5009 for 0.4658. Both reasons stand on the sheet."""
     design = populations.bench(115) | {"acceptance": {"rules": ["fos >= 0.55"]}}
-    before = sk.run(sk.load(design)).fos
+    before = as_it_is(115)
     refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=0.9 * limit.factor)
              if finer and limit.factor else replace(limit, sooner=0.95 * before.limit))  # fmt: skip
     monkeypatch.setattr(blocks, "_span", lambda *_: None)
@@ -499,7 +507,7 @@ def test_the_lowest_factor_is_no_more_than_on_finer_pairs_without_a_range_as_wel
 def test_the_number_is_that_of_coarser_pairs_where_nothing_settles_on_finer(monkeypatch, times, code) -> None:
     """The lowest factor is where the blocks were last at rest on the finer, and the sheet says of what it is."""
     design = populations.bench(115) | {"acceptance": {"rules": ["fos >= 0.55", "fos.lowest >= 0.55"]}}
-    before = sk.run(sk.load(design)).fos
+    before = as_it_is(115)
     refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=times * limit.factor)
              if finer and limit.factor else limit)  # fmt: skip
     found = sk.run(sk.load(design))

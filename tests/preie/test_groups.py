@@ -16,9 +16,9 @@ from tests.preie.block_scenes import boxes_in_space, first_part
 EXACT = math.tan(math.radians(35.0)) / math.tan(math.radians(45.0))
 
 
-def key_part():
-    """The part of 41 moving blocks of a bench of 149; its key block slides down a plane of 45 degrees."""
-    return first_part(bench(1.9), ranged=True)
+def key_part(scale: float = 1.9):
+    """The part of 41 moving blocks of a bench of 149 (27 at 2.1); its key block slides down a plane of 45 degrees."""
+    return first_part(bench(scale), ranged=True)
 
 
 def test_the_limit_of_a_group_that_all_blocks_vouch_for() -> None:
@@ -110,7 +110,7 @@ def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> N
     monkeypatch.setattr(ravelling, "Groups", Watched)
     monkeypatch.setattr(groups, "first_limit", lower)
     monkeypatch.setattr(groups, "at_their_limit", judged)
-    limit = key_part().limit
+    limit = key_part(2.1).limit
     assert seen == [False]
     assert (limit.group, limit.factor) == (0, pytest.approx(EXACT, rel=1e-3))
     assert [one.found for one in made] == [None]  # what was refused has no range to give

@@ -11,6 +11,7 @@ import pytest
 import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
+from slopekit.preie import ravelling
 from slopekit.preie import traced as traced_room
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
@@ -241,8 +242,12 @@ def test_of_many_blocks_no_other_rounding_is_tried_where_the_least_gets_nowhere(
     assert len(begun) == tried
 
 
-def test_a_path_that_is_thrown_far_off_is_none() -> None:
-    """Bench 619: Newton's method went to slips of 1e270, where strength does no work, and there divided by zero."""
+def test_a_path_that_is_thrown_far_off_is_none(monkeypatch) -> None:
+    """Bench 619: Newton's method went to slips of 1e270, where strength does no work, and there divided by zero.
+
+    That was on contacts split twice; splitting them once more says nothing of it.
+    """
+    monkeypatch.setattr(ravelling, "_MOST_SPLIT", 2)
     design = populations.bench(619, 40)
     design["strength"]["joint"]["c"] = 0.0
     found = sk.run(design)

@@ -97,34 +97,26 @@ LEANING_ROW = {
 #: Limit of the elastic path, the ends of the range of its mechanism and the static bound, of METHOD-3.md §13. (The
 #: lower end of the bonded columns, 0.009 there, is left out: here it has none, forces may jam them without end.)
 KNOWN = {
-    "two blocks": (TWO_BLOCKS, 0.5, (0.529555, 0.52049, 0.52955, 0.52956)),
-    "rough columns": (ROUGH_COLUMNS, 0.5, (0.818, 0.669, 0.971, 1.000)),
-    "bonded columns": (BONDED_COLUMNS, 0.5, (0.172230, None, 0.4226, 0.468)),
-    "a bonded row": (BONDED_ROW, 0.5, (1.535061, 1.5032, 1.5351, 1.53506)),
-    "shards": (SHARDS, 4.0, (3.749624, 3.7050, 3.7496, 3.74962)),
-    "Goodman & Bray": (GOODMAN_BRAY, 2.0, (0.999956835, 0.799, 1.111, 1.19089)),
-    "a bench of 46 blocks": (BENCH, 2.0, (2.498175, 2.491, 2.509, 2.634)),
+    "two blocks": (TWO_BLOCKS, (0.529555, 0.52049, 0.52955, 0.52956)),
+    "rough columns": (ROUGH_COLUMNS, (0.818, 0.669, 0.971, 1.000)),
+    "bonded columns": (BONDED_COLUMNS, (0.172230, None, 0.4226, 0.468)),
+    "a bonded row": (BONDED_ROW, (1.535061, 1.5032, 1.5351, 1.53506)),
+    "shards": (SHARDS, (3.749624, 3.7050, 3.7496, 3.74962)),
+    "Goodman & Bray": (GOODMAN_BRAY, (0.999956835, 0.799, 1.111, 1.19089)),
+    "a bench of 46 blocks": (BENCH, (2.498175, 2.491, 2.509, 2.634)),
 }
 
 
-@pytest.mark.parametrize("name", [name for name in KNOWN if "bench" not in name])  # benches: tests/preie/test_path.py
-def test_strength_divided_by_a_factor_divides_the_limit_by_it(name) -> None:
-    design, factor, _ = KNOWN[name]
-    one, other = changes.run(design), changes.run(changes.reduced(design, factor))
-    assert one.model.residual == other.model.residual == 0.0
-    assert other.fos.limit is not None
-    assert factor * other.fos.limit == pytest.approx(one.fos.limit, rel=EXACTLY)
-    assert other.status == one.status
-
-
-@pytest.mark.parametrize(("design", "_", "published"), KNOWN.values(), ids=KNOWN)
-def test_limit_range_and_bound_are_those_of_the_method(design, _, published) -> None:
-    """To one of the last digit printed there.
+@pytest.mark.parametrize(("design", "published"), KNOWN.values(), ids=KNOWN)
+def test_limit_range_and_bound_are_those_of_the_method(design, published) -> None:
+    """To one of the last digit printed there. With their strength divided: tests/preie/test_path.py, same designs.
 
     In the bench to 1.5e-3: the node pairs of polygons of five and more corners were others there (a fan from the
     first corner, not from the centroid), and the ends of the range hang on where a contact can be pressed.
     """
-    fos = changes.run(design).fos
+    found = changes.run(design)
+    fos = found.fos
+    assert found.model.residual == 0.0 or design is BENCH
     for value, wanted in zip((fos.limit, fos.lowest, fos.highest, fos.static_bound), published, strict=True):
         if wanted is not None:
             digits = len(str(wanted).partition(".")[2])

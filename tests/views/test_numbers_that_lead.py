@@ -2,11 +2,12 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
 import slopekit as sk
-from benchmarks.populations import section
+from benchmarks.populations import bench, section
 from slopekit.core.errors import HARMLESS
 from slopekit.core.explanations import explanation, explanations
 from slopekit.core.sheet import factor_text
@@ -118,9 +119,17 @@ def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:
 
 
 def assemblies() -> list:
+    """Designs, and how many mechanisms: the fourth of the template's bench takes longer than all others together.
+
+    Bench 5 names ranges, 8 what follows at once and then another, 24 what no strength holds. Section 15 is left out: it
+    has two plain rows, as many others, and its limit takes as long as those of the other 59.
+    """
     own = [name for name in names() if isinstance(sk.load(path_of(name)), AssemblyDesign)]
-    sections = [pytest.param(section(number), id=f"section {number}") for number in range(60)]
-    return [*(pytest.param(path_of(name), id=name) for name in own), *sections]
+    return [
+        *(pytest.param(path_of(name), 3 if name == "bench" else 6, id=name) for name in own),
+        *(pytest.param(partial(bench, number), 6, id=f"bench {number}") for number in (5, 8, 24)),
+        *(pytest.param(section(number), 6, id=f"section {number}") for number in range(60) if number != 15),
+    ]
 
 
 def listed(text: str) -> set[str]:
@@ -146,10 +155,10 @@ def told_in_sheet(text: str) -> dict[str, str]:
     return dict(part.split(" ", 1) for part in parts if re.match(r"\d", part))
 
 
-@pytest.mark.parametrize("source", assemblies())
-def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(source) -> None:
+@pytest.mark.parametrize(("source", "count"), assemblies())
+def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(source, count) -> None:
     """BY BLOCK, the page's table: every block at its own mechanism's factor, or named as one that follows at once."""
-    result = sk.run(source, set={"analysis.mechanisms": 6})
+    result = sk.run(source() if callable(source) else source, set={"analysis.mechanisms": count})
     page = {row[0]: row[2] for row in blocks_of(result)}
     own = {
         block.name: factor_text(one.fos).strip()
