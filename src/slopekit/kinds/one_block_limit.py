@@ -13,7 +13,7 @@ from slopekit.kinds.moments import CohesionRules, checked_by_path, limit_by_rule
 from slopekit.kinds.one_block_states import ContactModel
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import Model
-from slopekit.preie.passes import MOST_PASSES, Outcome
+from slopekit.preie.passes import STEERED, Outcome
 from slopekit.preie.tolerances import MESH_CHANGE
 
 A = TypeVar("A")
@@ -79,7 +79,7 @@ def find_limit(
         with clock("solve"):
             last, by_rules = by_rules, limit_by_rules(scene, analysis, analyse, by_rules)
         settled = by_rules is last or (by_rules.change is not None and by_rules.change < MESH_CHANGE)
-        settled = settled or (by_rules.without_bond is not None and by_rules.without_bond.passes >= MOST_PASSES)
+        settled = settled or (by_rules.without_bond is not None and by_rules.without_bond.passes > STEERED)
         refined += 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
     with clock("solve"):
@@ -145,7 +145,7 @@ def _refined(
             break  # the coarser answer stands, and `change` says what the finer one made of it
         scene, analysis, refined = finer, again, refined + 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
-        if done or after.passes >= MOST_PASSES:
+        if done or after.passes > STEERED:
             break
     return FoundLimit(scene, bounded, analysis, refined, change)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.limit_state import LimitState, settled_limit_state
 from slopekit.preie.model import Model
@@ -21,7 +21,8 @@ from slopekit.strength.mohr_coulomb import line
 if TYPE_CHECKING:  # most limits need no passes
     from slopekit.preie.mechanism import LeastWorkMechanism
 
-MOST_PASSES = 300  # damped ones beyond them settled none of the three in 604 that had not by then
+STEERED = 300  # passes by Aitken's rule; as many damped ones follow where those do not settle: on curved surfaces
+_DAMPED_STEP = 0.1  # part of the way to the new friction that a damped pass takes
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
 _AITKEN_PASSES = 30  # steered by his rule, before longer and shorter steps feel the way
@@ -89,7 +90,7 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
     last: Floats | None = None
     factor, change, calm, quiet = math.inf, math.inf, 0, 0
     recent: list[float] = []
-    for count in range(1, MOST_PASSES + 1):
+    for count in range(1, 2 * STEERED + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
         if total < NO_STRENGTH * NO_STRENGTH:
             return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
@@ -139,17 +140,17 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
                 last, calm, quiet, weight = None, 0, 0, 1.0
                 continue
         if last is not None:
-            weight = _next_weight(weight, last, excess, calm)
+            weight = _next_weight(weight, last, excess, calm) if count < STEERED else _DAMPED_STEP
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     lowest, highest = min(recent), max(recent)
     if lowest > NO_STRENGTH and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
-            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, MOST_PASSES, 1.0 - lowest / highest,
+            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, count, 1.0 - lowest / highest,
             *_carried(mechanism),
         )  # fmt: skip
-    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, MOST_PASSES, change)
+    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, count, change)
 
 
 def _next_weight(weight: float, last: Floats, excess: Floats, calm: int) -> float:
@@ -179,10 +180,15 @@ def release(
     model: Model, velocity: Floats, tan_dilation: Floats, bond: Floats, releases: Floats
 ) -> tuple[Floats, Floats]:
     """Bonds after a pass: gone where the mechanism opens a pair beyond its dilation, back where it is closed again."""
-    motion, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    opened = motion - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(motion.max()))
-    renewed = np.where(opened | (releases >= MOST_RELEASES), 0.0, 1.0)
+    renewed = np.where(opens(model, velocity, tan_dilation) | (releases >= MOST_RELEASES), 0.0, 1.0)
     return renewed, releases + ((bond > 0.0) & (renewed == 0.0))
+
+
+def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
+    """Which pairs a motion opens beyond their dilation, (n,)."""
+    opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
+    beyond: Bools = opening - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(opening.max()))
+    return beyond
 
 
 def unit(vector: Floats) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.geometry.patches import Patches
-from slopekit.preie.tolerances import PARALLELOGRAM
+from slopekit.preie.tolerances import PARALLEL
 
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
@@ -52,7 +52,7 @@ def polygon_pairs(patches: Patches, kept: Ints, refine: Ints) -> tuple[Floats, I
         corners = patches.corners[patches.first[kept[which]][:, None] + np.arange(count)]  # (p, count, 3)
         size = np.abs(corners - corners[:, :1]).max(axis=(1, 2))
         skew = np.abs(corners[:, 0] + corners[:, 2] - corners[:, 1] - corners[:, -1]).max(axis=1)
-        even = (skew < PARALLELOGRAM * size) & (count == 4) & (level == 0)
+        even = (skew < PARALLEL * size) & (count == 4) & (level == 0)
         for chosen, shape, is_even in ((which[even], corners[even], True), (which[~even], corners[~even], False)):
             if len(chosen) == 0:
                 continue

@@ -303,6 +303,8 @@ class BedSprings:
                 if clipped is None:
                     continue
                 at, area = self._points(flat, clipped)
+                if not area.any():  # a corner that hardly opens
+                    continue
                 phi = _powers(at)[:, :3]
                 normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
                 across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
