@@ -303,8 +303,7 @@ class BedSprings:
                 if clipped is None:
                     continue
                 at, area = self._points(flat, clipped)
-                if not area.any():  # a corner that hardly opens
-                    continue
+                at, area = at[area > 0.0], area[area > 0.0]  # a corner that hardly opens has triangles of no area
                 phi = _powers(at)[:, :3]
                 normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
                 across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
