@@ -133,15 +133,12 @@ RESIDUAL = 1e-9
 #: How far its forces may be outside their bounds, in parts of the load.
 ADMISSIBLE = 1e-7
 
-#: Of one block at one factor, and of forces that prove a bound, in parts of the load; Newton's method aims at a
-#: thousandth of it.
+#: Of one block at one factor, in a step of shaking, and of forces that prove a bound, in parts of the load; Newton's
+#: method at one factor aims at a thousandth of it.
 EQUILIBRIUM = 1e-9
 
 #: Of one block on its elastic bed, in parts of the load: derivatives of λ are taken along its path.
 BED_BALANCED = 1e-11
-
-#: Of a bound of many blocks, in parts of the load of the block it acts on: such a bound is known to that.
-BOUND_BALANCED = 1e-4
 
 #: Load that a program sheds, in parts of it: more says that no forces balance the load ...
 LIFTED_SHED = 1e-3
@@ -246,7 +243,8 @@ SAME_RANK = 1e-6
 #: An exact state farther than this from where the path settled is another one.
 POLISHED = 1e-5
 
-#: To this static bounds of many blocks are known: a factor above one by more is none.
+#: To this static bounds of many blocks are known, and balance in parts of the load of each block: a factor above one by
+#: more is none.
 BOUND_ACCURACY = 1e-4
 
 #: Where all blocks rest this near to the factor of a group, the last state at rest is an answer.
