@@ -186,7 +186,8 @@ def release(
 
 def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
     """Which pairs a motion opens beyond their dilation, (n,)."""
-    opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
+    motion = model.relative(velocity)
+    opening, slip = motion[:, 0], np.sqrt((motion[:, 1:] * motion[:, 1:]).sum(axis=1))
     beyond: Bools = opening - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(opening.max()))
     return beyond
 
