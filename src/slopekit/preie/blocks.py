@@ -234,8 +234,8 @@ def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -
         span = proposal.span(limit.velocity)
     elif model.unknowns == 3 or len(model.load) <= _RANGED:
         model, unit = _in_unit_strength(model)
-        factor = limit.factor / unit / times
-        span, times = mechanism_range(model, limit.velocity.ravel(), factor, limit.bond), times * unit
+        factor, forces = limit.factor / unit / times, (limit.normal_force, limit.friction)
+        span, times = mechanism_range(model, limit.velocity.ravel(), factor, limit.bond, forces), times * unit
     return None if span is None else (_times(span[0], times), _times(span[1], times))
 
 

@@ -27,8 +27,10 @@ from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
+    CARRIES,
     CLOSE,
     EQUILIBRIUM,
+    HARDLY_MOVES,
     LEAST_REDUCTION,
     LIFTED_BALANCED,
     LIFTED_SHED,
@@ -43,6 +45,7 @@ from slopekit.strength.mohr_coulomb import line
 _STEPS, _STEPS_OF_MANY = 150, 80  # of the interior-point method; it settles in 60 if it does
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
+_CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
 _HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
 
@@ -136,20 +139,20 @@ def _falls_off(model: AssemblyModel) -> bool:
 
 
 def mechanism_range(
-    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats
+    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats, forces: tuple[Floats, Floats]
 ) -> tuple[float | None, float | None] | None:
     """The lowest and highest factor of a mechanism under any admissible forces; None where it has none itself.
 
     Parameters
     ----------
-    velocity : (N,); bond : (m,) 0 where a pair has lost its cohesion
+    velocity : (N,); bond : (m,) 0 where a pair has lost its cohesion; forces : normal (m,) and friction (g, t) there
 
     Returns
     -------
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
     """
     say("range of the mechanism")
-    away = Distance(model, velocity, bond)
+    away = Distance(model, _cleaned(model, velocity, forces, factor), bond)
     if away.at(1.0 / factor).distance > 1e3 * REACHES:
         return None
     ends = []
@@ -183,3 +186,27 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
         else:
             inside = trial
     return inside
+
+
+def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Floats], factor: float) -> Floats:
+    """The motion (N,) made exact: what is pressed does not open, and what carries less than its strength sticks.
+
+    Parameters
+    ----------
+    forces : normal (m,) and friction (g, t) of the limit state
+    """
+    if model.tan_dilation.any() or model.load.size > _CLEANED:
+        return velocity
+    normal, friction = forces
+    pressed = normal > CARRIES * float(normal.max(initial=0.0))
+    opening, slip = model.opening_and_slip(velocity)
+    size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, friction))
+    hardly = HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
+    strength = line(model.by_group(model.cohesion), model.tan_friction, model.by_group(normal)) / factor
+    sticks = (carried < (1.0 - HARDLY_MOVES) * strength) & (size < hardly)
+    sticks &= ~model.bolted | (carried > HARDLY_MOVES * strength)  # a slack bolt may get shorter
+    still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])
+    rows = model.kinematics[np.flatnonzero(still)].toarray()
+    change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)
+    cleaned: Floats = velocity - change
+    return cleaned

@@ -76,7 +76,7 @@ class Groups:
         assert limit.parameter is not None
         if not np.array_equal(self._of_all(model, limit).motion, motion.ravel()):
             return None
-        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond)
+        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond, (limit.normal, limit.friction))
 
     def _first(self) -> Ints:
         """The group to begin with."""

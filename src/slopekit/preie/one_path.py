@@ -81,10 +81,13 @@ def path_limit(model: Model, guess: float | None) -> Limit | None:
 
 def range_of(model: Model, limit: Limit) -> tuple[float | None, float | None]:
     """The lowest and highest factor of a limit's mechanism, whatever forces are locked in; none where not found."""
-    if not limit.factor or len(model.control_area) > _RANGED:
+    if not limit.factor or limit.friction is None or limit.pulls is None or len(model.control_area) > _RANGED:
         return None, None
-    bond = np.append(limit.bond, np.ones(len(model.bolt_capacity)))
-    span = mechanism_range(one_block(model), limit.velocity_of(model), limit.factor, bond)
+    friction = np.zeros((len(limit.friction) + len(limit.pulls), 2))
+    friction[: len(limit.friction)], friction[len(limit.friction) :, 0] = limit.friction, limit.pulls
+    bolts = np.ones(len(limit.pulls))
+    normal, bond = np.append(limit.normal_force, 0.0 * bolts), np.append(limit.bond, bolts)
+    span = mechanism_range(one_block(model), limit.velocity_of(model), limit.factor, bond, (normal, friction))
     if span is None:
         return None, None
     lowest, highest = span

@@ -76,6 +76,13 @@ MOVES = 1e-3
 #: The same while blocks still flow: the slow ones have not come to their motion yet.
 FLOWS = 0.05
 
+#: Opening or slip, in parts of the largest, and missing strength, in parts of it, that are none where the motion of a
+#: program is cleaned onto its exact kinematics.
+HARDLY_MOVES = 1e-3
+
+#: Normal force, in parts of the largest, that a pressed pair has there.
+CARRIES = 1e-6
+
 #: Strength along a motion, in parts of it, that blocks may not need just before its limit.
 MOBILISED = 5e-2
 
