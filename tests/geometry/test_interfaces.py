@@ -11,7 +11,7 @@ from slopekit.geometry import cutting, interfaces
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import J1, J2, UPPER, RockMass, wedge_rock_mass
-from slopekit.preie.patch_pairs import _fan
+from slopekit.preie.patch_pairs import fan_rule
 from slopekit.studies.prob.sources import _series
 from slopekit.views.stereonet import cells
 
@@ -174,5 +174,5 @@ def test_wedges_that_are_nearly_equal_are_never_taken_for_each_other(change) -> 
 
 def test_no_array_that_is_remembered_can_be_written() -> None:
     """Several designs, studies and threads hold the same one."""
-    for array in (*_fan(4, 1), _series(100), *cells("area")):
+    for array in (*fan_rule(4, 1), _series(100), *cells("area")):
         assert not array.flags.writeable

@@ -14,10 +14,11 @@ from slopekit.kinds import analyse, cut
 from slopekit.kinds.moments import _bond_gone
 from slopekit.kinds.one_block_limit import find_limit
 from slopekit.kinds.wedge.design import wedge_design
+from slopekit.preie.assembly import one_block
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import Model
-from slopekit.preie.one_path import by_path, on_flat_contacts, path_limit, range_of
+from slopekit.preie.one_path import by_path, path_limit, range_of
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
 from tests.preie import path_oracle
@@ -40,7 +41,7 @@ def without_cohesion(seed: int, numbers: set[int]) -> list:
 
 
 def history(model: Model, start: float) -> path_oracle.History:
-    return path_oracle.history(on_flat_contacts(model), start)
+    return path_oracle.history(one_block(model), start)
 
 
 #: Wedges of seed 5: the passes come to another limit state than an elastic block (30, 70; 47: to no strength at all).
@@ -156,7 +157,7 @@ def test_bolts_and_joints_are_the_rows_of_the_model() -> None:
     while "bolts" not in (wedge := random_wedge(rng)) or wedge["bolts"][0]["acts"] != "passive":
         pass
     model = cut(wedge_design(wedge)).scene_at(0).model
-    whole = on_flat_contacts(model)
+    whole = one_block(model)
     motion = frozen(rng.normal(size=6))
     contacts = whole.plus_motion @ motion
     at = contacts[whole.pair_contact]

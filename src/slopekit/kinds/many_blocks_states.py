@@ -13,7 +13,7 @@ from slopekit.evidence import AtFactorOne, Movement
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene
-from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
+from slopekit.kinds.one_block_states import CLOSED, SLIPS
 from slopekit.kinds.sizes import Crest, extents_of, on_plane
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads, line_of_action
@@ -23,6 +23,7 @@ from slopekit.preie.effort import MOST, EffortSpentError, allowed
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part
 from slopekit.preie.settlement import settlement
+from slopekit.preie.tolerances import OPENS_IN_PASSES
 from slopekit.strength.mohr_coulomb import line
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
@@ -37,7 +38,7 @@ def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
     opening, slip = model.opening_and_slip(limit.velocity)
     size = np.sqrt((slip * slip).sum(axis=1))
     fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
-    opened = opening - (model.tan_dilation * size)[model.group_of_pair] > TURNS * fastest
+    opened = opening - (model.tan_dilation * size)[model.group_of_pair] > OPENS_IN_PASSES * fastest
     opened |= limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
     slips = (size > SLIPS * fastest)[model.group_of_pair] & ~opened
     return opened, slips, size

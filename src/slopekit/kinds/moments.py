@@ -23,7 +23,7 @@ from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import ContactModel, opening_pairs
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
-from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.passes import STEERED, Limit, Outcome
 from slopekit.preie.tolerances import MOMENTS
 
 if TYPE_CHECKING:  # only what moments open with cohesion pays for the cracked base
@@ -187,13 +187,13 @@ def limit_by_rules(
 
 
 def with_finer_motion(
-    by_rules: CohesionLimit, scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], most_passes: int
+    by_rules: CohesionLimit, scene: ContactModel, analyse: Callable[[Model], LimitAnalysis]
 ) -> CohesionLimit:
-    """The same with the factor by mechanism on the pairs of the last refinement, where its passes are not too many."""
-    if by_rules.motion.passes > most_passes or len(by_rules.motion.bond) == len(scene.pairs):
+    """The same with the factor by mechanism on the pairs of the last refinement, where its passes settle."""
+    if by_rules.motion.passes > STEERED or len(by_rules.motion.bond) == len(scene.pairs):
         return by_rules
     again = analyse(scene.model).governing
-    if not again.factor or again.passes > most_passes:
+    if not again.factor or again.passes > STEERED:
         return by_rules
     return replace(by_rules, rules=replace(by_rules.rules, by_mechanism=again.factor))
 

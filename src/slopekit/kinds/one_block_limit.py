@@ -13,13 +13,12 @@ from slopekit.kinds.moments import CohesionRules, checked_by_path, limit_by_rule
 from slopekit.kinds.one_block_states import ContactModel
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import Model
-from slopekit.preie.passes import Outcome
+from slopekit.preie.passes import STEERED, Outcome
 from slopekit.preie.tolerances import MESH_CHANGE
 
 A = TypeVar("A")
 Ts = TypeVarTuple("Ts")
 MOST_REFINED = 4
-_MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
 _JUMPS = 0.05  # of the limit: finer pairs that move it by more may have come to another limit state
 _SINKS = 3.0  # times what one refinement did: all that the next ones together may do, and more
@@ -80,11 +79,11 @@ def find_limit(
         with clock("solve"):
             last, by_rules = by_rules, limit_by_rules(scene, analysis, analyse, by_rules)
         settled = by_rules is last or (by_rules.change is not None and by_rules.change < MESH_CHANGE)
-        settled = settled or (by_rules.without_bond is not None and by_rules.without_bond.passes > _MOST_PASSES)
+        settled = settled or (by_rules.without_bond is not None and by_rules.without_bond.passes > STEERED)
         refined += 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
     with clock("solve"):
-        by_rules = with_finer_motion(by_rules, scene, analyse, _MOST_PASSES)
+        by_rules = with_finer_motion(by_rules, scene, analyse)
     return FoundLimit(by_rules.scene, bounded, by_rules.analysis, refined, by_rules.change, by_rules.rules)
 
 
@@ -146,7 +145,7 @@ def _refined(
             break  # the coarser answer stands, and `change` says what the finer one made of it
         scene, analysis, refined = finer, again, refined + 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
-        if done or after.passes > _MOST_PASSES:
+        if done or after.passes > STEERED:
             break
     return FoundLimit(scene, bounded, analysis, refined, change)
 

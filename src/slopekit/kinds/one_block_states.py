@@ -18,9 +18,8 @@ from slopekit.loads import Loads
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.model import Model, local_axes
-from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.passes import Limit, Outcome, opens
 
-TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 CLOSED = 1e-9  # normal force below this part of the largest is none
 SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
 
@@ -55,13 +54,9 @@ class ContactModel:
 
 def opening_pairs(limit: Limit, model: Model, velocity: Floats, by_motion: bool = False) -> Bools:
     """Which node pairs the mechanism opens beyond what dilation opens, or has opened: (n,); `by_motion` the first."""
-    opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    if model.dilates and limit.factor:
-        opening = opening - np.minimum(model.tan_dilation, model.tan_friction / limit.factor) * slip
-    opens: Bools = opening > TURNS * max(float(slip.max()), float(opening.max()))
-    if not by_motion:
-        opens |= limit.bond == 0.0
-    return opens
+    reduced = model.tan_friction / limit.factor if limit.factor else np.zeros_like(model.tan_friction)
+    beyond = opens(model, velocity, np.minimum(model.tan_dilation, reduced))
+    return beyond if by_motion else beyond | (limit.bond == 0.0)
 
 
 def pair_state(

@@ -25,7 +25,7 @@ from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.model import JointStrength, Model, local_axes
 from slopekit.preie.patch_pairs import polygon_pairs, segment_pairs
-from slopekit.preie.tolerances import LIGHTEST_MEASURED
+from slopekit.preie.tolerances import LIGHTEST_MEASURED, TINY
 
 if TYPE_CHECKING:
     from slopekit.preie.strength_lines import StrengthLines
@@ -276,24 +276,39 @@ def build_assembly(
 
 
 def one_block(model: Model) -> AssemblyModel:
-    """The model of one block as an assembly: every node pair of its own friction, on one contact with bedrock."""
+    """The model of one block as an assembly: every node pair of its own friction, each interface one contact.
+
+    A contact has the motion at its first node pair in the axes of that: openings of a flat one are read off three
+    numbers of it. In a section it has that of the block.
+    """
     pairs, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
     normal_rows, slip_rows = np.zeros((pairs + bolts, unknowns)), np.zeros((pairs + bolts, 2, unknowns))
     normal_rows[:pairs], slip_rows[:pairs] = model.normal_rows, model.rows[:, 1:]
     slip_rows[pairs:, 0] = model.bolt_rows
-    contact = np.concatenate([np.zeros(pairs, dtype=np.int64), 1 + np.arange(bolts)])
     kinematics = sparse.csr_matrix(np.concatenate([normal_rows, slip_rows.reshape(-1, unknowns)]))
-    none, motion = np.zeros(bolts), np.tile(np.eye(unknowns), (1 + bolts, 1, 1))
+    _, first, of_pair = np.unique(model.interface, return_index=True, return_inverse=True)
+    order = np.argsort(first)  # contacts in the order of their pairs
+    contact = np.append(np.argsort(order)[of_pair.ravel()], len(first) + np.arange(bolts))
+    count, none = len(first) + bolts, np.zeros(bolts)
+    motion = np.tile(np.eye(unknowns), (count, 1, 1))
+    if unknowns == 6:
+        motion[: len(first), :3] = model.rows[first[order]]
+        motion[: len(first), 3:, 3:] = model.rows[first[order], :, :3]
+        for k, row in enumerate(model.bolt_rows, len(first)):  # it gets shorter as its row says: the first slip
+            motion[k, [0, 2], :3], motion[k, 1] = local_axes(row[None, :3])[0, 1:], row
+    back = np.linalg.inv(motion)[contact]
+    share = model.bolt_capacity / max(float(model.bolt_capacity.sum()), TINY)
     return AssemblyModel(
-        plus=np.zeros(1 + bolts, dtype=np.int64), minus=np.full(1 + bolts, BEDROCK), plus_motion=motion,
-        minus_motion=np.zeros_like(motion), pair_contact=contact, normal_rows=normal_rows, group_contact=contact,
-        slip_rows=slip_rows, group_first=np.arange(pairs + bolts),
-        control_area=np.append(model.control_area, none + 1.0),
-        cohesion=np.append(model.cohesion, model.bolt_capacity), tan_friction=np.append(model.tan_friction, none),
-        tan_dilation=np.append(model.tan_dilation, none), patch=np.zeros(1, dtype=np.int64),
-        points=np.zeros((pairs + bolts, 3)), moving=np.zeros(1, dtype=np.int64), load=model.load[None, :],
-        live=np.zeros((1, unknowns)), length_scale=model.length_scale, force_scale=model.force_scale,
-        area_scale=model.area_scale, kinematics=kinematics, statics=kinematics.T.tocsr(), bolts=np.arange(bolts),
+        plus=np.zeros(count, dtype=np.int64), minus=np.full(count, BEDROCK), plus_motion=motion,
+        minus_motion=np.zeros_like(motion), pair_contact=contact,
+        normal_rows=np.einsum("mu,muv->mv", normal_rows, back), group_contact=contact,
+        slip_rows=np.einsum("mtu,muv->mtv", slip_rows, back), group_first=np.arange(pairs + bolts),
+        control_area=np.append(model.control_area, share), cohesion=np.append(model.cohesion, model.bolt_capacity),
+        tan_friction=np.append(model.tan_friction, none), tan_dilation=np.append(model.tan_dilation, none),
+        patch=np.arange(len(first)), points=np.zeros((pairs + bolts, 3)), moving=np.zeros(1, dtype=np.int64),
+        load=model.load[None, :], live=np.zeros((1, unknowns)), length_scale=model.length_scale,
+        force_scale=model.force_scale, area_scale=model.area_scale, kinematics=kinematics,
+        statics=kinematics.T.tocsr(), bolts=np.arange(bolts),
     )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
-from slopekit.preie.tolerances import BOUND_BEYOND, BOUND_LACKS, BOUND_PROVED, NO_OPENING
+from slopekit.preie.tolerances import BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL
 
 _MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
@@ -57,42 +57,44 @@ def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bo
         from slopekit.preie.strength_lines import outer  # only curved laws pay for it
 
         return _by_programs(outer(model), velocity, limit)
-    if not of_its_motion:
-        return _by_programs(model, velocity, limit)
+    translating = _translating_bound(model, velocity, limit) if of_its_motion else None
+    return _by_programs(model, velocity, limit) if translating is None else translating
+
+
+def _translating_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
+    """Of a block that does not turn, proposed without a program and proved by forces that balance, with their moments.
+
+    Without friction, where nothing opens, the limit's mechanism is the bound's. On one plane its normal force is given,
+    and the bound is the limit: with v_n = λ tan φ |v_t| the load works N λ tan φ |v_t| less, which is what friction
+    would have taken. Two joints of a wedge open along their friction cones.
+    """
+    most, reduction, steps = model.translations, 1.0 / limit, 0
     if not model.tan_friction.any():
         slip = float(model.slip(velocity).max())
-        if float(np.abs(model.normal_rows @ velocity).max()) <= NO_OPENING * slip:
-            # no friction, and nothing opens: the limit's mechanism is the bound's, and its forces balance
+        if float(np.abs(model.normal_rows @ velocity).max()) <= PARALLEL * slip:
             return StaticBound(limit, False, False, velocity, np.zeros(len(model.control_area)), 0)
-    if not len(model.bolt_capacity):
-        flat = _one_plane_bound(model, velocity, limit)
-        if flat is not None:
-            return flat
-        translating = _two_joint_bound(model, velocity, limit)
-        if translating is not None:
-            return translating
-    return _by_programs(model, velocity, limit)
-
-
-def _one_plane_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
-    """A block that slides on one plane without turning: its normal force is given, and the bound is the limit.
-
-    Dilation does not help there: with v_n = λ tan φ |v_t| the load works N λ tan φ |v_t| less, which is what friction
-    would have taken. The forces are proved to balance, with their moments.
-    """
-    most = model.translations
-    normals = model.normal_rows[:, :most]
     turning = float(np.abs(velocity[most:]).max(initial=0.0))
-    if np.abs(normals - normals[0]).max() > 1e-12 or turning > 1e-9 or len(np.unique(model.interface)) > 1:
+    size = math.sqrt(float(velocity[:most] @ velocity[:most]))
+    if len(model.bolt_capacity) or size == 0.0:
         return None
-    normal_force = _balancing(model, velocity[:most], 1.0 / limit)
+    v, normals = velocity[:most] / size, model.normal_rows[:, :most]
+    flat = np.abs(normals - normals[0]).max() <= 1e-12 and len(np.unique(model.interface)) == 1
+    if not flat or turning > PARALLEL:
+        opening = _opening_both(model, v, reduction)
+        if opening is None:
+            return None
+        v, reduction, steps = opening
+    if not 0.0 < reduction <= (1.0 + EQUILIBRIUM) / limit:
+        return None
+    normal_force = _balancing(model, v, reduction)
     if normal_force is None:
         return None
-    return StaticBound(limit, False, False, velocity, normal_force, 0)
+    moves = np.concatenate([v, np.zeros(model.unknowns - most)])
+    return StaticBound(limit if flat else 1.0 / reduction, False, False, moves, normal_force, steps)
 
 
-def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
-    """Both joints of a wedge opening along their friction cones without turning: three equations, then the proof."""
+def _opening_both(model: Model, v: Floats, reduction: float) -> tuple[Floats, float, int] | None:
+    """The motion, of length one, that opens both joints of a wedge along their friction cones, its λ, and steps."""
     normals, which = np.unique(model.normal_rows[:, :3].round(12), axis=0, return_index=True)
     if len(normals) != 2 or model.translations != 3:
         return None
@@ -100,10 +102,7 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
     tan_friction = model.tan_friction[which]
     cohesion = np.array([model.cohesion[model.interface == model.interface[k]].sum() for k in which])
     load = model.load[:3]
-    v, reduction = velocity[:3] / math.sqrt(float(velocity[:3] @ velocity[:3])), 1.0 / limit
-    steps = 0
-    while steps < _MOST_STEPS:
-        steps += 1
+    for steps in range(1, _MOST_STEPS + 1):
         motion = rows @ v
         slip = np.sqrt((motion[:, 1:] ** 2).sum(axis=1))
         if slip.min() <= 1e-12:
@@ -115,7 +114,7 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
             (float(v @ v) - 1.0) / 2.0,
         ])  # fmt: skip
         if np.abs(out).max() < 1e-14:
-            break
+            return v, reduction, steps
         matrix = np.zeros((4, 4))
         matrix[:2, :3] = rows[:, 0, :] - (reduction * tan_friction)[:, None] * slip_slope
         matrix[:2, 3] = -tan_friction * slip
@@ -127,15 +126,7 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
         except np.linalg.LinAlgError:
             return None
         v, reduction = v + step[:3], reduction + float(step[3])
-    else:
-        return None
-    if not 0.0 < reduction <= (1.0 + BOUND_PROVED) / limit:
-        return None
-    normal_force = _balancing(model, v, reduction)
-    if normal_force is None:
-        return None
-    velocity = np.concatenate([v, np.zeros(model.unknowns - 3)])
-    return StaticBound(1.0 / reduction, False, False, velocity, normal_force, steps)
+    return None
 
 
 def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
@@ -146,7 +137,7 @@ def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
     columns = model.normal_rows - (reduction * model.tan_friction)[:, None] * against
     target = -model.load + (reduction * model.cohesion) @ against
     normal_force, rest = bounded_least_squares(columns.T, target, np.full(len(columns), np.inf))
-    return normal_force if float(np.abs(rest).max()) < BOUND_PROVED else None
+    return normal_force if float(np.abs(rest).max()) < EQUILIBRIUM else None
 
 
 def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
@@ -158,7 +149,7 @@ def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
     from slopekit.preie.distance import bound_by_programs
 
     bound = bound_by_programs(one_block(model), 1.0 / limit)
-    if bound is None or bound.factor is None or not (1.0 - BOUND_LACKS) * limit < bound.factor < BOUND_BEYOND * limit:
+    if bound is None or bound.factor is None or not (1.0 - MOMENTS) * limit < bound.factor < BOUND_BEYOND * limit:
         return none
     normal = bound.normal_force[: len(model.control_area)]
     return replace(bound, factor=max(bound.factor, limit), normal_force=normal)

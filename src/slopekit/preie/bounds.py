@@ -26,10 +26,10 @@ from slopekit.preie.distance import Distance, bound_by_programs
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 from slopekit.preie.tolerances import (
-    BOUND_BALANCED,
-    BOUND_PROVED,
+    BOUND_ACCURACY,
     CARRIES,
     CLOSE,
+    EQUILIBRIUM,
     HARDLY_MOVES,
     LEAST_REDUCTION,
     LIFTED_BALANCED,
@@ -69,14 +69,14 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         if normal is not None:  # flat wedges in slots: their forces are many times the load
             return StaticBound(None, False, True, at.velocity, normal, steps)
         return StaticBound(None, True, False, program.release(), at.normal, steps)
-    if at_once.settled and at_once.unbalanced < BOUND_BALANCED:
+    if at_once.settled and at_once.unbalanced < BOUND_ACCURACY:
         locked = at.load_factor < LEAST_REDUCTION
         known = StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
         if model.unknowns == 3 or locked or size > _MOST_PROGRAMS:
             return known
         # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
         exact = bound_by_programs(model, at.load_factor, steps)
-        return exact if exact is not None and (exact.factor or 0.0) > (1.0 - BOUND_BALANCED) / at.load_factor else known
+        return exact if exact is not None and (exact.factor or 0.0) > (1.0 - BOUND_ACCURACY) / at.load_factor else known
     again = size <= _MOST_PROGRAMS and not programs_first  # they would end as they did
     exact_bound = bound_by_programs(model, steps=steps) if again else None
     if exact_bound is not None:
@@ -116,7 +116,7 @@ def held_by_normals(model: AssemblyModel, load: Floats) -> Floats | None:
     own = np.maximum(np.abs(load.reshape(model.load.shape)).max(axis=1), least)
     parts = 1.0 / np.repeat(own, model.unknowns)
     found, left = bounded_least_squares(parts[:, None] * by_normals, -parts * load, np.full(joints, np.inf))
-    if float(np.abs(left).max(initial=0.0)) > BOUND_PROVED:
+    if float(np.abs(left).max(initial=0.0)) > EQUILIBRIUM:
         return None
     return np.concatenate([found, np.zeros(pairs - joints)])
 
@@ -132,7 +132,7 @@ def _falls_off(model: AssemblyModel) -> bool:
     rank = int((sizes > PARALLEL * float(sizes.max(initial=0.0))).sum())
     beyond = ways[:, rank:].T
     _, left = bounded_least_squares(beyond @ statics[:, :pairs], -beyond @ model.load.ravel(), np.full(pairs, np.inf))
-    return float(np.abs(left).max(initial=0.0)) > BOUND_PROVED
+    return float(np.abs(left).max(initial=0.0)) > EQUILIBRIUM
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------

@@ -25,13 +25,9 @@ from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unba
 from slopekit.preie.tolerances import (
     BED_BALANCED,
     FINER_PRESSED,
-    LANDED,
     LEVEL,
     PATH_ENDS,
     SAME_FOLD,
-    SAME_RUN,
-    SHORTEST_PATH_STEP,
-    STILL,
     TINY,
 )
 
@@ -156,13 +152,10 @@ class _Path:
             if most / _HARDEST**2 < first < most:
                 return stuck, first
         while reduction < most:
-            for guess in (stuck, bonded):
-                rest = None if guess is None else self._rest(guess, reduction)
+            for rests in (self._rest, self._flow):
+                rest = rests(bonded, reduction)
                 if rest is not None:
                     return rest, reduction
-            rest = self._flow(bonded, reduction)
-            if rest is not None:
-                return rest, reduction
             reduction *= 4.0
         return None
 
@@ -252,8 +245,6 @@ class _Path:
                 if tangent is None:
                     return None
                 turned, off = float(tangent @ point.tangent), y - ahead
-                if turned < 0.0:
-                    return None
                 strays = turned < _TURNS or float(off @ off) > (_STRAYS * length) ** 2
                 if smooth and length > _CORNER and strays:
                     return None
@@ -298,7 +289,7 @@ class _Path:
             stepped = self._step(point, length)
             if stepped is None:
                 length /= 4.0
-                if length > SHORTEST_PATH_STEP:
+                if length > PATH_ENDS:
                     continue
                 best, is_fold = self._lowest(folds, best, is_fold)
                 onward = self._march(best)  # a corner of the path: by λ alone, from the last state that rests
@@ -330,7 +321,7 @@ class _Path:
         best, is_fold = self._lowest(folds, best, is_fold)
         # far along a path that settles λ changes by no more than its slope there
         slope = 0.0 if is_fold else abs(float(best.tangent[-1]))
-        running = self._running(best, min(SAME_RUN, SAME_FOLD + _SETTLES * slope))
+        running = self._running(best, SAME_FOLD + _SETTLES * slope)
         if running is None and ended and best is point:
             best = self._landed(*last, point, most)
         farthest = running or self._at_rest(best, not is_fold)
@@ -343,7 +334,7 @@ class _Path:
         """Where between two points of a path that creeps the displacement is `most`, however long the steps were."""
         for _ in range(_MOST_NEWTON):
             start, end = (math.sqrt(float(point.u @ point.u)) for point in (before, after))
-            if abs(end / most - 1.0) < LANDED:
+            if abs(end / most - 1.0) < PATH_ENDS:
                 break
             length *= (most - start) / (end - start)
             landed = self._step(before, length, smooth=False)
@@ -516,6 +507,6 @@ def _motion(point: _PathPoint) -> Floats:
     """The unit motion on from a point; that so far where less strength does not move it (all of it sticks)."""
     motion = point.tangent[:-1]
     size = math.sqrt(float(motion @ motion))
-    if size < STILL:
+    if size < LEVEL:
         motion, size = point.u, math.sqrt(float(point.u @ point.u))
     return np.asarray(motion / size, dtype=np.float64)

@@ -17,7 +17,7 @@ from slopekit.preie.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, SHORTEST_STRIDE, TINY
 
 _MOST_STEPS = 50  # of Newton's method: what needs more has lost its way
-_MOST_RELEASES = 30  # rounds of pairs that debond
+MOST_RELEASES = 30  # rounds of pairs that debond
 BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
 _RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
 
@@ -118,7 +118,7 @@ def _settle(
     """Newton until the forces balance, again while pairs debond (Table 2); a bond once broken stays so."""
     scaled = start
     rounding = EQUILIBRIUM * model.force_scale / model.area_scale
-    for _ in range(_MOST_RELEASES):
+    for _ in range(MOST_RELEASES):
         scaled, law, residual = _newton(model, physical, factor, stiffness, scaled, debonded)
         broken: Bools = ~debonded & breaks(law, physical.tension, factor, rounding)
         if residual > EQUILIBRIUM or not broken.any():

@@ -102,15 +102,13 @@ def limit_on_lines(model: Model) -> LimitAnalysis:
     stands = alone.outcome is Outcome.NO_DRIVING_FORCE and _stands_without_strength(model)
     if stands or alone.outcome is Outcome.LIFTED or alone.factor == 0.0:
         return _alike(alone)
-    if model.dilates and (associated := _associated_limit(model)) is not None:
+    if model.dilates and (associated := _associated_limit(model, limit_analysis, False)) is not None:
         return _alike(associated)
     start = alone.velocity_of(model)
     slide = None if model.dilates else _balanced_slide(model, alone)
     if slide is not None:
         return governed(model, alone, slide)
-    turning = settle_by_passes(model, start, alone.normal_force, alone.bond)
-    if turning.outcome is Outcome.NO_STRENGTH and model.dilates:
-        turning = replace(turning, outcome=Outcome.NOT_CONVERGED)  # dilation itself resists: the passes lost their way
+    turning = _by_passes(model, start, alone.normal_force, alone.bond)
     if turning.outcome is Outcome.NO_STRENGTH:
         return LimitAnalysis(turning, alone, turning, True)
     if turning.outcome is Outcome.NOT_CONVERGED:
@@ -158,15 +156,19 @@ def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
         return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0))
     if _stands_without_strength(model):
         return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0))
-    if model.dilates and (associated := _associated_curved_limit(model)) is not None:
+    if model.dilates and (associated := _associated_limit(model, curved_limit_analysis, True)) is not None:
         return _alike(associated)
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
-    limit = settle_by_passes(model, start, normal, bond)
+    return _alike(_by_passes(model, start, normal, bond))
+
+
+def _by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
+    """The limit by passes; none where dilation itself resists, and they lose their way."""
+    limit = settle_by_passes(model, velocity, normal_force, bond)
     if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > NO_NUMBER):
-        # dilation itself resists: the passes lost their way
-        limit = replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
-    return _alike(limit)
+        return replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
+    return limit
 
 
 def _alike(limit: Limit) -> LimitAnalysis:
@@ -202,33 +204,28 @@ def passes_limit(model: Model, passes: int, stages: "Stages | None" = None) -> f
     return factor
 
 
-def _associated_limit(model: Model) -> Limit | None:
-    """The limit where every joint dilates by all its reduced friction angle: there it is the static bound."""
-    rigid = replace(model, tan_dilation=np.zeros_like(model.tan_dilation))
-    without = limit_analysis(rigid).governing
-    if not without.factor:
-        return None
-    bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
-    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
-        return None
-    bond = np.ones(len(model.control_area))
-    return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
+def _associated_limit(
+    model: Model, analyse: Callable[[Model], LimitAnalysis], loses_cohesion: bool
+) -> Limit | None:  # fmt: skip
+    """The limit where every joint dilates by all its reduced friction angle: there it is the static bound.
 
-
-def _associated_curved_limit(model: Model) -> Limit | None:
-    """The same on a curved surface, where the mechanism opens pairs beyond their dilation: those lose cohesion."""
+    Parameters
+    ----------
+    analyse : the limit without dilation
+    loses_cohesion : what its mechanism opens beyond the dilation loses its cohesion, as on a curved surface
+    """
     bond = np.ones(len(model.control_area))
     releases = np.zeros(len(bond))
     for _ in range(_MOST_TRIES):
         rigid = replace(model, tan_dilation=np.zeros_like(bond), cohesion=bond * model.cohesion)
-        without = curved_limit_analysis(rigid).governing
+        without = analyse(rigid).governing
         if not without.factor:
             return None
-        bound = static_bound(rigid, without.velocity, without.factor)
+        bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
         if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
             return None
         renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
-        if (renewed == bond).all():
+        if not loses_cohesion or (renewed == bond).all():
             return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
         bond = renewed
     return None
@@ -360,4 +357,4 @@ def _stands_without_strength(model: Model) -> bool:
     """Whether pushes on the joints alone balance the forces and the moments."""
     count = len(model.control_area)
     _, rest = bounded_least_squares(model.normal_rows.T, -model.load, np.full(count, np.inf))
-    return float(np.abs(rest).max()) < 1e-12
+    return float(np.abs(rest).max()) < NO_FORCE

@@ -23,7 +23,7 @@ from slopekit.core.errors import Fault, SolverError
 from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
-from slopekit.preie.tolerances import ORTHONORMAL
+from slopekit.preie.tolerances import PARALLEL
 
 if TYPE_CHECKING:
     from slopekit.preie.strength_lines import StrengthLines
@@ -157,7 +157,7 @@ def build_model(
     arms = arms / length
     axes = local_axes(pairs.normals)
     rows = np.concatenate([axes, cross(arms[:, None, :], axes)], axis=2)
-    if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > ORTHONORMAL:
+    if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > PARALLEL:
         raise SolverError([Fault("E503", "a rigid translation does not move the node pairs by its own length")])
     bolt_arms = (loads.passive_points - centroid) / length
     bolt_axes = np.concatenate([loads.passive_forces, cross(bolt_arms, loads.passive_forces)], axis=1)

@@ -9,18 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, frozen
-from slopekit.geometry.interfaces import BEDROCK
-from slopekit.preie.assembly import AssemblyModel, one_block
+from slopekit.core.arrays import frozen
+from slopekit.preie.assembly import one_block
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.limit import LimitAnalysis, governed
 from slopekit.preie.limit_state import settled_limit_state
-from slopekit.preie.model import Model, local_axes
+from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome, exact_limit, unit
 from slopekit.preie.path import ROUGHER, follow
 from slopekit.preie.path_limit import PathOutcome
-from slopekit.preie.tolerances import POLISHED, SAME_FACTOR, STEADY, TINY
+from slopekit.preie.tolerances import POLISHED, SAME_FACTOR, STEADY
 
 _START = 2.0  # times the strength that is needed: gravity comes on there, or at ever more
 STRONGEST = _START * 2.0**ROUGHER  # times that strength is the most that is tried
@@ -58,7 +57,7 @@ def path_limit(model: Model, guess: float | None) -> Limit | None:
     guess : a limit factor, none above the static bound; where there is none the bound itself says where to start, and
         what does not rest there is not looked for at more strength
     """
-    whole = on_flat_contacts(model)
+    whole = one_block(model)
     known = guess or static_bound(whole).factor
     if not known:
         return None
@@ -88,42 +87,8 @@ def range_of(model: Model, limit: Limit) -> tuple[float | None, float | None]:
     friction[: len(limit.friction)], friction[len(limit.friction) :, 0] = limit.friction, limit.pulls
     bolts = np.ones(len(limit.pulls))
     normal, bond = np.append(limit.normal_force, 0.0 * bolts), np.append(limit.bond, bolts)
-    span = mechanism_range(on_flat_contacts(model), limit.velocity_of(model), limit.factor, bond, (normal, friction))
+    span = mechanism_range(one_block(model), limit.velocity_of(model), limit.factor, bond, (normal, friction))
     if span is None:
         return None, None
     lowest, highest = span
     return min(lowest or 0.0, limit.factor), None if highest is None else max(highest, limit.factor)
-
-
-def on_flat_contacts(model: Model) -> AssemblyModel:
-    """The model of one block as an assembly, each interface a flat contact with its motion in its own axes."""
-    whole = one_block(model)
-    bolts = len(model.bolt_capacity)
-    keys, first, of_pair = np.unique(model.interface, return_index=True, return_inverse=True)
-    order = np.argsort(first)  # contacts in the order of their pairs
-    contact = np.argsort(order)[of_pair.ravel()]
-    motion = np.array([*(_motion(model.rows[k]) for k in first[order]), *(_drawn(row) for row in model.bolt_rows)])
-    back = np.linalg.inv(motion)
-    at = np.append(contact, len(keys) + np.arange(bolts))
-    count = len(motion)
-    return replace(
-        whole, plus=np.zeros(count, dtype=np.int64), minus=np.full(count, BEDROCK), plus_motion=motion,
-        minus_motion=np.zeros_like(motion), pair_contact=at, group_contact=at,
-        normal_rows=np.einsum("mu,muv->mv", whole.normal_rows, back[at]),
-        slip_rows=np.einsum("mtu,muv->mtv", whole.slip_rows, back[at]), patch=np.arange(len(keys)),
-        control_area=np.append(model.control_area, model.bolt_capacity / max(float(model.bolt_capacity.sum()), TINY)),
-    )  # fmt: skip
-
-
-def _motion(rows: Floats) -> Floats:
-    """Motion (6, 6) of a contact at a node pair with these rows (3, 6): what moves there, and turns, in its axes."""
-    turns = np.concatenate([np.zeros((3, 3)), rows[:, :3]], axis=1)
-    motion: Floats = np.concatenate([rows, turns])
-    return motion
-
-
-def _drawn(row: Floats) -> Floats:
-    """The same for a bolt: it gets shorter as its row (6,) says, which is the first slip."""
-    motion = np.eye(6)
-    motion[[0, 2], :3], motion[1] = local_axes(row[None, :3])[0, 1:], row
-    return motion

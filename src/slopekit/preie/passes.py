@@ -6,13 +6,12 @@ opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` 
 """
 
 import math
-from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.limit_state import LimitState, settled_limit_state
 from slopekit.preie.model import Model
@@ -22,12 +21,13 @@ from slopekit.strength.mohr_coulomb import line
 if TYPE_CHECKING:  # most limits need no passes
     from slopekit.preie.mechanism import LeastWorkMechanism
 
-_MOST_PASSES = 300  # steered, and as many damped: two random wedges in 400 need the second
+STEERED = 300  # passes by Aitken's rule; as many damped ones follow where those do not settle: on curved surfaces
+_DAMPED_STEP = 0.1  # part of the way to the new friction that a damped pass takes
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
 _AITKEN_PASSES = 30  # steered by his rule, before longer and shorter steps feel the way
-_DAMPED_STEP = 0.1  # part of the way to the new friction that a damped pass takes
-_WINDOW = 20  # passes over which the factor must keep still ...
+_WINDOW = 20  # passes over which the factor must keep still
+_SWINGS = 5  # times as many say how far it swings where it does not
 
 
 class Outcome(Enum):
@@ -75,20 +75,10 @@ class Limit:
 
 
 def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
-    """Passes steered by Aitken's rule, and where those do not settle, damped ones."""
-    plain = _run_passes(model, velocity, normal_force, bond, damped=False)
-    if plain.outcome is not Outcome.NOT_CONVERGED:
-        return plain
-    slow = _run_passes(model, velocity, normal_force, bond, damped=True)
-    return replace(slow, passes=plain.passes + slow.passes)
-
-
-def _run_passes(
-    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, damped: bool
-) -> Limit:  # fmt: skip
     """Frozen-friction passes from a first guess.
 
-    Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
+    Bonds change only when the passes have settled: what opens on the way there is the guess's doing. Where they do not
+    settle the lowest factor of the last ones stands, and `change` says how far they swing.
     """
     from slopekit.preie.mechanism import COLD, WARM, least_work_mechanism
 
@@ -100,7 +90,7 @@ def _run_passes(
     last: Floats | None = None
     factor, change, calm, quiet = math.inf, math.inf, 0, 0
     recent: list[float] = []
-    for count in range(1, _MOST_PASSES + 1):
+    for count in range(1, 2 * STEERED + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
         if total < NO_STRENGTH * NO_STRENGTH:
             return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
@@ -122,15 +112,13 @@ def _run_passes(
         settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
         if settled and change < 1e-7 and not model.dilates:
             moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
-        recent = [*recent[1 - (5 * _WINDOW if damped else _WINDOW) :], factor]
+        recent = [*recent[1 - _SWINGS * _WINDOW :], factor]
         swing = max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])
         if calm > 2 * _WINDOW and change < 3e-3 and swing < PASSES_STEADY * factor:
             # averaging creeps: the normal forces still trade places, the factor no longer moves
             settled, moved = True, swing / factor
         if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
             state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
-            if state is not None and abs(math.log(state.reduction * factor)) > 0.3:
-                state = None
         if settled or state is not None or without or calm >= _STAGE_PASSES:
             at = velocity if state is None else state.velocity
             renewed, releases = release(model, at, tan_dilation, bond, releases)
@@ -152,17 +140,17 @@ def _run_passes(
                 last, calm, quiet, weight = None, 0, 0, 1.0
                 continue
         if last is not None:
-            weight = _DAMPED_STEP if damped else _next_weight(weight, last, excess, calm)
+            weight = _next_weight(weight, last, excess, calm) if count < STEERED else _DAMPED_STEP
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     lowest, highest = min(recent), max(recent)
-    if damped and lowest > NO_STRENGTH and (bond == 0.0).any():
+    if lowest > NO_STRENGTH and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
-            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, 1.0 - lowest / highest,
+            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, count, 1.0 - lowest / highest,
             *_carried(mechanism),
         )  # fmt: skip
-    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, change)
+    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, count, change)
 
 
 def _next_weight(weight: float, last: Floats, excess: Floats, calm: int) -> float:
@@ -192,10 +180,16 @@ def release(
     model: Model, velocity: Floats, tan_dilation: Floats, bond: Floats, releases: Floats
 ) -> tuple[Floats, Floats]:
     """Bonds after a pass: gone where the mechanism opens a pair beyond its dilation, back where it is closed again."""
-    motion, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    opened = motion - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(motion.max()))
-    renewed = np.where(opened | (releases >= MOST_RELEASES), 0.0, 1.0)
+    renewed = np.where(opens(model, velocity, tan_dilation) | (releases >= MOST_RELEASES), 0.0, 1.0)
     return renewed, releases + ((bond > 0.0) & (renewed == 0.0))
+
+
+def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
+    """Which pairs a motion opens beyond their dilation, (n,)."""
+    motion = model.relative(velocity)
+    opening, slip = motion[:, 0], np.sqrt((motion[:, 1:] * motion[:, 1:]).sum(axis=1))
+    beyond: Bools = opening - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(opening.max()))
+    return beyond
 
 
 def unit(vector: Floats) -> Floats:

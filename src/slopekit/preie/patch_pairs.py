@@ -10,7 +10,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.geometry.patches import Patches
-from slopekit.preie.tolerances import PARALLELOGRAM
+from slopekit.preie.tolerances import PARALLEL
 
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
@@ -52,7 +52,7 @@ def polygon_pairs(patches: Patches, kept: Ints, refine: Ints) -> tuple[Floats, I
         corners = patches.corners[patches.first[kept[which]][:, None] + np.arange(count)]  # (p, count, 3)
         size = np.abs(corners - corners[:, :1]).max(axis=(1, 2))
         skew = np.abs(corners[:, 0] + corners[:, 2] - corners[:, 1] - corners[:, -1]).max(axis=1)
-        even = (skew < PARALLELOGRAM * size) & (count == 4) & (level == 0)
+        even = (skew < PARALLEL * size) & (count == 4) & (level == 0)
         for chosen, shape, is_even in ((which[even], corners[even], True), (which[~even], corners[~even], False)):
             if len(chosen) == 0:
                 continue
@@ -60,11 +60,11 @@ def polygon_pairs(patches: Patches, kept: Ints, refine: Ints) -> tuple[Floats, I
                 places = np.vstack([np.eye(4), np.full((1, 4), 0.25)])
                 share = np.tile(np.append(np.full(4, 1.0 / 12.0), 2.0 / 3.0), (len(chosen), 1))
             elif count == 3:
-                places, shares = _fan(3, level)
+                places, shares = fan_rule(3, level)
                 share = np.tile(shares, (len(chosen), 1))
             else:
                 shape, parts = _with_centroid(shape)
-                places, shares = _fan(count, level)
+                places, shares = fan_rule(count, level)
                 share = parts @ shares
             points.append(np.einsum("kc,pcx->pkx", places, shape).reshape(-1, 3))
             areas.append((share * patches.areas[kept[chosen]][:, None]).ravel())
@@ -90,7 +90,7 @@ def _with_centroid(corners: Floats) -> tuple[Floats, Floats]:
 
 
 @lru_cache(maxsize=64)
-def _fan(count: int, refine: int) -> tuple[Floats, Floats]:
+def fan_rule(count: int, refine: int) -> tuple[Floats, Floats]:
     """The rule on a polygon: points as weights of its corners and of the centroid behind them (not on a triangle, which
     is its own fan), and area shares of each triangle of the fan on those points."""
     n = 2**refine

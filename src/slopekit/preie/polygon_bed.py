@@ -12,7 +12,7 @@ slips one way). Where the pressed part grows its shear grows with it: the slopes
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -22,6 +22,7 @@ from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.records import dataclass
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.model import Model, local_axes
+from slopekit.preie.patch_pairs import fan_rule
 from slopekit.preie.tolerances import NOT_DRAWN_ON_BED, TINY
 from slopekit.strength.mohr_coulomb import line
 
@@ -131,7 +132,8 @@ class BedSprings:
     def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed = bed
         self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
-        self.templates = {2: _line_template(split), 3: _triangle_template(split)}
+        places, (shares,) = fan_rule(3, split)
+        self.templates = {2: _line_template(split), 3: (places, shares)}
         self.flats = [_Flat(bed, k) for k in range(len(bed.corners))]
         self._whole: list[tuple[Floats, Floats, Floats]] = []
         unknowns = len(bed.load)
@@ -301,6 +303,7 @@ class BedSprings:
                 if clipped is None:
                     continue
                 at, area = self._points(flat, clipped)
+                at, area = at[area > 0.0], area[area > 0.0]  # a corner that hardly opens has triangles of no area
                 phi = _powers(at)[:, :3]
                 normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
                 across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
@@ -491,28 +494,6 @@ def _fan_moves(corners: Floats, cells: Floats, ends: list[int], ways: Floats) ->
         a, b = moves[m, :, 1] - moved, moves[m, :, 2] - moved
         grows[m] = a[:, 0] * other[:, 1] - a[:, 1] * other[:, 0] + one[:, 0] * b[:, 1] - one[:, 1] * b[:, 0]
     return moves, grows * math.copysign(0.5, double)
-
-
-@cache
-def _triangle_template(split: int) -> tuple[Floats, Floats]:
-    """Points (q, 3) in barycentric coordinates and their shares (q,) of a triangle split in four so often."""
-    cells = [np.eye(3)]
-    for _ in range(split):
-        cells = [finer for cell in cells for finer in _quarters(cell)]
-    share = 1.0 / len(cells)
-    share_at: dict[tuple[float, ...], float] = {}
-    for cell in cells:
-        for point, weight in (*((corner, 1.0 / 12.0) for corner in cell), (cell.mean(axis=0), 3.0 / 4.0)):
-            key = tuple(np.round(point, 12).tolist())
-            share_at[key] = share_at.get(key, 0.0) + weight * share
-    points = np.array(list(share_at))
-    return points / points.sum(axis=1)[:, None], np.array(list(share_at.values()))
-
-
-def _quarters(cell: Floats) -> Iterator[Floats]:
-    a, b, c = cell
-    ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
-    yield from (np.array(part) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)))
 
 
 @cache

@@ -18,13 +18,12 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
-from slopekit.preie.equilibrium import equilibrium
+from slopekit.preie.equilibrium import MOST_RELEASES, equilibrium
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import EQUILIBRIUM
 
-_SETTLED = 1e-9  # of the load: the largest unbalanced force of a step
 _MOST_NEWTON = 30
 _SHORTEST = 1.0 / 64.0  # of Newton's step, in its line search
-_MOST_RELEASES = 30  # rounds of pairs that debond in one step
 _MOST_HALVINGS = 12
 _AT_REST = 1e-4  # m/s
 _MOST_AFTER = 20.0  # s after the end of the record
@@ -232,12 +231,12 @@ def _step(block: ShakenBlock, state: _Motion, length: float, push: Floats) -> _M
     load[: block.translations] += block.mass[: block.translations, : block.translations] @ push
     size = float(np.abs(block.load).max() + np.abs(load).max())
     debonded, velocity = state.debonded, state.velocity
-    for _ in range(_MOST_RELEASES):
+    for _ in range(MOST_RELEASES):
         settled = _newton(block, state, length, load, size, debonded, velocity)
         if settled is None:
             return None
         velocity, law = settled
-        rounding = _SETTLED * size / float(block.area.sum())
+        rounding = EQUILIBRIUM * size / float(block.area.sum())
         broken: Bools = ~debonded & breaks(law, block.tension, 1.0, rounding)
         if not broken.any():
             at = state.at + length * velocity
@@ -266,7 +265,7 @@ def _newton(
     velocity = start
     out, law, off = unbalanced(velocity)
     for _ in range(_MOST_NEWTON):
-        if off <= _SETTLED * size:
+        if off <= EQUILIBRIUM * size:
             return velocity, law
         slopes = np.matmul(law.slopes * areas[:, :, None], block.rows).reshape(-1, block.unknowns)
         matrix = block.mass / length - length * (flat.T @ slopes)

@@ -26,7 +26,7 @@ from slopekit.preie.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.path_limit import PathLimit
-from slopekit.preie.tolerances import LEAST_TRACTION, LINES_STEADY, NO_FRICTION, STEADY, TINY
+from slopekit.preie.tolerances import LEAST_TRACTION, LINES_STEADY, NO_FORCE, STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
@@ -170,13 +170,11 @@ def _rounds(
         rounds.append((factor, model, limit))
         best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
         if len(rounds) > _SWIFT:
-            at = np.log(np.maximum(model.tan_friction, NO_FRICTION))
-            last = (at, np.log(np.maximum(new.tan_friction, NO_FRICTION)) - at)
+            at = np.log(np.maximum(model.tan_friction, NO_FORCE))
+            last = (at, np.log(np.maximum(new.tan_friction, NO_FORCE)) - at)
             # modes that trade places lead the mixing astray: then the last round alone
             steps = [*steps[-_MEMORY:], last] if fruitless < _FRUITLESS else [last]
-            new = replace(
-                new, tan_friction=frozen(np.where(new.tan_friction > NO_FRICTION, np.exp(_mixed(steps)), 0.0))
-            )
+            new = replace(new, tan_friction=frozen(np.where(new.tan_friction > NO_FORCE, np.exp(_mixed(steps)), 0.0)))
         model = new
     last_ones = rounds[-_FRUITLESS:]
     lowest = min(last_ones, key=lambda one: one[0])

@@ -23,14 +23,11 @@ SHIFT_BY_LOAD = 1e-13
 #: The same, in parts of the elastic stiffness, for the modes of a limit state: there may be several motions.
 MODES_SHIFT = 1e-12
 
-#: Force, in parts of the load, that is none: some thousand roundings of the load.
+#: Force, in parts of the load, or tan φ, that is none: some thousand roundings of the load.
 NO_FORCE = 1e-12
 
 #: Strength, or work, in parts of the load, that counts as none.
 NO_STRENGTH = 1e-9
-
-#: tan φ that counts as none where its logarithm is mixed.
-NO_FRICTION = 1e-12
 
 #: tan φ below which a group's friction does not hold blocks in the elastic start of a program.
 HARDLY_ROUGH = 1e-5
@@ -38,15 +35,10 @@ HARDLY_ROUGH = 1e-5
 #: Normal traction, in parts of the mean: lower ones get the strength line of this one.
 LEAST_TRACTION = 1e-6
 
-#: Entries of A Aᵀ - I, A the axes given for a contact: beyond it they are no axes.
-ORTHONORMAL = 1e-9
-
-#: Length of the cross product of two unit normals, work of a force or opening of a contact along a line, of single
-#: blocks: less is none. Thousands of roundings, and far below what a slope is measured to.
+#: What is none of lengths and directions: the cross product of two unit normals, work of a force or opening of a
+#: contact along a line or plane, how far a patch is from a parallelogram, entries of A Aᵀ - I of the axes of a contact.
+#: Thousands of roundings, and far below what a slope is measured to.
 PARALLEL = 1e-9
-
-#: How far a four-cornered patch is from a parallelogram, in parts of its size: nearer ones are one.
-PARALLELOGRAM = 1e-9
 
 #: Size of the multipliers of a factorisation: beyond it pivots of one front only leave too few digits.
 PIVOT_GROWTH = 1e8
@@ -65,9 +57,6 @@ OPENS_ROUGHLY = 1e-4
 
 #: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `preie.mechanism`.
 OPENS_IN_PASSES = 1e-5
-
-#: Opening, in parts of the slip, of a motion along a plane.
-NO_OPENING = 1e-9
 
 #: Opening, in parts of the fastest motion, at which the elastic start of a program lets a pair or bolt go ...
 LETS_GO = 1e-9
@@ -118,10 +107,8 @@ TURNED = 1e-7
 #: Work of the load on a motion, in parts of the most it does on any: a motion of less is not driven.
 DRIVEN = 1e-6
 
-#: Motion along the path of the cracked base, per change of ln λ, that is none.
-STILL = 1e-9
-
-#: Slope of ln λ along that path that counts as none: λ is within its square of the least.
+#: Slope of ln λ along the path of the cracked base, or motion per change of it, that is none: λ is within its square of
+#: the least.
 LEVEL = 1e-7
 
 # -- Balance: unbalanced force that is none ---------------------------------------------------------------------------
@@ -153,17 +140,12 @@ RESIDUAL = 1e-9
 #: How far its forces may be outside their bounds, in parts of the load.
 ADMISSIBLE = 1e-7
 
-#: Of one block at one factor, in parts of the load; Newton's method aims at a thousandth of it.
+#: Of one block at one factor, in a step of shaking, and of forces that prove a bound, in parts of the load; Newton's
+#: method at one factor aims at a thousandth of it.
 EQUILIBRIUM = 1e-9
 
 #: Of one block on its elastic bed, in parts of the load: derivatives of λ are taken along its path.
 BED_BALANCED = 1e-11
-
-#: Of the forces that prove the bound of one block, in parts of the load.
-BOUND_PROVED = 1e-9
-
-#: Of a bound of many blocks, in parts of the load of the block it acts on: such a bound is known to that.
-BOUND_BALANCED = 1e-4
 
 #: Load that a program sheds, in parts of it: more says that no forces balance the load ...
 LIFTED_SHED = 1e-3
@@ -244,13 +226,7 @@ LOADS_BRACKET = 1e-3
 #: Step of ln F towards a factor: one that no shorter step reaches has no equilibrium.
 SHORTEST_STRIDE = 1e-5
 
-#: Step along the path of the cracked base, in parts of the displacement: it meets a corner.
-SHORTEST_PATH_STEP = 1e-6
-
-#: Of the displacement at which a path that creeps ends: λ changes by a hundredth of that, or less.
-LANDED = 1e-6
-
-#: Part of λ: no rest even at so little less strength is the end of that path.
+#: Part of λ, or of the displacement: no rest at so little less strength, no shorter step, no nearer landing is tried.
 PATH_ENDS = 1e-6
 
 #: Change of F, in parts of it, by splitting the triangles of a pressed part once more: beyond it, it is done.
@@ -261,7 +237,8 @@ MESH_CHANGE = 2e-3
 
 # -- Sameness: how near two factors are one, in parts of them ---------------------------------------------------------
 
-#: A limit lower than that of the forces alone by more than this is governed by moments.
+#: A limit lower than that of the forces alone by more than this is governed by moments; a static bound lower than the
+#: limit by more is none: one of the two searches has lost its way.
 MOMENTS = 1e-6
 
 #: Factors that agree to what is printed; node pairs move them by more.
@@ -273,19 +250,15 @@ SAME_RANK = 1e-6
 #: An exact state farther than this from where the path settled is another one.
 POLISHED = 1e-5
 
-#: To this static bounds of many blocks are known: a factor above one by more is none.
+#: To this static bounds of many blocks are known, and balance in parts of the load of each block: a factor above one by
+#: more is none.
 BOUND_ACCURACY = 1e-4
-
-#: The bound of one block, lower than its limit by more: one of the two searches has lost its way.
-BOUND_LACKS = 1e-6
 
 #: Where all blocks rest this near to the factor of a group, the last state at rest is an answer.
 RESTS_NEAR = 5e-2
 
-#: A running state of the cracked base farther than this from λ of a path that runs is another one ...
-SAME_RUN = 0.05
-
-#: ... and from a least λ: rounding may show one on a path that is level because it runs.
+#: A running state of the cracked base farther than this from a least λ is another one: rounding may show a least λ on a
+#: path that is level because it runs.
 SAME_FOLD = 1e-5
 
 #: λ of sharp joints after three times the work: farther on it is the same limit.
