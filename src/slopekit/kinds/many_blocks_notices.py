@@ -58,6 +58,10 @@ def notices_of(
     if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
         yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
+    if limit.rounding and first.fos:
+        yield Notice("W502", "no rest of so many blocks was found with the sharp law of their joints: at the factor "
+                     "all forces balance within strength, and what joints give, open and slip fits them but for "
+                     f"{limit.rounding * 100.0:.1g} % of the elastic energy")  # fmt: skip
     if limit.loads_last and first.fos:
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip

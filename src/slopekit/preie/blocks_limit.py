@@ -67,6 +67,7 @@ class BlocksLimit:
     held : where it is spent, the factor of the group that was solved last, all others held, and how many blocks it has
     by_turns : of a search that gave up, the factors between which loads that come last fit on and do not by turns
     group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
+    rounding : what the law of the joints is rounded by where all came to rest, in parts of their elastic energy
     """
 
     outcome: Outcome
@@ -86,6 +87,7 @@ class BlocksLimit:
     bound_steps: int
     group: int = 0
     width: float = 0.0
+    rounding: float = 0.0
     bonded: float | None = None
     spent: bool = False
     rested: float | None = None

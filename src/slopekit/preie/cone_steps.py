@@ -24,7 +24,7 @@ from slopekit.preie.program import (
 )
 from slopekit.preie.springs import Coupling
 
-_PAIR = 24  # numbers that the kernels keep of a pair
+PAIR = 24  # numbers that the kernels keep of a pair
 
 
 def _laws(program: BlockProgram, strengths: Strengths) -> tuple[Floats, Floats, Floats, Any]:
@@ -70,7 +70,7 @@ class ConeEquations:
     ) -> "ConeEquations":
         """Factorise them; parameters and errors are those of `NewtonEquations.at`."""
         load, contacts, unknowns = program.load, len(program.model.plus), program.model.unknowns
-        pairs, local = np.empty((len(at.normal), _PAIR)), np.empty((contacts, unknowns, unknowns))
+        pairs, local = np.empty((len(at.normal), PAIR)), np.empty((contacts, unknowns, unknowns))
         border = -program.middle
         corner = compiled().cone_springs(
             program.pattern.contacts, *_laws(program, strengths), at.normal, at.gap, at.strength, at.slip, pairs,

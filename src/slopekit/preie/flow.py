@@ -25,13 +25,17 @@ _LESS = 0.5  # of what was out of balance, that has to go
 
 @dataclass(slots=True)
 class Flow:
-    """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended."""
+    """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended.
+
+    `rounding` is what the law of the joints is rounded by there, in parts of their elastic energy (`preie.lagged`).
+    """
 
     at: Floats
     forces: BedForces
     ended: str  # rest, runs, slow, lost
     before: Floats
     viscosity: float
+    rounding: float = 0.0
 
 
 def relaxed(

@@ -188,7 +188,7 @@ class Groups:
                     return None
                 self.found = of_group
                 rested, width = 1.0 / (below * (1.0 - gap)), 1.0 - (1.0 - gap) * below / factor
-                at, forces = bed.polished(flow.at, rested)
+                at, forces = (flow.at, flow.forces) if flow.rounding else bed.polished(flow.at, rested)
                 if gap > JUST or not limit.found:  # what all blocks vouch for is the last state at rest
                     limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
                     width = 0.0
@@ -197,6 +197,7 @@ class Groups:
                     limit, outcome=settled, width=width, group=len(group), displacement=at,
                     normal=forces.normal, friction=forces.friction,
                     residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work,
+                    rounding=flow.rounding,
                 )  # fmt: skip
             if flow.ended == "lost":
                 return None

@@ -51,6 +51,7 @@ class PathLimit:
         parts of it, all blocks were not seen at rest
     factorisations : work done
     reached : of a last state at rest, the parameter that another way there came to
+    rounding : what the law of the joints is rounded by in that state, in parts of their elastic energy
     """
 
     outcome: PathOutcome
@@ -67,6 +68,7 @@ class PathLimit:
     group: int = 0
     width: float = 0.0
     reached: float | None = None
+    rounding: float = 0.0
 
     @property
     def found(self) -> bool:

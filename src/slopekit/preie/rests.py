@@ -11,6 +11,7 @@ import numpy as np
 from slopekit.preie.bed import Bed
 from slopekit.preie.effort import EffortSpentError, part
 from slopekit.preie.flow import THICK, Flow, relaxed, stepped
+from slopekit.preie.lagged import lagged_rest
 from slopekit.preie.path_limit import PathLimit
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 from slopekit.preie.undilated import rest_from, rest_of_hundreds, rest_without_dilation
@@ -72,6 +73,11 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     if last is not None:
         yield last, JUST
         return
+    if hundreds and bed.size >= _MOST_AT_ONCE:  # Newton's method finds none of so many
+        nearly = lagged_rest(bed, 1.0 / (factor * (1.0 - near)))
+        if nearly is not None:
+            yield nearly, near
+            return
     at_once = rest_of_hundreds(bed, bed.elastic_displacement, strong) if hundreds else None
     at_once = at_once or (rest_without_dilation(bed, strong) if many else None)
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
