@@ -137,10 +137,8 @@ def bed_on(scene) -> PolygonBed:
 
 
 def by_springs(inputs, guess: float, count: int) -> tuple[float, float] | None:
-    design = wedge_design(inputs)
-    rock = wedge._rock_mass(design)
-    block = wedge.cut_wedge(rock)
-    loads = wedge._loads(design, rock, block)
+    made = wedge.cut(wedge_design(inputs))
+    block, loads = made.block, made.loads
     polygons = [block.faces[J1], block.faces[J2]]
     springs = springs_on(polygons, inputs["c"], np.tan(np.radians(inputs["phi"])), block.centroid, count)
     return Block(springs, loads.force, loads.moment).factor(guess, within=5e-3)

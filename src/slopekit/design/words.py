@@ -25,12 +25,12 @@ def above_zero(value: object, kind: str, name: str, code: str, where: str) -> fl
 
 
 def between(
-    value: object, kind: str, name: str, ends: tuple[float, float], code: str, where: str, advice: str = "",
+    value: object, kind: str, ends: tuple[float, float], code: str, what: str, where: str, advice: str = "",
     unit: str = "",
 ) -> float:  # fmt: skip
-    result = quantity(value, kind, name, where)
+    result = quantity(value, kind, what.removeprefix("the "), where)
     if not ends[0] <= result <= ends[1]:
-        message = f"the {name} is {number(result)}{unit}, it lies between {number(ends[0])} and {number(ends[1])}"
+        message = f"{what} is {number(result)}{unit}, it lies between {number(ends[0])} and {number(ends[1])}"
         raise DesignError([Fault(code, message, where, advice)])
     return result
 

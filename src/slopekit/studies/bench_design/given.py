@@ -251,7 +251,7 @@ def _toward(given: object, where: str) -> float:
         raise DesignError(
             [Fault("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")]
         )
-    return between(given, "angle", "dip direction", (0.0, 360.0), "E102", f"{where} {given}") % 360.0
+    return between(given, "angle", (0.0, 360.0), "E102", "the dip direction", f"{where} {given}") % 360.0
 
 
 def _number(name: str, given: object, where: str) -> float | None:

@@ -278,7 +278,7 @@ def _friction(value: object, where: str) -> float:
 
 def _limit(value: object, option: str) -> float:
     advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
-    return between(value, "angle", "lateral limit", (0.0, 90.0), "E337", f"{option} {value}", advice, "°")
+    return between(value, "angle", (0.0, 90.0), "E337", "the lateral limit", f"{option} {value}", advice, "°")
 
 
 def _faces(given: Any, key: Key) -> tuple[float, ...]:

@@ -128,10 +128,10 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
     """
     t, a = np.asarray(times_s, dtype=np.float64).ravel(), np.asarray(accelerations, dtype=np.float64).ravel()
     if len(t) != len(a):
-        raise _refused("E512", name, f"{len(t)} times and {len(a)} accelerations")
+        raise _refused(name, "E512", f"{len(t)} times and {len(a)} accelerations")
     if not (np.isfinite(t).all() and np.isfinite(a).all()):
         at = int(np.flatnonzero(~(np.isfinite(t) & np.isfinite(a)))[0])
-        raise _refused("E513", name, f"sample {at + 1} is not a finite number")
+        raise _refused(name, "E513", f"sample {at + 1} is not a finite number")
     a = a * _factor_of(unit, name)
     if len(a) < 2 or not a.any():
         what = counted(len(a), "sample") if len(a) < 2 else "nothing but zeros"
@@ -141,19 +141,19 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
     if len(falls):
         k = int(falls[0])
         message = f"time does not rise from sample {k + 1} ({number(t[k])} s) to the next ({number(t[k + 1])} s)"
-        raise _refused("E514", name, message)
+        raise _refused(name, "E514", message)
     largest = float(np.abs(a).max()) / GRAVITY
     if largest > _LARGEST_G:
         in_other = (
             f"In cm/s² it would be {number(float(f'{largest * GRAVITY / _UNITS[unit] * 0.01 / GRAVITY:.3g}'))} g."
         )
         message = f"the peak is {largest:.4g} g as {unit}, more than any earthquake's (up to {_LARGEST_G:g} g)"
-        raise _refused("E519", name, message, advice=in_other if unit in ("g", "m/s2") else "")
+        raise _refused(name, "E519", message, advice=in_other if unit in ("g", "m/s2") else "")
     record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
     return record if is_pulse else replace(record, notices=tuple(_said_of(record)))
 
 
-def _refused(code: str, name: str, what: str, line: int | None = None, advice: str = "") -> DesignError:
+def _refused(name: str, code: str, what: str, line: int | None = None, advice: str = "") -> DesignError:
     """What is wrong with a record, at a line of it."""
     return DesignError([Fault(code, f"{name}: {what}", name if line is None else f"{name}:{line}", advice)])
 
@@ -262,7 +262,7 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     if said := next((k for k, line in enumerate(lines[:8], 1) if _NOT_STEPS.search(line)), None):
         message = f"line {said} says no number of points and no time step that could be read"
         advice = f"It is {lines[said - 1].strip()[:60]!r}; NPTS= 4000, DT= .0050 SEC is needed."
-        raise _refused("E515", name, message, said, advice)
+        raise _refused(name, "E515", message, said, advice)
     return _with_coarse_steps_said(_columns(name, lines, unit))
 
 
@@ -307,13 +307,13 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
     head = next(k for k, line in enumerate(lines) if _step_in(line))
     count, step = _step_in(lines[head]) or (0, 0.0)
     if not (step > 0.0 and math.isfinite(step)):
-        raise _refused("E515", name, f"DT is {step:g}, a time step above 0 is needed", head + 1)
+        raise _refused(name, "E515", f"DT is {step:g}, a time step above 0 is needed", head + 1)
     if other := _OTHER_DT.search(lines[head]):
-        raise _refused("E514", name, f"DT is in {other[1]}, in seconds it is needed", head + 1)
+        raise _refused(name, "E514", f"DT is in {other[1]}, in seconds it is needed", head + 1)
     said = " ".join(lines[:head])
     match = re.search(r"UNITS\s+OF\s+([^\s,;]+)", said, re.IGNORECASE)
     if match is None:
-        raise _refused("E511", name, "no line says ACCELERATION ... IN UNITS OF G", 3)
+        raise _refused(name, "E511", "no line says ACCELERATION ... IN UNITS OF G", 3)
     if re.search(r"\b(VELOCITY|DISPLACEMENT)\b", said, re.IGNORECASE) and not re.search(
         r"\bACCEL", said, re.IGNORECASE
     ):
@@ -325,7 +325,7 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
         values += [_value(word, name, k) for word in _words_of(line)]
     if len(values) != count:
         message = f"NPTS is {count}, {len(values)} values follow"
-        raise _refused("E515", name, message, head + 1, "The file is cut off, or has been edited.")
+        raise _refused(name, "E515", message, head + 1, "The file is cut off, or has been edited.")
     unit = match[1].strip("().").lower()
     return record_of(name, step * np.arange(count), values, unit)
 
@@ -356,7 +356,7 @@ def _value(word: str, name: str, line: int) -> float:
 
 
 def _no_number(name: str, line: int, word: str) -> DesignError:
-    return _refused("E513", name, f"line {line} holds {word[:40]!r}, a number is needed", line)
+    return _refused(name, "E513", f"line {line} holds {word[:40]!r}, a number is needed", line)
 
 
 def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
@@ -376,7 +376,7 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     first = next((k for k, (_, line) in enumerate(rows) if all(map(_is_number, cells(line)))), None)
     if first is None:
         line, text = rows[min(1, len(rows) - 1)]
-        raise _refused("E513", name, f"no line holds numbers alone, line {line} is {text[:40]!r}", line)
+        raise _refused(name, "E513", f"no line holds numbers alone, line {line} is {text[:40]!r}", line)
     _not_a_sample(name, [(line, cells(text)) for line, text in rows[max(first - 1, 0) : first + 2]])
     width = len(cells(rows[first][1]))
     above = cells(rows[first - 1][1]) if first else []
@@ -390,23 +390,23 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     if heads and _plain(heads[at[0]]).partition(" ")[0] in _TIMES and (other := _OTHER_TIMES.search(heads[at[0]])):
         message = f"times are in {other[1]}, in seconds they are needed"
         advice = "Divide them by 1000: time (s)." if other[1].startswith("m") and "min" not in other[1] else ""
-        raise _refused("E514", name, message, rows[first - 1][0], advice)
+        raise _refused(name, "E514", message, rows[first - 1][0], advice)
     stated = _unit_of_head(heads[at[1]]) if heads else None
     stated = stated or _unit_above(lines[: rows[first][0] - 1])
     if stated is None and unit is None:
         advice = f"Name it in the header (time (s), acceleration (g)), or give --unit: {_KNOWN}."
-        raise _refused("E511", name, "nothing says the unit of the acceleration", 1, advice)
+        raise _refused(name, "E511", "nothing says the unit of the acceleration", 1, advice)
     times, values, faults = list[float](), list[float](), Faults()
     for line, text in rows[first:]:
         parts = cells(text)
         with faults.kept():
             if len(parts) != width:
                 message = f"line {line} has {counted(len(parts), 'column')}, the first has {width}"
-                raise _refused("E512", name, message, line)
+                raise _refused(name, "E512", message, line)
             time, value = (_value(parts[k], name, line) for k in at)
             if times and not time > times[-1]:
                 message = f"time does not rise at line {line}: {number(times[-1])} s, then {number(time)} s"
-                faults += _refused("E514", name, message, line).faults
+                faults += _refused(name, "E514", message, line).faults
             times.append(time)
             values.append(value)
         if len(faults) >= _MOST_FAULTS:
@@ -460,7 +460,7 @@ def _places(name: str, heads: Sequence[str], width: int, line: int) -> tuple[int
             return times[0], accelerations[0]
     if width != 2:
         advice = "Two columns, time and acceleration, or name them so in the header."
-        raise _refused("E512", name, f"{counted(width, 'column')}, which are time and acceleration?", line, advice)
+        raise _refused(name, "E512", f"{counted(width, 'column')}, which are time and acceleration?", line, advice)
     return 0, 1
 
 
@@ -474,13 +474,13 @@ def _are_a_motion(name: str, time: str, acceleration: str, line: int) -> None:
     """
     if len(units := _units_in(acceleration)) > 1:
         message = f"the column {acceleration[:40]!r} names {' and '.join(sorted(units))}, one unit is needed"
-        raise _refused("E511", name, message, line)
+        raise _refused(name, "E511", message, line)
     for head, known, other, needed in (
         (time, _TIMES, _NO_TIMES, "times"), (acceleration, _ACCELERATIONS, _NO_ACCELERATIONS, "accelerations"),
     ):  # fmt: skip
         if _plain(head) not in known and other.search(head):
             advice = "A record is time and acceleration of the ground, no spectrum, velocity or displacement."
-            raise _refused("E515", name, f"the column {head[:40]!r} holds no {needed}", line, advice)
+            raise _refused(name, "E515", f"the column {head[:40]!r} holds no {needed}", line, advice)
 
 
 def _unit_of_head(head: str) -> str | None:
@@ -520,7 +520,7 @@ def _unit_above(lines: Sequence[str]) -> str | None:
 def _factor_of(unit: str, name: str) -> float:
     spelled = _spelled(unit).strip()
     if spelled not in _UNITS:
-        raise _refused("E511", name, f"{unit!r} is no unit of acceleration", advice=f"Known: {_KNOWN}.")
+        raise _refused(name, "E511", f"{unit!r} is no unit of acceleration", advice=f"Known: {_KNOWN}.")
     return _UNITS[spelled]
 
 
@@ -545,14 +545,14 @@ def _pulse(text: str) -> Record:
         frequency = _measured(match[3], {"hz": 1.0}, text)
         cycles = 1.0 if match[4] is None else _measured(match[4], {"": 1.0, "cycles": 1.0}, text, 0.0)
         if cycles != int(cycles) or not 1 <= cycles <= 100:
-            raise _refused("E517", text, f"1 to 100 whole cycles, not {match[4]}", advice=_PULSES)
+            raise _refused(text, "E517", f"1 to 100 whole cycles, not {match[4]}", advice=_PULSES)
         parts = int(cycles) * _CYCLE
         times = np.arange(parts + 1) / (_CYCLE * frequency)
         values = peak * np.sin(2.0 * np.pi * np.arange(parts + 1) / _CYCLE)
         values[:: _CYCLE // 2] = 0.0
         return record_of(text, times, values, is_pulse=True)
     if match[4] is not None:
-        raise _refused("E517", text, f"a {shape} pulse has a peak and a duration", advice=_PULSES)
+        raise _refused(text, "E517", f"a {shape} pulse has a peak and a duration", advice=_PULSES)
     long = _measured(match[3], {"s": 1.0, "ms": 1e-3}, text)
     share = np.linspace(0.0, 1.0, _PARTS + 1)  # it is linear between fewer: these are for the picture
     if shape == "rectangular":
@@ -566,10 +566,10 @@ def _measured(text: str, units: dict[str, float], pulse: str, least: float = 1e-
     factor = units.get(match[2].lower().replace("²", "2")) if match else None
     if match is None or factor is None:
         needs = ", ".join(unit for unit in units if unit) or "a number"
-        raise _refused("E517", pulse, f"{text} needs a number with {needs}", advice=_PULSES)
+        raise _refused(pulse, "E517", f"{text} needs a number with {needs}", advice=_PULSES)
     value = float(match[1]) * factor
     if not least <= abs(value) < 1e3 or (value < 0.0 and "g" not in units):
         low, high = (f"{end / factor:.4g}" for end in (least, 1e3))
         allowed = f"{low} to {high} {match[2]} is" if "cycles" not in units else "1 to 100 whole cycles are"
-        raise _refused("E517", pulse, f"{text} is out of range, {allowed} taken", advice=_PULSES)
+        raise _refused(pulse, "E517", f"{text} is out of range, {allowed} taken", advice=_PULSES)
     return value

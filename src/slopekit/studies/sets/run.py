@@ -317,7 +317,7 @@ def _with_notices(joint_sets: JointSets, ignored: bool) -> JointSets:
 
 def _angle(value: object, option: str) -> float:
     advice = "15 is usual: no joint weighs more than 1 / sin 15° = 3.9. 90 leaves the weights out."
-    return between(value, "angle", "bias angle", (1.0, 90.0), "E427", f"{option} {value}", advice, "°")
+    return between(value, "angle", (1.0, 90.0), "E427", "the bias angle", f"{option} {value}", advice, "°")
 
 
 def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Workplace) -> None:
