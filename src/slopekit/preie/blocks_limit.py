@@ -6,7 +6,6 @@ from typing import Protocol
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.bonds import Rounds
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path_limit import PathLimit
 from slopekit.preie.tolerances import MESH_CHANGE
@@ -56,7 +55,6 @@ class BlocksLimit:
     sooner : of all rounds of bonds the least factor at which a motion would begin, where that is less than the factor;
         `lowest` is no more
     counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
-    rounds : what the rounds of bonds came to, for other node pairs of the same contacts
     fell : where blocks whose strength falls step by step run before the factor with these bonds, the factor there
     finer : the factor on finer node pairs where the motion did not settle there; `lowest` is no more than it and `fell`
     unrefined : why it is not known how far finer node pairs move the factor; None where that is known, or not asked
@@ -99,7 +97,6 @@ class BlocksLimit:
     unsettled: float | None = None
     sooner: float | None = None
     counted: int = 0
-    rounds: Rounds | None = None
     fell: float | None = None
     finer: float | None = None
     unrefined: Unrefined | None = None

@@ -23,6 +23,9 @@ _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all
 _LONG = 100  # blocks of which the path takes seconds
 _OF_GROUP = 0.3  # of the work that is left, for the limit of a group
 
+Solution = tuple[AssemblyModel, PathLimit, Floats]
+"""The model of a group, its limit, and the bonds (m,) of all that are left there."""
+
 
 class Groups:
     """A large component in space: the limit of a group, the others held, proposes that of all.
@@ -40,11 +43,12 @@ class Groups:
         self.refine = refine
         gone = ~there & ~scene.assembly.fixed
         self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
-        self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
+        self.found: Solution | None = None
         self.known: dict[bytes, tuple[AssemblyModel, Ints] | None] = {}  # models of groups
         self.bounds: dict[bytes, StaticBound] = {}
         self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
-        self.solved: tuple[bytes, tuple[AssemblyModel, PathLimit, Floats] | None] = b"", None  # the last, and its bonds
+        self.solved: dict[bytes, Solution | None] = {}  # of a group with some bonds
+        self.last: Solution | None = None  # of them
         self.snapped: PathLimit | None = None  # the peak of a group, as one of all
         self.snaps = False  # whether the path of a group has ended in a peak: with fewer bonds it does so again
         self.near = self.group  # and that which is solved alone in between
@@ -72,11 +76,11 @@ class Groups:
         """
         if self.found is None:
             return None
-        model, limit, bond = self.found
+        model, limit, _ = self.found
         assert limit.parameter is not None
-        if not np.array_equal(self._of_all(model, limit).motion, motion.ravel()):
+        if not np.array_equal(self._of_all(self.found).motion, motion.ravel()):
             return None
-        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond, (limit.normal, limit.friction))
+        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, limit.bond, (limit.normal, limit.friction))
 
     def _first(self) -> Ints:
         """The group to begin with."""
@@ -85,48 +89,55 @@ class Groups:
         first = self.alone[np.argsort(bolted, kind="stable")][:1]
         return self.group if len(self.group) else _with_neighbours(self.scene.assembly, first, self.blocks)
 
-    def _of_group(self, group: Ints, bond: Floats) -> tuple[AssemblyModel, PathLimit, Floats] | None:
-        """The model of a group with all others held, its limit with some bonds (m,) of all, and its own bonds."""
+    def _of_group(self, group: Ints, bond: Floats) -> Solution | None:
+        """The limit of a group with all others held and some bonds (m,) of all."""
         known = self._known(group) if len(group) <= _MOST_GROUP * len(self.blocks) else None
         if known is None:
             return None
         small, own = known
-        broken, lost = np.zeros(len(self.scene.assembly.patches), dtype=bool), self.model.pair_contact[bond == 0.0]
-        broken[self.patch[lost[lost < len(self.patch)]]] = True  # bolts are contacts beyond them
-        opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
-        own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
+        lost = self._of_patches(self.model, self.patch, bond)
+        own_bond = np.where(np.append(lost[own], np.zeros(len(small.bolts), dtype=bool))[small.pair_contact], 0.0, 1.0)
         key = group.tobytes() + own_bond.tobytes()
-        if key == self.solved[0]:
-            return self.solved[1]
-        try:
-            with effort.part(_OF_GROUP):
-                limit = first_limit(small, own_bond, self._bound(group, small), at_once=not self.snaps)
-        except effort.EffortSpentError:
-            return None
-        self.snaps |= limit is not None and limit.outcome is PathOutcome.BRACKET
-        solution = None if limit is None or limit.parameter is None else (small, limit, own_bond)
-        self.solved = key, solution
-        return solution
+        if key not in self.solved:
+            try:
+                with effort.part(_OF_GROUP):
+                    limit = first_limit(small, own_bond, self._bound(group, small), at_once=not self.snaps)
+            except effort.EffortSpentError:
+                return None
+            self.snaps |= limit is not None and limit.outcome is PathOutcome.BRACKET
+            self.solved[key] = None
+            if limit is not None and limit.parameter is not None:
+                lost |= self._of_patches(small, own, limit.bond)
+                broken = np.append(lost[self.patch], np.zeros(len(self.model.bolts), dtype=bool))
+                self.solved[key] = small, limit, np.where(broken[self.model.pair_contact], 0.0, bond)
+        self.last = self.solved[key]
+        return self.last
 
-    def _of_all(self, small: AssemblyModel, limit: PathLimit) -> PathLimit:
-        """A limit of a group, its motion that of all blocks."""
+    def _of_patches(self, model: AssemblyModel, patch: Ints, bond: Floats) -> Bools:
+        """Patches (k,) of the assembly that have lost their cohesion, by the bonds (m,) of contacts on some of them."""
+        lost, contacts = np.zeros(len(self.scene.assembly.patches), dtype=bool), model.pair_contact[bond == 0.0]
+        lost[patch[contacts[contacts < len(patch)]]] = True  # bolts are contacts beyond them
+        return lost
+
+    def _of_all(self, solution: Solution) -> PathLimit:
+        """A limit of a group, its motion and bonds those of all blocks."""
+        small, limit, bond = solution
         model = self.model
         motion = np.zeros_like(model.load)
         motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
         motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
-        return replace(limit, motion=motion.ravel())
+        return replace(limit, motion=motion.ravel(), bond=bond)
 
     def limit_alone(self, bond: Floats) -> PathLimit | None:
         """The limit of the group that failed last, with some bonds (m,); none of its forces are those of all."""
         solution = self._of_group(self.near, bond) if len(self.near) else None
         if solution is None:
             return None
-        small, limit, _ = solution
-        return replace(self._of_all(small, limit), group=len(self.near))
+        return replace(self._of_all(solution), group=len(self.near))
 
     def held(self) -> tuple[float, int] | None:
         """The factor of the group that was solved last, all others held, and its blocks; None where none was found."""
-        solution = self.solved[1]
+        solution = self.last
         if solution is None or not solution[1].found or not solution[1].parameter:
             return None
         return 1.0 / solution[1].parameter, len(solution[0].load)
@@ -164,17 +175,17 @@ class Groups:
         self.found, self.snapped = None, None
         if not len(self.alone):
             return None
-        bed = Bed(model, Drive(model.load.ravel()), bond)
         group, work = self._first(), 0
         for _ in range(_MOST_GROUPS):
             solution = self._of_group(group, bond)
             if solution is None:
                 return None
-            small, limit, own_bond = solution
+            _, limit, left = solution
             assert limit.parameter is not None
             if not limit.found and not peaks:  # it may be a snap of slivers
-                self.snapped = self._of_all(small, limit)
+                self.snapped = self._of_all(solution)
                 return None
+            bed = Bed(model, Drive(model.load.ravel()), left)
             work += limit.factorisations
             factor = 1.0 / limit.parameter
             below = min(factor, top)
@@ -182,11 +193,11 @@ class Groups:
             if flow.ended == "rest":
                 if factor > top * (1.0 + BOUND_ACCURACY):
                     return None
-                self.group, self.near, of_group = group, group, (small, limit, own_bond)
-                limit = self._of_all(small, limit)
+                self.group = self.near = group
+                limit = self._of_all(solution)
                 if not at_their_limit(bed, flow, limit):
                     return None
-                self.found = of_group
+                self.found = solution
                 rested, width = 1.0 / (below * (1.0 - gap)), 1.0 - (1.0 - gap) * below / factor
                 at, forces = bed.polished(flow.at, rested)
                 if gap > JUST or not limit.found:  # what all blocks vouch for is the last state at rest
