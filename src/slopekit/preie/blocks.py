@@ -131,19 +131,19 @@ def _limit_of(
     steps, loads, drive = 0, LoadsOn(), Drive(model.load.ravel())
     snapped: set[bytes] = set()  # bonds with which a peak was taken for a round
 
-    def once(bond: Floats, vouched: bool) -> tuple[PathLimit, bool]:
+    def once(bond: Floats, falls: bool, vouched: bool) -> tuple[PathLimit, bool]:
         nonlocal steps, loads
         loads = LoadsOn()
         settled = None
         if proposal is not None and not vouched:
-            own = proposal.limit_alone(bond)
+            own = proposal.limit_alone(bond, falls)
             if own is not None and (own.found or own.outcome is PathOutcome.BRACKET):
                 if not own.found:
                     snapped.add(bond.tobytes())
                 return _weaker(own, 1.0 / unit), False
         try:
             if proposal is not None:
-                settled = proposal.limit(bond, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
+                settled = proposal.limit(bond, falls, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
         except EffortSpentError as spent:
             raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
@@ -155,7 +155,7 @@ def _limit_of(
             proposal.begins_with(peak.motion)
             return _weaker(peak, 1.0 / unit), False
         with told_times(unit, "divided by"):
-            path_end, loads, work = _on_path(model, unit, bond, bound, ratio)
+            path_end, loads, work = _on_path(model, unit, bond, bound, ratio, falls)
         steps += work
         if proposal is not None and path_end.parameter:
             proposal.begins_with(path_end.motion)
@@ -315,10 +315,10 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
 
-    def once(bond: Floats, _: bool) -> tuple[PathLimit, bool]:
+    def once(bond: Floats, falls: bool, _: bool) -> tuple[PathLimit, bool]:
         bed = Bed(model, Drive(own, grows, reduction), bond)
         try:
-            return fall(bed, first) if model.cohesion.any() else follow(bed, first), True
+            return (fall if falls and model.cohesion.any() else follow)(bed, first), True
         except EffortSpentError:
             none = np.zeros(bed.size)
             return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)), True
@@ -355,20 +355,23 @@ def bound_of(model: AssemblyModel) -> float | None:
         return _times(_bound(model).factor, unit)
 
 
-def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound, at_once: bool = True) -> PathLimit | None:
+def first_limit(
+    model: AssemblyModel, bond: Floats, bound: StaticBound, falls: bool, at_once: bool = True
+) -> PathLimit | None:
     """The limit of some blocks with bonds (m,) as they are, and their `unit_bound`; None where there is none.
 
     A peak is that of one way to it: nobody asks how sure it is.
 
     Parameters
     ----------
+    falls : whether more of them break as strength falls
     at_once : whether a limit is proposed before the path, or where it ends in a peak
     """
     model, unit = _in_unit_strength(model)
     if bound.lifted:
         return None
     with told_times(unit or 1.0, "divided by"):
-        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, peaks=False, at_once=at_once)
+        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, falls, peaks=False, at_once=at_once)
     return _weaker(path_end, unit or 1.0) if path_end.parameter else None
 
 
@@ -389,7 +392,7 @@ def _times(factor: float | None, by: float) -> float | None:
 
 
 def _on_path(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True,
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, falls: bool, peaks: bool = True,
     at_once: bool = True,
 ) -> tuple[PathLimit, LoadsOn, int]:  # fmt: skip
     """The path with some bonds, how the loads beside weight came on, and the work.
@@ -403,7 +406,7 @@ def _on_path(
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
     bonded = bool(bed.cohesion.any())
     path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
-    path_end = path_end or (fall if bonded else follow)(bed, start, live and bed.tangents == 1)
+    path_end = path_end or (fall if bonded and falls else follow)(bed, start, live and bed.tangents == 1)
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1
     if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= _PROPOSED:
         path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
@@ -411,7 +414,7 @@ def _on_path(
         return path_end, LoadsOn(), bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
     if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
-        last, loads, work = loads_last(model, unit, bond, bound, ratio)
+        last, loads, work = loads_last(model, unit, bond, bound, ratio, falls)
         tipped = math.inf if loads.tips is None else 1.0 / loads.tips[1]  # and with all greater strengths
         most = min(_LOCKED * start / _START, tipped)
         if last.found or bed.tangents > 1 or bed.size > _PROPOSED or most < start:
@@ -424,7 +427,7 @@ def _on_path(
             path_end = first_peak(bed, path_end)
         begun = 1.0 / path_end.started if path_end.started > start else None
         return path_end, LoadsOn(begun=begun), work + bed.factorisations
-    locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
+    locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED and not (bonded and falls)
     if path_end.outcome is PathOutcome.BRACKET:
         if locked:  # a rest that needs many times the bound
             path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)

@@ -117,10 +117,10 @@ class BlocksLimit:
 class Proposal(Protocol):
     """Another way than the path to the limit of all blocks."""
 
-    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+    def limit(self, bond: Floats, falls: bool, top: float, peaks: bool = False) -> PathLimit | None:
         """The limit with some bonds (m,), at most `top`, or with `peaks` a peak; None where the way leads nowhere."""
 
-    def limit_alone(self, bond: Floats) -> PathLimit | None:
+    def limit_alone(self, bond: Floats, falls: bool) -> PathLimit | None:
         """That of the blocks which failed last, all others held; None where there is none."""
 
     def peak(self) -> PathLimit | None:

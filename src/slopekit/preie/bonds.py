@@ -23,10 +23,12 @@ from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, LIMIT_BALANCED, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
+_ALIKE = 0.99  # cosine of two motions from which on they are one
 _TOUCHES = 1e-6  # of the deepest that a pair is pressed in: pairs that are no farther apart touch
 
-Search = Callable[[Floats, bool], tuple[PathLimit, bool]]
-"""The limit with bonds (m,), whether all blocks have to vouch for it, and whether they do."""
+Search = Callable[[Floats, bool, bool], tuple[PathLimit, bool]]
+"""The limit with bonds (m,), whether more of them break as strength falls, whether all blocks have to vouch for it; and
+whether they do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,13 +67,13 @@ class _Rounds:
     ) -> None:  # fmt: skip
         self.model, self.once, self.working, self.load_grows, self.begun = model, once, working, load_grows, begun
         self.bonded = np.bincount(model.pair_contact, model.cohesion, len(model.plus)) > 0.0
-        self.asked, self.all_rest = begun, False  # bonds with which the limit was looked for; whether all blocks rest
+        self.asked, self.all_rest = (begun, True), False  # what the limit was looked for with; whether all blocks rest
         self.opens = np.zeros_like(self.bonded)  # contacts that its motion opens, and another one would without them
         self.counted = 0
 
     def ended(self) -> Bonded:
         """The limit of the blocks that fail, from all bonds on."""
-        last = self._limit(self.begun)
+        last = self._limit(self.begun, True)
         ended = Bonded(last, last.parameter, soonest=last.parameter, entire=bool((last.bond == self.begun).all()))
         opened = self.opens = np.zeros_like(self.bonded)
         for _ in range(_MOST_ROUNDS if _runs(last) else 0):
@@ -79,10 +81,13 @@ class _Rounds:
             if not new.any():
                 break
             opened, before = opened | new, (self.asked, self.all_rest)
-            after = self._limit(np.where(new[self.model.pair_contact], 0.0, last.bond))
+            after = self._limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
             if _runs(after):
                 sooner = min if self.load_grows else max
                 ended = replace(ended, soonest=sooner(after.parameter or 0.0, ended.soonest or 0.0))
+            if after.outcome is PathOutcome.NO_REST:  # all that holds the blocks is cohesion that they open
+                last = after
+                break
             if not self._is_same(last, after, opened):
                 self.opens, (self.asked, self.all_rest) = new, before
                 ended = replace(ended, least=after.parameter if _runs(after) else None, opened=int(new.sum()))
@@ -96,7 +101,7 @@ class _Rounds:
         """The same once all blocks have vouched for it, less the work of what it opens; None where others fail."""
         last = ended.limit
         if not self.all_rest:
-            last, self.all_rest = self.once(self.asked, True)
+            last, self.all_rest = self.once(*self.asked, True)
             if not self.all_rest or not np.array_equal(last.motion, ended.limit.motion):
                 return None
         if not self.opens.any() or last.parameter is None:
@@ -105,34 +110,15 @@ class _Rounds:
         share = 1.0 - (less / last.parameter if self.load_grows else last.parameter / less)
         return replace(ended, limit=replace(last, parameter=less), share=share)
 
-    def _limit(self, bond: Floats) -> PathLimit:
-        """With some bonds (m,), and without those of contacts that are open all over there."""
-        while True:
-            path_end, self.all_rest = self.once(bond, False)
-            self.asked = bond
-            gone = self._open_before(path_end) if self.all_rest and _runs(path_end) else np.zeros_like(self.bonded)
-            if not gone.any():
-                return path_end
-            bond = np.where(gone[self.model.pair_contact], 0.0, path_end.bond)
+    def _limit(self, bond: Floats, falls: bool) -> PathLimit:
+        """With some bonds (m,)."""
+        path_end, self.all_rest = self.once(bond, falls, False)
+        self.asked = bond, falls
+        return path_end
 
     def _lost(self, path_end: PathLimit) -> Bools:
         lost: Bools = np.bincount(self.model.pair_contact, path_end.bond, len(self.bonded)) == 0.0
         return lost
-
-    def _open_before(self, path_end: PathLimit) -> Bools:
-        """Contacts (k,) that do not touch as a motion begins, which leaves them so, if its forces need their bond.
-
-        Not asked of the peak of a group of blocks, which would be another one after rounds of many groups: `counted`.
-        """
-        model, apart = self.model, self.model.opening_and_slip(path_end.displacement)[0]
-        touches = (path_end.normal > 0.0) | (apart <= _TOUCHES * abs(float(apart.min())))
-        gone = self.bonded & ~self._lost(path_end) & ~self._opens(path_end)
-        gone &= np.bincount(model.pair_contact, touches, len(gone)) == 0
-        self.counted = int(gone.sum()) if path_end.group and not path_end.found else 0
-        left = np.where(gone[model.group_contact][:, None], 0.0, path_end.friction)
-        held = model.unbalanced(path_end.normal, path_end.friction) - model.unbalanced(path_end.normal, left)
-        needed = not self.counted and float(np.abs(held).max()) > LIMIT_BALANCED
-        return gone if needed else np.zeros_like(gone)
 
     def _opens(self, path_end: PathLimit) -> Bools:
         """Contacts (k,) that a motion opens anywhere, beyond what slip opens by itself."""
@@ -147,13 +133,21 @@ class _Rounds:
         return opens
 
     def _is_same(self, last: PathLimit, after: PathLimit, opened: Bools) -> bool:
-        """Whether the motion without what others opened (k,) opens that too, and begins no later."""
+        """Whether the motion without what others opened (k,) opens that too, is no other, and begins no later."""
         if not _runs(after) or (last.found and not after.found):
             return False
         assert last.parameter is not None
         assert after.parameter is not None
         later = (after.parameter - last.parameter) * (1.0 if self.load_grows else -1.0)
-        return later <= SAME_FACTOR * last.parameter and bool(self._opens(after)[opened].all())
+        if later > SAME_FACTOR * last.parameter or not self._opens(after)[opened].all():
+            return False
+        one, other = (self._relative(path_end) for path_end in (last, after))
+        return not last.found or float(one @ other) > _ALIKE * float(np.sqrt((one @ one) * (other @ other)))
+
+    def _relative(self, path_end: PathLimit) -> Floats:
+        """Opening and slip of the motion."""
+        opening, slip = self.model.opening_and_slip(path_end.motion)
+        return np.concatenate([opening, slip.ravel()])
 
     def _less(self, path_end: PathLimit, opens: Bools) -> float:
         """Its parameter without the work that the cohesion of contacts (k,) does."""

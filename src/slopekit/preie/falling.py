@@ -16,7 +16,7 @@ from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed
 from slopekit.preie.path import Ran, at_rest_first, at_rest_next, follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, result_of
-from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS
+from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, RUNS
 
 _STUCK = 128.0  # times the strength of a path's start: there nothing slips yet, and more of it changes nothing
 _STRIDE, _LONGEST = 0.05, 0.7  # steps of ln λ: while bonds break, and at most
@@ -45,13 +45,20 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
         return replace(stands, started=start)
     ended = follow(left, start, brief, ran)
-    if ended.found and ended.parameter is not None and left.drive.gap(ended.parameter, ran.bad) < 1.0 - NEAR_RUNNING:
-        moved = ran.flow.at - ran.flow.before
-        ended = result_of(
-            left, PathOutcome.BRACKET, ran.parameter, (ran.parameter, ran.bad), ran.rest.at, moved, ran.rest.forces
-        )
     bed.factorisations = left.factorisations
+    if ended.found and not _is_there(left, ran, ended):
+        moved = ran.flow.at - ran.flow.before
+        peak = ran.parameter, ran.bad
+        ended = result_of(left, PathOutcome.BRACKET, ran.parameter, peak, ran.rest.at, moved, ran.rest.forces)
     return replace(ended, started=start)
+
+
+def _is_there(bed: Bed, ran: Ran, ended: PathLimit) -> bool:
+    """Whether a limit is no farther than where the blocks run, and needs no pair that pulls."""
+    assert ended.parameter is not None
+    off = bed.model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
+    near = bed.drive.gap(ended.parameter, ran.bad) >= 1.0 - NEAR_RUNNING
+    return near and float(np.abs(off).max()) < LIMIT_BALANCED
 
 
 def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran] | None:

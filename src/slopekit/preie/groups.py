@@ -89,7 +89,7 @@ class Groups:
         first = self.alone[np.argsort(bolted, kind="stable")][:1]
         return self.group if len(self.group) else _with_neighbours(self.scene.assembly, first, self.blocks)
 
-    def _of_group(self, group: Ints, bond: Floats) -> Solution | None:
+    def _of_group(self, group: Ints, bond: Floats, falls: bool) -> Solution | None:
         """The limit of a group with all others held and some bonds (m,) of all."""
         known = self._known(group) if len(group) <= _MOST_GROUP * len(self.blocks) else None
         if known is None:
@@ -97,11 +97,11 @@ class Groups:
         small, own = known
         lost = self._of_patches(self.model, self.patch, bond)
         own_bond = np.where(np.append(lost[own], np.zeros(len(small.bolts), dtype=bool))[small.pair_contact], 0.0, 1.0)
-        key = group.tobytes() + own_bond.tobytes()
+        key = group.tobytes() + own_bond.tobytes() + bytes(falls)
         if key not in self.solved:
             try:
                 with effort.part(_OF_GROUP):
-                    limit = first_limit(small, own_bond, self._bound(group, small), at_once=not self.snaps)
+                    limit = first_limit(small, own_bond, self._bound(group, small), falls, at_once=not self.snaps)
             except effort.EffortSpentError:
                 return None
             self.snaps |= limit is not None and limit.outcome is PathOutcome.BRACKET
@@ -128,9 +128,9 @@ class Groups:
         motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
         return replace(limit, motion=motion.ravel(), bond=bond)
 
-    def limit_alone(self, bond: Floats) -> PathLimit | None:
+    def limit_alone(self, bond: Floats, falls: bool) -> PathLimit | None:
         """The limit of the group that failed last, with some bonds (m,); none of its forces are those of all."""
-        solution = self._of_group(self.near, bond) if len(self.near) else None
+        solution = self._of_group(self.near, bond, falls) if len(self.near) else None
         if solution is None:
             return None
         return replace(self._of_all(solution), group=len(self.near))
@@ -164,7 +164,7 @@ class Groups:
         movers: Ints = self.model.moving[speed > FLOWS * float(speed.max())]
         return movers
 
-    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+    def limit(self, bond: Floats, falls: bool, top: float, peaks: bool = False) -> PathLimit | None:
         """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere.
 
         Parameters
@@ -177,7 +177,7 @@ class Groups:
             return None
         group, work = self._first(), 0
         for _ in range(_MOST_GROUPS):
-            solution = self._of_group(group, bond)
+            solution = self._of_group(group, bond, falls)
             if solution is None:
                 return None
             _, limit, left = solution
