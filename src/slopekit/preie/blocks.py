@@ -161,6 +161,8 @@ def _limit_of(
             proposal.begins_with(path_end.motion)
         return path_end, True
 
+    if proposal is not None and bound.factor is not None and model.cohesion.any():
+        proposal.begins_with(bound.velocity.ravel())
     try:
         ended = with_bonds(model, once, drive.working, False, bond)
     except EffortSpentError as spent:

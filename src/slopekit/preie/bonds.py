@@ -23,6 +23,7 @@ from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, LIMIT_BALANCED, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
+_LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more
 _ALIKE = 0.99  # cosine of two motions from which on they are one
 _TOUCHES = 1e-6  # of the deepest that a pair is pressed in: pairs that are no farther apart touch
 
@@ -45,7 +46,8 @@ class Bonded:
     share : part of the motion's work that their cohesion did
     unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
     soonest : with whatever bonds were tried, the parameter at which a motion would begin first
-    counted : contacts that are open before the motion and whose cohesion counts, as it is the peak of a group
+    counted : contacts that are open all over at the peak of a group and whose cohesion counts, as without it no rest of
+        all blocks was found
     """
 
     limit: PathLimit
@@ -69,33 +71,35 @@ class _Rounds:
         self.bonded = np.bincount(model.pair_contact, model.cohesion, len(model.plus)) > 0.0
         self.asked, self.all_rest = (begun, True), False  # what the limit was looked for with; whether all blocks rest
         self.opens = np.zeros_like(self.bonded)  # contacts that its motion opens, and another one would without them
-        self.counted = 0
 
     def ended(self) -> Bonded:
         """The limit of the blocks that fail, from all bonds on."""
         last = self._limit(self.begun, True)
         ended = Bonded(last, last.parameter, soonest=last.parameter, entire=bool((last.bond == self.begun).all()))
-        opened = self.opens = np.zeros_like(self.bonded)
+        opened, self.opens = np.zeros_like(self.bonded), np.zeros_like(self.bonded)
         for _ in range(_MOST_ROUNDS if _runs(last) else 0):
             new = self._opens(last) & self.bonded & ~self._lost(last)
             if not new.any():
                 break
-            opened, before = opened | new, (self.asked, self.all_rest)
+            self.opens, before = new, (self.asked, self.all_rest)
+            if not last.found:
+                ended = replace(ended, unsettled=last.parameter)
+                if self._share(last, new) < _LITTLE:  # another path would say no more
+                    break
             after = self._limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
-            if _runs(after):
-                sooner = min if self.load_grows else max
-                ended = replace(ended, soonest=sooner(after.parameter or 0.0, ended.soonest or 0.0))
             if after.outcome is PathOutcome.NO_REST:  # all that holds the blocks is cohesion that they open
                 last = after
                 break
+            if _runs(after):
+                sooner = min if self.load_grows else max
+                ended = replace(ended, soonest=sooner(after.parameter or 0.0, ended.soonest or 0.0))
+            opened |= new
             if not self._is_same(last, after, opened):
-                self.opens, (self.asked, self.all_rest) = new, before
-                ended = replace(ended, least=after.parameter if _runs(after) else None, opened=int(new.sum()))
+                self.asked, self.all_rest = before
+                ended = replace(ended, least=after.parameter if _runs(after) else None)
                 break
-            if not last.found and ended.unsettled is None:
-                ended = replace(ended, unsettled=last.parameter)
-            last = after
-        return replace(ended, limit=last, counted=self.counted)
+            last, self.opens = after, np.zeros_like(new)
+        return replace(ended, limit=last)
 
     def vouched(self, ended: Bonded) -> Bonded | None:
         """The same once all blocks have vouched for it, less the work of what it opens; None where others fail."""
@@ -104,11 +108,14 @@ class _Rounds:
             last, self.all_rest = self.once(*self.asked, True)
             if not self.all_rest or not np.array_equal(last.motion, ended.limit.motion):
                 return None
+        if last.group and not last.found:
+            touches = np.bincount(self.model.pair_contact, last.normal > 0.0, len(self.bonded)) > 0
+            ended = replace(ended, counted=int((self.bonded & ~self._lost(last) & ~touches).sum()))
         if not self.opens.any() or last.parameter is None:
             return replace(ended, limit=last)
-        less = self._less(last, self.opens)
-        share = 1.0 - (less / last.parameter if self.load_grows else last.parameter / less)
-        return replace(ended, limit=replace(last, parameter=less), share=share)
+        share = self._share(last, self.opens)
+        less = last.parameter * (1.0 - share) if self.load_grows else last.parameter / max(1.0 - share, TINY)
+        return replace(ended, limit=replace(last, parameter=less), opened=int(self.opens.sum()), share=share)
 
     def _limit(self, bond: Floats, falls: bool) -> PathLimit:
         """With some bonds (m,)."""
@@ -134,7 +141,7 @@ class _Rounds:
 
     def _is_same(self, last: PathLimit, after: PathLimit, opened: Bools) -> bool:
         """Whether the motion without what others opened (k,) opens that too, is no other, and begins no later."""
-        if not _runs(after) or (last.found and not after.found):
+        if not last.found or not after.found:
             return False
         assert last.parameter is not None
         assert after.parameter is not None
@@ -142,23 +149,21 @@ class _Rounds:
         if later > SAME_FACTOR * last.parameter or not self._opens(after)[opened].all():
             return False
         one, other = (self._relative(path_end) for path_end in (last, after))
-        return not last.found or float(one @ other) > _ALIKE * float(np.sqrt((one @ one) * (other @ other)))
+        return float(one @ other) > _ALIKE * float(np.sqrt((one @ one) * (other @ other)))
 
     def _relative(self, path_end: PathLimit) -> Floats:
         """Opening and slip of the motion."""
         opening, slip = self.model.opening_and_slip(path_end.motion)
         return np.concatenate([opening, slip.ravel()])
 
-    def _less(self, path_end: PathLimit, opens: Bools) -> float:
-        """Its parameter without the work that the cohesion of contacts (k,) does."""
+    def _share(self, path_end: PathLimit, opens: Bools) -> float:
+        """Part of the work of a motion that the cohesion of contacts (k,) does, 1 at most."""
         assert path_end.parameter is not None
         _, slip = self.model.opening_and_slip(path_end.motion)
         cohesion = self.model.by_group(np.where(opens[self.model.pair_contact], self.model.cohesion, 0.0))
         work = path_end.reduction * float(cohesion @ np.sqrt((slip * slip).sum(axis=1)))
         share = work / float(self.working @ path_end.motion)
-        if self.load_grows:
-            return max(path_end.parameter - share, 0.0)
-        return path_end.parameter / max(1.0 - share, TINY)
+        return min(share / path_end.parameter if self.load_grows else share, 1.0)
 
 
 def with_bonds(

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Bools
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed
@@ -20,7 +20,8 @@ from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, 
 
 _STUCK = 128.0  # times the strength of a path's start: there nothing slips yet, and more of it changes nothing
 _STRIDE, _LONGEST = 0.05, 0.7  # steps of ln λ: while bonds break, and at most
-NEAR_RUNNING = 3e-3  # how near the last rest comes to where the blocks run
+NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
+_MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
 
 def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
@@ -44,7 +45,7 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     if ran.flow.ended == "rest":
         stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
         return replace(stands, started=start)
-    ended = follow(left, start, brief, ran)
+    ended = follow(left, start, brief or bed.size > _MANY, ran)
     bed.factorisations = left.factorisations
     if ended.found and not _is_there(left, ran, ended):
         moved = ran.flow.at - ran.flow.before
@@ -63,17 +64,16 @@ def _is_there(bed: Bed, ran: Ran, ended: PathLimit) -> bool:
 
 def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran] | None:
     """The joints as they are where the blocks run, or stand without strength; None where they rest nowhere."""
-    bonded = _bonded(bed)
     parameter, flow = at_rest_first(bed, start, 0)
-    bed, flow = _broken(bed, flow, parameter, bonded)
+    bed, flow = _broken(bed, flow, parameter)
     if flow.ended != "rest":
         return None
     stride, grows = _LONGEST, 2.0
     while True:
         trial = bed.drive.harder(parameter, math.exp(-stride))
-        left, found = _broken(bed, _next(bed, flow, trial), trial, bonded)
+        left, found = _broken(bed, _next(bed, flow, trial), trial)
         if found.ended != "rest":
-            if stride < NEAR_RUNNING:
+            if stride <= NEAR_RUNNING:
                 return left, Ran(parameter, flow, trial, found)
             stride, grows = 0.5 * stride, 1.0  # a long step may make blocks run that a shorter one leaves at rest
         elif left is bed or stride <= _STRIDE:
@@ -85,6 +85,13 @@ def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran] | None:
             stride = _STRIDE
 
 
+def open_all_over(bed: Bed, flow: Flow) -> Floats | None:
+    """The bonds (m,) that are left at a rest, where those of contacts that no pair presses go; None where none do."""
+    contact = bed.model.pair_contact
+    opens = _bonded(bed) & (np.bincount(contact, flow.forces.touching, bed.contacts) == 0)
+    return np.where(opens[contact], 0.0, bed.bond) if (opens[contact] & (bed.bond > 0.0)).any() else None
+
+
 def _bonded(bed: Bed) -> Bools:
     """Contacts (k,) that can lose their bond; a bolt has no pair that could be pressed."""
     joints = bed.model.joint_pairs
@@ -92,14 +99,10 @@ def _bonded(bed: Bed) -> Bools:
     return bonded
 
 
-def _broken(bed: Bed, flow: Flow, parameter: float, bonded: Bools) -> tuple[Bed, Flow]:
+def _broken(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
     """From a rest to one that leaves no bond on contacts that are open all over, or running."""
-    contact = bed.model.pair_contact
-    while flow.ended == "rest":
-        opens = bonded & (np.bincount(contact, flow.forces.touching, bed.contacts) == 0)
-        if not (opens[contact] & (bed.bond > 0.0)).any():
-            break
-        bed = bed.with_bonds(np.where(opens[contact], 0.0, bed.bond))
+    while flow.ended == "rest" and (left := open_all_over(bed, flow)) is not None:
+        bed = bed.with_bonds(left)
         flow = _next(bed, flow, parameter)
     return bed, flow
 

@@ -14,9 +14,12 @@ from slopekit.preie.blocks_limit import Span
 from slopekit.preie.bound import StaticBound
 from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.components import WholeAssembly, model_of
+from slopekit.preie.falling import open_all_over
+from slopekit.preie.flow import Flow
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.rests import JUST, at_their_limit, rests_before
+from slopekit.preie.undilated import rest_of_hundreds
 from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
 
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
@@ -122,11 +125,24 @@ class Groups:
     def _of_all(self, solution: Solution) -> PathLimit:
         """A limit of a group, its motion and bonds those of all blocks."""
         small, limit, bond = solution
-        model = self.model
-        motion = np.zeros_like(model.load)
-        motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
-        motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
-        return replace(limit, motion=motion.ravel(), bond=bond)
+        return replace(limit, motion=self._moved(small, limit.motion, np.zeros(self.model.load.size)), bond=bond)
+
+    def _rest_of_all(self, bed: Bed, solution: Solution) -> Flow | None:
+        """All blocks at rest where a group was last, from there and joints that stick; None where they are not."""
+        small, limit, _ = solution
+        if limit.found or limit.parameter is None:
+            return None
+        model, unit = self.model, small.force_scale / small.area_scale
+        at = self._moved(small, limit.displacement * unit * model.area_scale / model.force_scale, bed.elastic_displacement)
+        return rest_of_hundreds(bed, at, limit.parameter)
+
+    def _moved(self, small: AssemblyModel, motion: Floats, others: Floats) -> Floats:
+        """A motion of the blocks of a group and that of all others (N,)."""
+        model, rolls = self.model, np.arange(6) >= 3
+        moved = others.reshape(model.load.shape).copy()
+        own = motion.reshape(small.load.shape) * np.where(rolls, model.length_scale / small.length_scale, 1.0)
+        moved[np.searchsorted(model.moving, small.moving)] = own
+        return moved.ravel()
 
     def limit_alone(self, bond: Floats, falls: bool) -> PathLimit | None:
         """The limit of the group that failed last, with some bonds (m,); none of its forces are those of all."""
@@ -189,13 +205,17 @@ class Groups:
             work += limit.factorisations
             factor = 1.0 / limit.parameter
             below = min(factor, top)
-            flow, gap = rests_before(bed, below, RESTS_NEAR)
+            flow, gap = self._rest_of_all(bed, solution), 0.0
+            if flow is None or factor > top:
+                flow, gap = rests_before(bed, below, RESTS_NEAR)
+            if flow.ended == "rest" and model.cohesion.any():
+                bed, flow = _without_open(bed, flow, 1.0 / (below * (1.0 - gap)))
             if flow.ended == "rest":
                 if factor > top * (1.0 + BOUND_ACCURACY):
                     return None
                 self.group = self.near = group
-                limit = self._of_all(solution)
-                if not at_their_limit(bed, flow, limit):
+                limit = replace(self._of_all(solution), bond=bed.bond)
+                if limit.found and not at_their_limit(bed, flow, limit):  # a group that runs by itself has run
                     return None
                 self.found = solution
                 rested, width = 1.0 / (below * (1.0 - gap)), 1.0 - (1.0 - gap) * below / factor
@@ -214,6 +234,16 @@ class Groups:
             movers = self._movers(flow.at - flow.before)
             group = _with_neighbours(scene.assembly, group if np.isin(movers, group).all() else movers, blocks)
         return None
+
+
+def _without_open(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
+    """From a rest of all blocks to one without the bonds of contacts that are open all over, if that is found."""
+    while (left := open_all_over(bed, flow)) is not None:
+        after = rest_of_hundreds(bed.with_bonds(left), flow.at, parameter)
+        if after is None:
+            break
+        bed, flow = bed.with_bonds(left), after
+    return bed, flow
 
 
 def _with_neighbours(assembly: Assembly, group: Ints, among: Ints) -> Ints:
