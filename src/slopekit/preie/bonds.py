@@ -22,7 +22,7 @@ from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, LIMIT_BALANCED, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
-_MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
+_MOST_ROUNDS, _MOST_GROUPS = 60, 8  # of cohesion lost; of groups of blocks that fail
 _LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more
 _ALIKE = 0.99  # cosine of two motions from which on they are one
 _TOUCHES = 1e-6  # of the deepest that a pair is pressed in: pairs that are no farther apart touch
@@ -72,9 +72,8 @@ class _Rounds:
         self.asked, self.all_rest = (begun, True), False  # what the limit was looked for with; whether all blocks rest
         self.opens = np.zeros_like(self.bonded)  # contacts that its motion opens, and another one would without them
 
-    def ended(self) -> Bonded:
-        """The limit of the blocks that fail, from all bonds on."""
-        last = self._limit(self.begun, True)
+    def ended(self, last: PathLimit) -> Bonded:
+        """The limit of the blocks that fail, from the one with the bonds that falling strength leaves on."""
         ended = Bonded(last, last.parameter, soonest=last.parameter, entire=bool((last.bond == self.begun).all()))
         opened, self.opens = np.zeros_like(self.bonded), np.zeros_like(self.bonded)
         for _ in range(_MOST_ROUNDS if _runs(last) else 0):
@@ -86,7 +85,7 @@ class _Rounds:
                 ended = replace(ended, unsettled=last.parameter)
                 if self._share(last, new) < _LITTLE:  # another path would say no more
                     break
-            after = self._limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
+            after = self.limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
             if after.outcome is PathOutcome.NO_REST:  # all that holds the blocks is cohesion that they open
                 last = after
                 break
@@ -101,13 +100,13 @@ class _Rounds:
             last, self.opens = after, np.zeros_like(new)
         return replace(ended, limit=last)
 
-    def vouched(self, ended: Bonded) -> Bonded | None:
-        """The same once all blocks have vouched for it, less the work of what it opens; None where others fail."""
+    def vouched(self, ended: Bonded) -> Bonded | PathLimit:
+        """The same once all blocks have vouched for it, less the work of what it opens; or the limit of others."""
         last = ended.limit
         if not self.all_rest:
             last, self.all_rest = self.once(*self.asked, True)
-            if not self.all_rest or not np.array_equal(last.motion, ended.limit.motion):
-                return None
+            if not np.array_equal(last.motion, ended.limit.motion):
+                return last
         if last.group and not last.found:
             touches = np.bincount(self.model.pair_contact, last.normal > 0.0, len(self.bonded)) > 0
             ended = replace(ended, counted=int((self.bonded & ~self._lost(last) & ~touches).sum()))
@@ -117,7 +116,7 @@ class _Rounds:
         less = last.parameter * (1.0 - share) if self.load_grows else last.parameter / max(1.0 - share, TINY)
         return replace(ended, limit=replace(last, parameter=less), opened=int(self.opens.sum()), share=share)
 
-    def _limit(self, bond: Floats, falls: bool) -> PathLimit:
+    def limit(self, bond: Floats, falls: bool) -> PathLimit:
         """With some bonds (m,)."""
         path_end, self.all_rest = self.once(bond, falls, False)
         self.asked = bond, falls
@@ -179,11 +178,13 @@ def with_bonds(
     """
     begun = np.ones(len(model.control_area)) if bond is None else bond
     rounds = _Rounds(model, once, working, load_grows, begun)
-    for _ in range(_MOST_ROUNDS):  # of groups of blocks: forces of one alone are none of all blocks
-        ended = rounds.ended()
+    last = rounds.limit(begun, True)
+    for _ in range(_MOST_GROUPS):  # forces of one alone are none of all blocks
+        ended = rounds.ended(last)
         vouched = rounds.vouched(ended)
-        if vouched is not None:
+        if isinstance(vouched, Bonded):
             return vouched
+        last = vouched
     return Bonded(replace(ended.limit, outcome=PathOutcome.GAVE_UP), ended.whole)
 
 

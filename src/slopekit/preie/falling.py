@@ -21,6 +21,7 @@ from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, 
 _STUCK = 128.0  # times the strength of a path's start: there nothing slips yet, and more of it changes nothing
 _STRIDE, _LONGEST = 0.05, 0.7  # steps of ln λ: while bonds break, and at most
 NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
+_DROPS = 0.1  # from there to the limit of the motion; histories that settle drop by a twenty-fifth at most
 _MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
 
@@ -41,29 +42,37 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     fallen = _fallen(bed, start * _STUCK if bed.drive.ramp is None else start)
     if fallen is None:
         return follow(bed, start, brief)
-    left, ran = fallen
+    left, ran, snaps = fallen
     if ran.flow.ended == "rest":
         stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
         return replace(stands, started=start)
     ended = follow(left, start, brief or bed.size > _MANY, ran)
     bed.factorisations = left.factorisations
-    if ended.found and not _is_there(left, ran, ended):
+    if ended.found and not _is_there(left, ran, ended, snaps):
         moved = ran.flow.at - ran.flow.before
         peak = ran.parameter, ran.bad
         ended = result_of(left, PathOutcome.BRACKET, ran.parameter, peak, ran.rest.at, moved, ran.rest.forces)
     return replace(ended, started=start)
 
 
-def _is_there(bed: Bed, ran: Ran, ended: PathLimit) -> bool:
-    """Whether a limit is no farther than where the blocks run, and needs no pair that pulls."""
+def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
+    """Whether a limit is no farther than where the blocks run, and needs no pair that pulls.
+
+    Nor nearer, where bonds broke as they ran (`snaps`): without those the blocks would have run before. Nor far nearer
+    at all: it would be another motion.
+    """
     assert ended.parameter is not None
     off = bed.model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
-    near = bed.drive.gap(ended.parameter, ran.bad) >= 1.0 - NEAR_RUNNING
+    past = bed.drive.gap(ended.parameter, ran.bad) - 1.0
+    near = -NEAR_RUNNING <= past <= (NEAR_RUNNING if snaps else _DROPS)
     return near and float(np.abs(off).max()) < LIMIT_BALANCED
 
 
-def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran] | None:
-    """The joints as they are where the blocks run, or stand without strength; None where they rest nowhere."""
+def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran, bool] | None:
+    """The joints as they are where the blocks run, or stand without strength, and whether bonds broke as they ran.
+
+    None where they rest nowhere.
+    """
     parameter, flow = at_rest_first(bed, start, 0)
     bed, flow = _broken(bed, flow, parameter)
     if flow.ended != "rest":
@@ -74,13 +83,13 @@ def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran] | None:
         left, found = _broken(bed, _next(bed, flow, trial), trial)
         if found.ended != "rest":
             if stride <= NEAR_RUNNING:
-                return left, Ran(parameter, flow, trial, found)
+                return left, Ran(parameter, flow, trial, found), left is not bed
             stride, grows = 0.5 * stride, 1.0  # a long step may make blocks run that a shorter one leaves at rest
         elif left is bed or stride <= _STRIDE:
             parameter, flow, bed = trial, found, left
             stride = min(grows * stride, _LONGEST)
             if parameter < LEAST_STRENGTH * start if bed.drive.ramp is None else parameter > FARTHEST:
-                return bed, Ran(parameter, flow, parameter, flow)
+                return bed, Ran(parameter, flow, parameter, flow), False
         else:
             stride = _STRIDE
 
