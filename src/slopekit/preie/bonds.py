@@ -20,7 +20,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.path_limit import PathLimit, PathOutcome
-from slopekit.preie.tolerances import FLOWS, LIMIT_BALANCED, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
+from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS, _MOST_GROUPS = 60, 8  # of cohesion lost; of groups of blocks that fail
 _LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more

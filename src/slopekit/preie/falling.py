@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.records import dataclass
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed
 from slopekit.preie.path import Ran, at_rest_first, at_rest_next, follow
@@ -21,7 +20,7 @@ from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, 
 _STUCK = 128.0  # times the strength of a path's start: there nothing slips yet, and more of it changes nothing
 _STRIDE, _LONGEST = 0.05, 0.7  # steps of ln λ: while bonds break, and at most
 NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
-_DROPS = 0.1  # from there to the limit of the motion; histories that settle drop by a twenty-fifth at most
+_DROPS = 0.1  # from there to the limit of the motion in space
 _MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
 
@@ -59,13 +58,13 @@ def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
     """Whether a limit is no farther than where the blocks run, and needs no pair that pulls.
 
     Nor nearer, where bonds broke as they ran (`snaps`): without those the blocks would have run before. Nor far nearer
-    at all: it would be another motion.
+    in space, where a flow that goes on leads to another motion, as that of blocks without any cohesion.
     """
     assert ended.parameter is not None
     off = bed.model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
     past = bed.drive.gap(ended.parameter, ran.bad) - 1.0
-    near = -NEAR_RUNNING <= past <= (NEAR_RUNNING if snaps else _DROPS)
-    return near and float(np.abs(off).max()) < LIMIT_BALANCED
+    drops = NEAR_RUNNING if snaps else _DROPS if bed.tangents > 1 else math.inf
+    return -NEAR_RUNNING <= past <= drops and float(np.abs(off).max()) < LIMIT_BALANCED
 
 
 def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran, bool] | None:

@@ -19,8 +19,8 @@ from slopekit.preie.flow import Flow
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.rests import JUST, at_their_limit, rests_before
-from slopekit.preie.undilated import rest_of_hundreds
 from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
+from slopekit.preie.undilated import rest_of_hundreds
 
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
 _LONG = 100  # blocks of which the path takes seconds
@@ -133,7 +133,8 @@ class Groups:
         if limit.found or limit.parameter is None:
             return None
         model, unit = self.model, small.force_scale / small.area_scale
-        at = self._moved(small, limit.displacement * unit * model.area_scale / model.force_scale, bed.elastic_displacement)
+        moved = limit.displacement * unit * model.area_scale / model.force_scale
+        at = self._moved(small, moved, bed.elastic_displacement)
         return rest_of_hundreds(bed, at, limit.parameter)
 
     def _moved(self, small: AssemblyModel, motion: Floats, others: Floats) -> Floats:
