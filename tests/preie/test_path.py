@@ -396,7 +396,7 @@ def test_a_short_step_far_along_does_not_end_the_way(power, within) -> None:
     """
 
     class Slow:
-        working = elastic_displacement = np.ones(1)
+        working = elastic_displacement = bond = np.ones(1)
         elastic_work = load_size = 1.0
         drive = Drive(np.ones(1))
         factorisations = 0

@@ -416,7 +416,7 @@ def _on_path(
         return path_end, LoadsOn(), bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
     if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
-        last, loads, work = loads_last(model, unit, bond, bound, ratio, falls)
+        last, loads, work = loads_last(model, unit, bond, bound, ratio)
         tipped = math.inf if loads.tips is None else 1.0 / loads.tips[1]  # and with all greater strengths
         most = min(_LOCKED * start / _START, tipped)
         if last.found or bed.tangents > 1 or bed.size > _PROPOSED or most < start:

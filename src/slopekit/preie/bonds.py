@@ -23,7 +23,7 @@ from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS, _MOST_GROUPS = 60, 8  # of cohesion lost; of groups of blocks that fail
-_LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more
+_MANY, _LITTLE = 600, 0.02  # unknowns; of the work of a motion that has not settled: cohesion that it opens does no more
 _ALIKE = 0.99  # cosine of two motions from which on they are one
 _TOUCHES = 1e-6  # of the deepest that a pair is pressed in: pairs that are no farther apart touch
 
@@ -83,7 +83,7 @@ class _Rounds:
             self.opens, before = new, (self.asked, self.all_rest)
             if not last.found:
                 ended = replace(ended, unsettled=last.parameter)
-                if self._share(last, new) < _LITTLE:  # another path would say no more
+                if self.model.load.size > _MANY and self._share(last, new) < _LITTLE:  # another path takes seconds
                     break
             after = self.limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
             if after.outcome is PathOutcome.NO_REST:  # all that holds the blocks is cohesion that they open

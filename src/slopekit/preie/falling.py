@@ -15,11 +15,12 @@ from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed
 from slopekit.preie.path import Ran, at_rest_first, at_rest_next, follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, result_of
-from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, RUNS
+from slopekit.preie.tolerances import FARTHEST, LIMIT_BALANCED, RUNS
 
-_STUCK = 128.0  # times the strength of a path's start: there nothing slips yet, and more of it changes nothing
-_STRIDE, _LONGEST = 0.05, 0.7  # steps of ln λ: while bonds break, and at most
+_STUCK = 32.0  # times the strength of a path's start: there hardly anything slips, and more of it changes nothing
+_STRIDE = 0.05  # of ln λ, a step: in longer ones contacts open and touch again
 NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
+_STANDS = 1e-5  # of the strength to begin with: what stands at it stands without any
 _DROPS = 0.1  # from there to the limit of the motion in space
 _MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
@@ -76,21 +77,18 @@ def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran, bool] | None:
     bed, flow = _broken(bed, flow, parameter)
     if flow.ended != "rest":
         return None
-    stride, grows = _LONGEST, 2.0
+    stride = _STRIDE
     while True:
         trial = bed.drive.harder(parameter, math.exp(-stride))
         left, found = _broken(bed, _next(bed, flow, trial), trial)
         if found.ended != "rest":
             if stride <= NEAR_RUNNING:
                 return left, Ran(parameter, flow, trial, found), left is not bed
-            stride, grows = 0.5 * stride, 1.0  # a long step may make blocks run that a shorter one leaves at rest
-        elif left is bed or stride <= _STRIDE:
-            parameter, flow, bed = trial, found, left
-            stride = min(grows * stride, _LONGEST)
-            if parameter < LEAST_STRENGTH * start if bed.drive.ramp is None else parameter > FARTHEST:
-                return bed, Ran(parameter, flow, parameter, flow), False
-        else:
-            stride = _STRIDE
+            stride *= 0.5
+            continue
+        parameter, flow, bed = trial, found, left
+        if parameter < _STANDS * start if bed.drive.ramp is None else parameter > FARTHEST:
+            return bed, Ran(parameter, flow, parameter, flow), False
 
 
 def open_all_over(bed: Bed, flow: Flow) -> Floats | None:

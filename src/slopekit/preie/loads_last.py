@@ -15,7 +15,6 @@ from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, BedForces, Drive
 from slopekit.preie.bound import StaticBound
-from slopekit.preie.falling import fall
 from slopekit.preie.flow import relaxed
 from slopekit.preie.path import follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
@@ -39,22 +38,18 @@ class LoadsOn:
 
 
 def loads_last(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, falls: bool
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float
 ) -> tuple[PathLimit, LoadsOn, int]:
     """F where the loads beside weight and water, coming on last, all fit on; no rest where they do at no strength.
 
     A motion at a part of them that slips nowhere is a limit state at any greater strength: there they may fit on, or
     not, as it comes, and where the search does not end in a limit they do not.
 
-    Parameters
-    ----------
-    falls : whether bonds break as the loads come on
-
     Returns
     -------
     limit (its parameter is λ), with what full strength carries and what tips where they fit on at none; factorisations
     """
-    tried = _Strengths(model, bond, ratio, falls)
+    tried = _Strengths(model, bond, ratio)
     least = 1.0 / (bound.factor or _UNKNOWN)  # below the strength of the static bound nothing fits on
     fails, fits = least, None
     overloaded: PathLimit | None = None
@@ -90,7 +85,7 @@ def loads_last(
         fails, overloaded = above[-1]
         fits, fails = tried.narrowed(fails * stride, fails, _fits_on)
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
-    forces, size = tried.at_rest(fits, (overloaded or last).bond)
+    forces, size = tried.at_rest(fits)
     settled = forces.residual < LIMIT_BALANCED * size
     if not settled and tried.tip is not None and not _fits_on(full := tried.loaded(unit)):
         return tried.without_rest(overloaded or last, full)
@@ -119,19 +114,19 @@ class _Strengths:
     tip : the motion that tips the blocks at the least strength, None where none did; factorisations : so far
     """
 
-    def __init__(self, model: AssemblyModel, bond: Floats, ratio: float, falls: bool) -> None:
-        self.model, self.bond, self.ratio, self.falls = model, bond, ratio, falls
+    def __init__(self, model: AssemblyModel, bond: Floats, ratio: float) -> None:
+        self.model, self.bond, self.ratio = model, bond, ratio
         self.whole, self.live = model.load.ravel(), model.live.ravel()
         self.factorisations = 0
         self.tip: PathLimit | None = None
 
-    def _bed(self, reduction: float, bond: Floats) -> Bed:
-        return Bed(self.model, Drive(self.whole - self.live, self.live, reduction), bond, self.ratio)
+    def _bed(self, reduction: float) -> Bed:
+        return Bed(self.model, Drive(self.whole - self.live, self.live, reduction), self.bond, self.ratio)
 
     def loaded(self, reduction: float) -> PathLimit:
         """How far they come on."""
-        bed = self._bed(reduction, self.bond)
-        overloaded = (fall if self.falls and bed.cohesion.any() else follow)(bed, FIRST_LOAD)
+        bed = self._bed(reduction)
+        overloaded = follow(bed, FIRST_LOAD)
         self.factorisations += bed.factorisations
         return overloaded
 
@@ -153,7 +148,7 @@ class _Strengths:
         """The limit state in λ, at the whole load, of the modes of one in the load."""
         if not path_end.found or abs((path_end.parameter or 0.0) - 1.0) > LOADS_FIT:
             return None
-        bed = Bed(self.model, Drive(self.whole), path_end.bond, self.ratio)
+        bed = Bed(self.model, Drive(self.whole), self.bond, self.ratio)
         return limit_state(bed, path_end.displacement, path_end.motion, reduction)
 
     def narrowed(self, holds: float, fails: float, held: Callable[[PathLimit], bool]) -> tuple[float, float]:
@@ -163,9 +158,9 @@ class _Strengths:
             holds, fails = (middle, fails) if held(self.carried(middle)) else (holds, middle)
         return holds, fails
 
-    def at_rest(self, reduction: float, bond: Floats) -> tuple[BedForces, float]:
+    def at_rest(self, reduction: float) -> tuple[BedForces, float]:
         """The forces under all of the loads as they come on part by part, and the size of those loads."""
-        bed, at = Bed(self.model, Drive(self.whole), bond, self.ratio), self._bed(reduction, bond)
+        bed, at = Bed(self.model, Drive(self.whole), self.bond, self.ratio), self._bed(reduction)
         rested = at.elastic_displacement
         for share in _COMES_ON:
             flow = relaxed(at, rested, share, 0.0)
