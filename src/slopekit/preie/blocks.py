@@ -223,9 +223,7 @@ def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -
     return None if span is None else (_times(span[0], times), _times(span[1], times))
 
 
-def _limit(
-    model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps: int, loads: LoadsOn
-) -> BlocksLimit:
+def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps: int, loads: LoadsOn) -> BlocksLimit:
     """What the path says, once every block has vouched for it; of a peak the range has what other ways to it give."""
     factor = 1.0 / path_end.parameter if path_end.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0

@@ -23,9 +23,9 @@ from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS, _MOST_GROUPS = 60, 8  # of cohesion lost; of groups of blocks that fail
-_MANY, _LITTLE = 600, 0.02  # unknowns; of the work of a motion that has not settled: cohesion that it opens does no more
+_MANY = 600  # unknowns from which on a path takes seconds
+_LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more
 _ALIKE = 0.99  # cosine of two motions from which on they are one
-_TOUCHES = 1e-6  # of the deepest that a pair is pressed in: pairs that are no farther apart touch
 
 Search = Callable[[Floats, bool, bool], tuple[PathLimit, bool]]
 """The limit with bonds (m,), whether more of them break as strength falls, whether all blocks have to vouch for it; and
