@@ -82,7 +82,6 @@ class Bonds:
     unsettled : where a motion began that broke cohesion and had not settled, None where all had
     sooner : of all bonds that were tried, where a motion would begin first; None where that is not before the limit
     counted : contacts that are open before the motion and whose cohesion counts all the same
-    fell : where blocks run whose strength falls step by step, where that is before the limit
     finer : the number on finer node pairs, where the motion did not settle there, and whether it is less by more than
         refinement may move it; `unrefined`: why there is none on them
     """
@@ -95,7 +94,6 @@ class Bonds:
     unsettled: float | None = None
     sooner: float | None = None
     counted: int = 0
-    fell: float | None = None
     finer: float | None = None
     finer_is_less: bool = False
     unrefined: str | None = None
@@ -131,10 +129,6 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
     if bonds.sooner is not None:
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
-    if bonds.fell is not None:
-        history = "load grows" if of == "load" else "strength falls"
-        yield Notice("W495", f"blocks whose {history} step by step run at {shown(bonds.fell)}: the {of} is that "
-                     "of blocks without the cohesion that is lost from the start")  # fmt: skip
     if bonds.finer is not None and bonds.finer_is_less:
         yield Notice("W495", "the motion did not settle on finer node pairs, where blocks with the same cohesion were "
                      f"last at rest at {shown(bonds.finer)}: the {of} is that on the coarser ones")  # fmt: skip

@@ -1,6 +1,5 @@
 """Bonds of many blocks: rounds of limits against histories in which bonds break, and what the rounds do by hand."""
 
-import math
 from dataclasses import replace
 from functools import cache
 
@@ -18,8 +17,8 @@ from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.blocks_limit import Basis
 from slopekit.preie.bonds import Bonded, with_bonds
-from slopekit.preie.falling import NEAR_RUNNING, Fallen, fallen
-from slopekit.preie.flow import Flow
+from slopekit.preie.bounds import static_bound
+from slopekit.preie.falling import NEAR_RUNNING, fall
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from tests.preie.block_scenes import boxes_in_space
 from tests.preie.path_oracle import breaking, model_of
@@ -28,7 +27,7 @@ from tests.preie.path_oracle import breaking, model_of
 
 
 @pytest.mark.parametrize(("number", "cohesion", "factor", "before", "begins"), [
-    (73, 5.0, 8.0794, 9.2946, 4.5), (107, 5.0, 1.3386, 1.3554, 0.89), (15, 5.0, 2.0390, 2.0501, 1.36),
+    (73, 5.0, 8.0794, 9.2946, 2.0), (107, 5.0, 1.3386, 1.3554, 0.89), (15, 5.0, 2.0390, 2.0501, 1.36),
     (27, 15.0, 2.8509, 3.1123, 1.9),
 ])  # fmt: skip
 def test_contacts_that_are_open_before_anything_moves_carry_no_cohesion(
@@ -52,17 +51,11 @@ def test_contacts_that_are_open_before_anything_moves_carry_no_cohesion(
 
 def test_a_first_motion_is_the_limit_where_the_last_begins_later() -> None:
     """Bench 8 with 5 kPa: once its bonds are broken the blocks stand at more, 0.6847; a history runs at 0.5462."""
-    design = populations.bench(8)
-    design["strength"]["joint"]["c"] = 5.0
-    model = model_of(design)
+    model = given(8, 5.0)
     found = limit_of_blocks(model, ranged=False)
     rests, runs, _ = breaking(model, 1.5 / 0.6)
     assert runs < 1.003 * rests
-    assert found.factor == pytest.approx(0.5041, rel=2e-4)
-    first = found.factor / (1.0 - found.kept_share)
-    assert found.factor < 0.97 * rests < first < rests
-    assert found.kept == 2
-    assert found.basis == Basis.SETTLED
+    assert rests < found.factor < (1.0 + NEAR_RUNNING) * runs
 
 
 def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bonds() -> None:
@@ -79,24 +72,14 @@ def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bond
 
 
 def test_the_lowest_factor_knows_of_blocks_that_do_not_fail_first() -> None:
-    """Section 18 has 0.7177 and 0.6911 with other bonds; a block far off that slides at 0.7044 must not hide it."""
-    design = populations.section(18)
-    alone = sk.run(sk.load(design)).fos
-    slope = math.radians(30.0)
-    base, block = (
-        [[1e4 + x * math.cos(slope) - z * math.sin(slope), x * math.sin(slope) + z * math.cos(slope)] for x, z in box]
-        for box in ([(-20, -5), (20, -5), (20, 0), (-20, 0)], [(0, 0), (4, 0), (4, 1), (0, 1)])
-    )
-    factor = 0.5 * (alone.lowest + alone.limit)
-    design["blocks"] |= {"far base": {"polygon": base, "fixed": True}, "far": {"polygon": block}}
-    design["strength"]["far"] = {"c": 0, "phi": math.degrees(math.atan(factor * math.tan(slope)))}
-    design["interfaces"]["far base/far"] = "far"
-    found = sk.run(sk.load(design | {"acceptance": {"rules": [f"fos.lowest >= {0.99 * factor}"]}}))
-    assert found.fos.limit == pytest.approx(factor, rel=1e-9)
-    assert alone.lowest < 0.985 * factor
-    assert found.fos.lowest == pytest.approx(alone.lowest, rel=1e-6)
-    assert found.accepted is False
-    assert "W494" in [notice.code for notice in found.warnings]
+    """Others stand longer, but would move first with other bonds: what fails first must not hide it."""
+    model = given(67, 5.0)
+    limit = replace(limit_of_blocks(model, ranged=False), sooner=None, lowest=None)
+    first = ravelling.Part(model, limit, np.zeros(0, dtype=int), np.zeros(0, dtype=int))
+    for sooner, lowest in ((0.8, 0.8 * limit.factor), (1.05, None)):
+        other = replace(limit, factor=1.1 * limit.factor, sooner=sooner * limit.factor)
+        found = ravelling._no_later(first, [first, replace(first, limit=other)]).limit
+        assert (found.sooner, found.lowest) == (lowest, lowest)
 
 
 def test_no_range_is_claimed_where_other_forces_were_not_looked_at(monkeypatch) -> None:
@@ -116,7 +99,7 @@ def test_no_range_is_claimed_where_other_forces_were_not_looked_at(monkeypatch) 
 
 
 @pytest.mark.parametrize(("number", "factor", "lesser"), [
-    (27, 2.1134, 1.9246), (67, 2.5057, 2.2145), (87, 1.9460, 0.7598), (113, 3.7388, 3.7388),
+    (27, 2.0595, 1.9246), (67, 2.5557, 2.2145), (113, 3.7388, 3.7388),
 ])  # fmt: skip
 def test_a_bench_with_cohesion_fails_between_lesser_motions_and_a_history(number, factor, lesser) -> None:
     """Lesser motions need bonds broken that no motion has opened yet: benches had their factors.
@@ -147,7 +130,7 @@ def test_the_sheet_says_that_a_motion_broke_bonds_before_it_had_settled(monkeypa
 
 # -- rounds, by hand --------------------------------------------------------------------------------------------------
 
-LIFTS, SLIDES, WEIGHS = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 0.5
+LIFTS, SLIDES, OPENS, STILL = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.5), (0.0, 0.0, 0.0)
 
 
 def boxes() -> AssemblyModel:
@@ -163,36 +146,25 @@ def ends(model: AssemblyModel, parameter: float, motion, outcome=PathOutcome.SET
     pairs, joints = len(model.control_area), model.slip_rows.shape[:2]
     return PathLimit(
         outcome, parameter, None, still, moved.ravel(), np.zeros(pairs), np.zeros(joints), parameter, 0.0, 0,
+        np.ones(pairs),
     )  # fmt: skip
 
 
 class Scripted:
-    """Searches that end by what bonds the two contacts have, and the bonds that were asked for."""
+    """Searches that end by what bonds the two contacts have, and what was asked for.
 
-    def __init__(self, model: AssemblyModel, found: dict[tuple[int, ...], PathLimit]) -> None:
-        self.model, self.found, self.asked = model, found, []
+    Falling strength breaks the bonds of the contacts `breaks`.
+    """
 
-    def __call__(self, bond, vouched) -> tuple[PathLimit, bool]:
+    def __init__(self, model: AssemblyModel, found: dict[tuple[int, ...], PathLimit], breaks=()) -> None:
+        self.model, self.found, self.breaks, self.asked = model, found, breaks, []
+
+    def __call__(self, bond, falls, vouched) -> tuple[PathLimit, bool]:
+        if falls:
+            bond = np.where(np.isin(self.model.pair_contact, self.breaks), 0.0, bond)
         left = tuple(int(bond[self.model.pair_contact == contact].all()) for contact in range(len(self.model.plus)))
-        self.asked.append(left)
-        return self.found[left], True
-
-
-def pressed_to(parameter: float, load_grows: bool = False):
-    """Contacts are pressed at rest up to a parameter."""
-
-    def pressed(bond, at):
-        return np.full(2, at < parameter if load_grows else at > parameter)
-
-    return pressed
-
-
-def kept(model: AssemblyModel, worse: float, found: float) -> Scripted:
-    """All bonds: the upper box lifts and slides. Without its own it slides at less."""
-    return Scripted(model, {
-        (1, 1): ends(model, found, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
-        (1, 0): ends(model, worse, [(0.0, 0.0, 0.0), SLIDES]),
-    })  # fmt: skip
+        self.asked.append((left, falls))
+        return replace(self.found[left], bond=bond), True
 
 
 def cohesive_work(model: AssemblyModel, contact: int) -> float:
@@ -200,88 +172,132 @@ def cohesive_work(model: AssemblyModel, contact: int) -> float:
     return float(model.cohesion[model.pair_contact == contact].sum())
 
 
-def test_a_lesser_motion_on_a_bond_that_nothing_has_opened_is_none() -> None:
+def working(model: AssemblyModel, times: float) -> np.ndarray:
+    """A load that does so many times the work of the upper contact's cohesion as the upper box slides."""
+    load = np.zeros(model.load.size)
+    load[6] = times * cohesive_work(model, 1)
+    return load
+
+
+def lesser(model: AssemblyModel, worse: float, found: float) -> Scripted:
+    """All bonds: the upper box opens as it slides. Without its own it slides at another parameter."""
+    return Scripted(model, {
+        (1, 1): ends(model, found, [STILL, OPENS]), (1, 0): ends(model, worse, [STILL, SLIDES]),
+    })  # fmt: skip
+
+
+def test_another_motion_without_what_one_opens_is_not_there() -> None:
+    """What the first opens does a fortieth of its work at full strength: it is taken off."""
     model = boxes()
-    working = np.zeros(model.load.size)
-    working[6] = 40.0 * cohesive_work(model, 1)
-    script = kept(model, 2.0, 0.5)
-    found = with_bonds(model, script, pressed_to(0.0), working)
-    assert script.asked == [(1, 1), (1, 0), (1, 1)]
-    assert (found.bond == 1.0).all()
-    assert (found.kept, found.least, found.whole) == (1, 2.0, 0.5)
+    script = lesser(model, 2.0, 0.5)
+    found = with_bonds(model, script, working(model, 40.0))
+    assert script.asked == [((1, 1), True), ((1, 0), False)]
+    assert (found.limit.bond == 1.0).all()
+    assert (found.opened, found.least, found.whole, found.soonest, found.entire) == (1, 2.0, 0.5, 2.0, True)
     assert found.limit.parameter == pytest.approx(0.5 / (1.0 - 0.5 / 40.0), rel=1e-12)
     assert found.share == pytest.approx(0.5 / 40.0, rel=1e-12)
 
 
 def test_of_a_load_that_grows_the_work_of_the_cohesion_is_taken_off() -> None:
     model = boxes()
-    working = np.zeros(model.load.size)
-    working[6] = 40.0 * cohesive_work(model, 1)
-    script = kept(model, 0.2, 0.5)
-    found = with_bonds(model, script, pressed_to(9.0, True), working, load_grows=True)
+    found = with_bonds(model, lesser(model, 0.2, 0.5), working(model, 40.0), load_grows=True)
     assert found.limit.parameter == pytest.approx(0.5 - 0.5 / 40.0, rel=1e-12)
+    assert found.soonest == 0.2
 
 
-def test_what_stands_without_a_bond_stands_with_it() -> None:
-    """The cohesion does all of the motion's work: no further down than to the lesser motion."""
-    model = boxes()
-    working = np.zeros(model.load.size)
-    working[6] = 0.5 * cohesive_work(model, 1)
-    assert with_bonds(model, kept(model, 2.0, 0.5), pressed_to(0.0), working).limit.parameter == 2.0
-
-
-def test_a_bond_breaks_where_its_contact_is_open_all_over_at_rest() -> None:
-    """Pressed with the strength divided by no more than 1 / 0.9: the lesser motion begins there."""
-    model = boxes()
-    working = np.zeros(model.load.size)
-    working[6] = 40.0 * cohesive_work(model, 1)
-    found = with_bonds(model, kept(model, 2.0, 0.5), pressed_to(0.9), working)
-    assert found.limit.parameter == pytest.approx(0.9, rel=0.02)
-    assert found.limit.parameter > 0.9
-
-
-def test_a_bond_that_is_open_as_the_lesser_motion_begins_is_gone() -> None:
-    model = boxes()
-    script = kept(model, 2.0, 0.5)
-    found = with_bonds(model, script, pressed_to(2.1), np.ones(model.load.size))
-    assert script.asked == [(1, 1), (1, 0), (1, 1), (1, 0)]
-    assert (found.kept, found.limit.parameter) == (0, 2.0)
-
-
-def test_a_motion_at_as_much_strength_keeps_no_bond() -> None:
-    """Without the bond the box slides at a hundred-thousandth less: the same motion, which has no bond there."""
-    model = boxes()
-    script = kept(model, 0.5 * (1.0 + 1e-5), 0.5)
-    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
-    assert found.kept == 0
-
-
-def test_a_motion_that_has_not_settled_breaks_what_it_opens_wide_and_says_so() -> None:
-    """A hundredth of the fastest is nothing yet of such a motion; half of it is."""
+@pytest.mark.parametrize(("after", "parameter", "same"), [
+    (OPENS, 0.6, True), (OPENS, 0.4, False), ((1.0, 0.0, 0.3), 0.6, False), (SLIDES, 0.6, False),
+])  # fmt: skip
+def test_the_same_motion_without_what_it_opens_is_the_limit(after, parameter, same) -> None:
+    """Not where it would begin later, opens less wide, or not at all."""
     model = boxes()
     script = Scripted(model, {
-        (1, 1): ends(model, 0.5, [(1.0, 0.0, 0.01), (1.0, 0.0, 0.51)], PathOutcome.BRACKET),
-        (1, 0): ends(model, 0.6, [(1.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
+        (1, 1): ends(model, 0.5, [STILL, OPENS]), (1, 0): ends(model, parameter, [STILL, after]),
     })  # fmt: skip
-    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
-    assert script.asked == [(1, 1), (1, 0)]
-    assert (found.unsettled, found.whole, found.limit.parameter) == (0.5, 0.5, 0.6)
+    found = with_bonds(model, script, working(model, 40.0))
+    assert (found.limit.parameter == parameter) == same
+    assert (found.opened, found.least is None) == ((0, True) if same else (1, False))
+    assert (found.limit.bond[model.pair_contact == 1] == (0.0 if same else 1.0)).all()
+    assert found.soonest == max(parameter, 0.5)
 
 
-def test_a_second_motion_that_does_not_settle_gives_the_work_of_what_it_opens_and_keeps_no_bond() -> None:
-    """Of its work the cohesion of the lower contact does a hundredth: it is taken off, and nothing is said to stand."""
-    model, opens = boxes(), (1.0, 0.0, 0.5)
+def test_blocks_that_rest_at_no_strength_without_what_they_open_have_no_factor() -> None:
+    model = boxes()
+    script = lesser(model, 1.0, 0.5)
+    script.found[1, 0] = replace(script.found[1, 0], outcome=PathOutcome.NO_REST, parameter=None)
+    found = with_bonds(model, script, working(model, 40.0))
+    assert (found.limit.outcome, found.limit.parameter, found.share) == (PathOutcome.NO_REST, None, 0.0)
+
+
+@pytest.mark.parametrize(("times", "asked"), [(40.0, 2), (10.0, 2)])
+def test_of_a_motion_that_has_not_settled_the_work_of_what_it_opens_is_taken_off(times, asked) -> None:
+    """It counts as open by a twentieth; where its cohesion does more of the work, where others begin without it."""
+    model = boxes()
     script = Scripted(model, {
-        (1, 1): ends(model, 0.5, [(0.0, 0.0, 0.0), opens], PathOutcome.BRACKET),
-        (1, 0): ends(model, 0.6, [opens, opens], PathOutcome.BRACKET),
+        (1, 1): ends(model, 0.5, [(1.0, 0.0, 0.04), (1.0, 0.0, 0.54)], PathOutcome.BRACKET),
+        (1, 0): ends(model, 0.6, [SLIDES, OPENS]),
     })  # fmt: skip
-    working = np.zeros(model.load.size)
-    working[6] = 0.6 * cohesive_work(model, 0) / 0.01
-    found = with_bonds(model, script, pressed_to(0.0), working)
-    assert script.asked == [(1, 1), (1, 0)]
-    assert found.kept == 0
-    assert found.share == pytest.approx(0.01, rel=1e-9)
-    assert found.limit.parameter == pytest.approx(0.6 / (1.0 - 0.01), rel=1e-12)
+    load = working(model, times)
+    load[0] = load[6]
+    found = with_bonds(model, script, load)
+    moved = script.found[1, 1].motion
+    slip = np.sqrt((model.opening_and_slip(moved)[1] ** 2).sum(axis=1))
+    work = 0.5 * float(model.by_group(np.where(model.pair_contact == 1, model.cohesion, 0.0)) @ slip)
+    assert len(script.asked) == asked
+    assert (found.unsettled, found.limit.outcome, found.opened) == (0.5, PathOutcome.BRACKET, 1)
+    assert found.share == pytest.approx(work / float(load @ moved), rel=1e-12)
+    assert found.limit.parameter == pytest.approx(0.5 / (1.0 - found.share), rel=1e-12)
+    assert found.soonest == (0.5 if asked == 1 else 0.6)
+
+
+def test_what_falling_strength_breaks_is_gone_and_the_first_motion_is_not_that_of_all_bonds() -> None:
+    model = boxes()
+    script = Scripted(model, {(1, 0): ends(model, 0.5, [SLIDES, SLIDES])}, breaks=(1,))
+    found = with_bonds(model, script, working(model, 40.0))
+    assert script.asked == [((1, 0), True)]
+    assert (found.limit.parameter, found.whole, found.entire) == (0.5, 0.5, False)
+    assert (found.limit.bond[model.pair_contact == 1] == 0.0).all()
+
+
+def test_other_node_pairs_go_on_from_the_bonds_that_were_lost() -> None:
+    model = boxes()
+    script = Scripted(model, {(1, 0): ends(model, 0.5, [STILL, OPENS])})
+    found = with_bonds(model, script, working(model, 40.0), bond=np.where(model.pair_contact == 1, 0.0, 1.0))
+    assert script.asked == [((1, 0), True)]
+    assert (found.limit.parameter, found.entire) == (0.5, True)
+
+
+def test_where_all_blocks_show_that_others_fail_those_are_gone_on_from() -> None:
+    """A group that slides at 0.5 alone; of all blocks another motion begins at 0.6, and they vouch for that."""
+    model, asked = boxes(), []
+
+    def once(bond, falls, vouched) -> tuple[PathLimit, bool]:
+        asked.append(vouched)
+        return (ends(model, 0.6, [SLIDES, SLIDES]), True) if vouched else (ends(model, 0.5, [STILL, SLIDES]), False)
+
+    found = with_bonds(model, once, working(model, 40.0))
+    assert (asked, found.limit.parameter) == ([False, True], 0.6)
+
+
+def test_groups_that_never_agree_have_no_limit(monkeypatch) -> None:
+    monkeypatch.setattr(bonds, "_MOST_GROUPS", 3)
+    model, asked = boxes(), []
+
+    def once(bond, falls, vouched) -> tuple[PathLimit, bool]:
+        asked.append(vouched)
+        return ends(model, 0.5, [STILL, (1.0, 0.1 * len(asked), 0.0)]), False
+
+    found = with_bonds(model, once, working(model, 40.0))
+    assert (found.limit.outcome, asked) == (PathOutcome.GAVE_UP, [False, True, True, True])
+
+
+def test_the_peak_of_a_group_says_what_contacts_count_that_are_open() -> None:
+    model = boxes()
+    peak = ends(model, 0.5, [SLIDES, SLIDES], PathOutcome.BRACKET)
+    for touching, counted in ((0, 1), (1, 1), (None, 2)):
+        normal = np.where(model.pair_contact == touching, 1.0, 0.0)
+        found = with_bonds(model, Scripted(model, {(1, 1): replace(peak, normal=normal, group=1)}), working(model, 1.0))
+        assert found.counted == counted
 
 
 def test_what_a_search_in_unit_strength_reached_is_the_designs_strength_again() -> None:
@@ -290,168 +306,39 @@ def test_what_a_search_in_unit_strength_reached_is_the_designs_strength_again() 
     assert (weaker.parameter, weaker.reached, weaker.peak) == (0.125, 0.1, (0.075, 0.05))
 
 
-def test_other_node_pairs_go_on_from_the_bonds_that_were_lost_and_never_begin_anew() -> None:
-    """Confirmed, or not settled: one search. Where its motion opens another contact as well the rounds go on there."""
-    model = boxes()
-    lost = {
-        (1, 1): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
-        (1, 0): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
-    }
-    first = with_bonds(model, Scripted(model, lost), pressed_to(0.0), np.ones(model.load.size))
-    unsettled = {key: replace(end, outcome=PathOutcome.BRACKET) for key, end in lost.items()}
-    before = with_bonds(model, Scripted(model, unsettled), pressed_to(0.0), np.ones(model.load.size))
-    assert first.rounds is not None
-    assert (before.unsettled, before.limit.outcome) == (0.5, PathOutcome.BRACKET)
-    for begun, other, asked in [
-        (first, lost[1, 0], [(1, 0)]),
-        (before, lost[1, 0], [(1, 0)]),
-        (first, replace(lost[1, 0], outcome=PathOutcome.BRACKET), [(1, 0)]),
-        (first, ends(model, 0.6, [LIFTS, LIFTS], PathOutcome.BRACKET), [(1, 0)]),
-        (first, ends(model, 0.6, [LIFTS, LIFTS]), [(1, 0), (0, 0)]),
-    ]:
-        script = Scripted(model, {**lost, (1, 0): other, (0, 0): ends(model, 0.7, [LIFTS, (0.0, 0.0, 2.0)])})
-        found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), False, begun.rounds)
-        assert script.asked == asked
-        assert found.whole == 0.5
-        assert found.limit.outcome is (other.outcome if len(asked) == 1 else PathOutcome.SETTLED)
-        assert (found.bond[model.pair_contact == 0] == (0.0 if asked[-1] == (0, 0) else 1.0)).all()
-
-
-def test_a_bond_that_comes_back_and_opens_again_is_lost() -> None:
-    """Without the bond nothing slides on the contact: it comes back once, opens again, and the rounds end."""
-    model = boxes()
-    none = ends(model, 0.5, [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
-    script = Scripted(model, {(1, 1): ends(model, 0.5, [LIFTS, LIFTS]), (0, 1): none})
-    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
-    assert script.asked == [(1, 1), (0, 1), (1, 1), (0, 1)]
-    assert found.limit is none
-    assert (found.bond[model.pair_contact == 0] == 0.0).all()
-
-
-def test_a_lesser_motion_is_no_floor_once_other_bonds_broke() -> None:
-    """The top of three boxes slides at 0.8 without its bond. The base breaks after that: 0.8 says nothing any more.
-
-    What is left begins at 0.65, 0.4 of its work is that of the bond that is kept: 0.65 / (1 - 0.4).
-    """
-    model = boxes_in_space((1, 1, 3), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
-    still, slides, opens = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.5)
-    once = Scripted(model, {
-        (1, 1, 1): ends(model, 0.5, [still, (0.0, 0.0, 0.5), (1.0, 0.0, 1.0)]),
-        (1, 0, 0): ends(model, 0.8, [still, still, slides]),
-        (1, 0, 1): ends(model, 0.6, [(0.0, 0.0, 0.3), (0.0, 0.0, 0.3), (1.0, 0.0, 0.6)]),
-        (0, 0, 1): ends(model, 0.65, [still, still, opens]),
-    })  # fmt: skip
-    load = np.zeros(model.load.size)
-    load[12] = 0.65 * cohesive_work(model, 2) / 0.4
-    ended = with_bonds(model, once, lambda bond, at: np.ones(3, dtype=bool), load)
-    assert once.asked[-1] == (0, 0, 1)
-    assert ended.limit.parameter == pytest.approx(0.65 / (1.0 - 0.4), rel=1e-12)
-
-
-def test_rounds_without_an_end_have_the_forces_of_all_blocks(monkeypatch) -> None:
-    """A group alone ends the last round: all blocks are asked once more."""
-    monkeypatch.setattr(bonds, "_MOST_ROUNDS", 1)
-    model, asked = boxes(), []
-
-    def once(bond, vouched) -> tuple[PathLimit, bool]:
-        asked.append(vouched)
-        return ends(model, 0.5, [LIFTS, LIFTS]), len(asked) > 1
-
-    ended = with_bonds(model, once, pressed_to(0.0), np.ones(model.load.size))
-    assert (ended.limit.outcome, asked) == (PathOutcome.GAVE_UP, [True, True])
-
-
-# -- open before a motion begins, and the first motion ----------------------------------------------------------------
-
-
-def lifted(path_end: PathLimit, gap: float, carries: float = 1.0) -> PathLimit:
-    """A search's end whose upper box hangs above the lower, a contact's friction still carried there."""
-    displacement = np.zeros(12)
-    displacement[[2, 8]] = -1.0, -1.0 + gap
-    friction = path_end.friction.copy()
-    friction[-1] = carries
-    return replace(path_end, displacement=displacement, friction=friction)
-
-
-@pytest.mark.parametrize(("gap", "carries", "asked"), [
-    (1e-3, 1.0, [(1, 1), (1, 0)]),
-    (1e-7, 1.0, [(1, 1)]),  # it touches
-    (1e-3, 0.0, [(1, 1)]),  # it carries nothing: the limit is the same without
-])  # fmt: skip
-def test_a_bond_is_gone_where_its_contact_is_open_before_the_motion_begins(gap, carries, asked) -> None:
-    """The boxes slide as one below: what lies open between them counts nothing, and does not come back."""
-    model = boxes_in_space((1, 1, 2), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
-    slides = ends(model, 0.5, [SLIDES, SLIDES])
-    script = Scripted(model, {(1, 1): lifted(slides, gap, carries), (1, 0): ends(model, 0.6, [SLIDES, SLIDES])})
-    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size))
-    assert script.asked == asked
-    assert (found.bond[model.pair_contact == 1] == (1.0 if gap < 1e-6 else 0.0)).all()
-    assert found.soonest == (0.6 if len(asked) > 1 else 0.5)
-
-
-def test_a_peak_of_a_group_counts_contacts_that_are_open_and_says_how_many() -> None:
-    """As above, of a group that has not settled: no bond is taken away."""
-    model = boxes_in_space((1, 1, 2), (2.0, 2.0, 2.0), 0.0).model(35.0, 5.0)
-    slides = ends(model, 0.5, [SLIDES, SLIDES], PathOutcome.BRACKET)
-    for gap, counted in ((1e-3, 1), (1e-7, 0)):
-        peak = replace(lifted(slides, gap), group=1)
-        found = with_bonds(model, Scripted(model, {(1, 1): peak}), pressed_to(0.0), np.ones(model.load.size))
-        assert (found.bond == 1.0).all()
-        assert found.counted == counted
-
-
-def test_the_first_motion_decides_where_what_it_breaks_lets_the_blocks_stand_longer() -> None:
-    """All bonds: at λ 0.8 the upper box lifts, its bond a tenth of the work; without it nothing moves down to 0.5."""
-    model = boxes()
-    working = np.zeros(model.load.size)
-    working[6] = 8.0 * cohesive_work(model, 1)
-    script = Scripted(model, {
-        (1, 1): ends(model, 0.8, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
-        (1, 0): ends(model, 0.5, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.5)]),
-    })  # fmt: skip
-    found = with_bonds(model, script, pressed_to(0.0), working)
-    assert found.limit.parameter == pytest.approx(0.8 / (1.0 - 0.1), rel=1e-12)
-    assert (found.kept, found.soonest) == (1, 0.8)
-    assert found.share == pytest.approx(0.1, rel=1e-12)
-    assert (found.bond == 1.0).all()
-
-
 # -- falling strength -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("number", "cohesion", "begins", "parts"), [
-    (27, 5.0, 1.3, 0.02), (67, 5.0, 1.7, 0.003), (87, 5.0, 1.5, 0.003), (115, 5.0, 0.6, 0.003), (161, 15.0, 1.4, 0.003),
-    (187, 15.0, 80.0, 0.003), (234, 10.0, 1.4, 0.04),
-])  # fmt: skip
-def test_a_history_ends_where_one_of_another_kind_does(number, cohesion, begins, parts) -> None:
-    """Joints whose slip is incremental, and those of the path; most of their steps are not the same."""
+def given(number: int, cohesion: float) -> AssemblyModel:
+    """The model of a random bench with so much cohesion."""
     design = populations.bench(number)
     design["strength"]["joint"]["c"] = cohesion
-    model = model_of(design)
-    found = fallen(model, Drive(model.load.ravel()), 0.4, 1.0 / begins, np.zeros(len(model.plus), dtype=bool))
-    rests, runs, left = breaking(model, 1.0 / begins)
-    assert found is not None
-    assert found.runs is not None
-    assert found.parameter > found.runs > (1.0 - NEAR_RUNNING) * found.parameter
+    return model_of(design)
+
+
+@pytest.mark.parametrize(("number", "cohesion", "parts"), [
+    (27, 15.0, 4e-3), (44, 15.0, 4e-3), (73, 5.0, 4e-3), (100, 5.0, 4e-3), (130, 5.0, 0.04), (228, 15.0, 4e-3),
+    (234, 5.0, 4e-3),
+])  # fmt: skip
+def test_falling_strength_ends_where_a_history_of_another_kind_does_from_wherever_it_begins(
+    number, cohesion, parts
+) -> None:
+    """Joints whose slip is incremental. Begun at half of the static bound 44, 73, 100 and 130 keep bonds, up to 80 %.
+
+    130 is known to 4 %: two rests lie side by side there.
+    """
+    model = given(number, cohesion)
+    drive = Drive(model.load.ravel())
+    bound = static_bound(model).factor
+    first, other = (fall(Bed(model, drive), times / bound) for times in (2.0, 16.0))
+    assert first.parameter == pytest.approx(other.parameter, rel=2.0 * NEAR_RUNNING)
+    assert (first.bond == other.bond).all()
+    rests, runs, left = breaking(model, 60.0 * first.parameter)
     assert runs < 1.0035 * rests
-    assert 1.0 / found.parameter == pytest.approx(rests, rel=parts)
+    assert 1.0 / first.parameter < (1.0 + parts) * runs
+    assert 1.0 / first.parameter > (1.0 - max(parts, NEAR_RUNNING)) * rests
     lost = np.bincount(model.pair_contact, (left == 0.0) & (model.cohesion > 0.0), len(model.plus)) > 0
-    assert lost.any()
-    assert (found.gone ^ lost).sum() <= 1
-    assert (found.broken & ~found.gone).any() == (number in (27, 115))  # and then they ran
-
-
-@pytest.mark.parametrize(("number", "cohesion", "factor", "before", "begins"), [
-    (161, 15.0, 2.4213, 2.8728, 1.4), (187, 15.0, 93.336, 174.97, 80.0), (234, 10.0, 2.5984, 2.8365, 1.9),
-])  # fmt: skip
-def test_no_bond_counts_that_falling_strength_breaks(number, cohesion, factor, before, begins) -> None:
-    """Benches that no rule was made with: contacts that touch at the limit state alone had their cohesion."""
-    design = populations.bench(number)
-    design["strength"]["joint"]["c"] = cohesion
-    found = sk.run(sk.load(design))
-    assert found.fos.limit == pytest.approx(factor, rel=2e-4)
-    rests, runs, _ = breaking(model_of(design), 1.0 / begins)
-    assert 0.99 * rests < found.fos.limit < 1.003 * runs < 0.95 * before
+    assert (np.bincount(model.pair_contact, first.bond, len(model.plus)) == 0.0)[lost].all()
 
 
 def test_bolts_are_no_contacts_that_open() -> None:
@@ -463,13 +350,14 @@ def test_bolts_are_no_contacts_that_open() -> None:
     assert found.fos.limit > 1.02 * without.fos.limit
 
 
-def test_finer_node_pairs_go_on_and_unsettled_ones_change_nothing() -> None:
-    """Bench 41: 1.6786 on the first pairs. On finer ones no motion settles: rounds of their own came to 0.645."""
+def test_finer_node_pairs_change_nothing_where_nothing_has_settled() -> None:
+    """Bench 41, a peak: rounds of their own came to 0.645 on finer pairs once."""
     found = sk.run(sk.load(populations.bench(41)))
-    rests, runs, _ = breaking(model_of(populations.bench(41)), 1.0 / 0.3)
-    assert found.fos.limit == pytest.approx(1.6786, rel=2e-4)
-    assert runs < 1.003 * rests
-    assert 0.95 * rests < found.fos.limit < rests
+    rests, runs, _ = breaking(model_of(populations.bench(41)), 1.0 / 0.02)
+    assert found.fos.limit == pytest.approx(1.4663, rel=2e-4)
+    assert runs < 1.0035 * rests
+    assert 0.8 * rests < found.fos.limit < rests
+    assert "W317" in [notice.code for notice in found.warnings]
 
 
 @cache
@@ -482,17 +370,17 @@ def refining(monkeypatch, change):
     """Component limits that a function changes: it gets the limit, and whether its node pairs are finer."""
     whole = ravelling.component_limit
 
-    def changed(model, proposal=None, begun=None):
-        model, limit = whole(model, None, begun)
-        return model, change(limit, begun is not None)
+    def changed(model, proposal=None, bond=None):
+        model, limit = whole(model, None, bond)
+        return model, change(limit, bond is not None)
 
     monkeypatch.setattr(ravelling, "component_limit", changed)
 
 
 def test_the_lowest_factor_is_no_more_than_on_finer_pairs_without_a_range_as_well(monkeypatch) -> None:
     """Where nobody looked at other forces; random bench 619 had 0.5009 for 0.4658. Both reasons stand on the sheet."""
-    design = populations.bench(115) | {"acceptance": {"rules": ["fos >= 0.55"]}}
-    before = as_it_is(115)
+    design = populations.bench(223) | {"acceptance": {"rules": ["fos >= 3.0"]}}
+    before = as_it_is(223)
     refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=0.9 * limit.factor)
              if finer and limit.factor else replace(limit, sooner=0.95 * before.limit))  # fmt: skip
     monkeypatch.setattr(blocks, "_span", lambda *_: None)
@@ -506,13 +394,15 @@ def test_the_lowest_factor_is_no_more_than_on_finer_pairs_without_a_range_as_wel
 @pytest.mark.parametrize(("times", "code"), [(0.9, "W495"), (0.999, "W496"), (1.1, "W496")])
 def test_the_number_is_that_of_coarser_pairs_where_nothing_settles_on_finer(monkeypatch, times, code) -> None:
     """The lowest factor is where the blocks were last at rest on the finer, and the sheet says of what it is."""
-    design = populations.bench(115) | {"acceptance": {"rules": ["fos >= 0.55", "fos.lowest >= 0.55"]}}
-    before = as_it_is(115)
+    design = populations.bench(223) | {"acceptance": {"rules": ["fos >= 3.0", "fos.lowest >= 3.0"]}}
+    before = as_it_is(223)
+    coarse = 3.2017
     refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=times * limit.factor)
              if finer and limit.factor else limit)  # fmt: skip
     found = sk.run(sk.load(design))
     (said,) = [notice.message for notice in found.warnings if notice.code in ("W495", "W496", "W494", "W312")]
-    assert found.fos.limit == pytest.approx(before.limit, rel=0.01)
+    assert found.fos.limit == pytest.approx(coarse, rel=2e-4)
+    assert before.limit > 1.01 * coarse
     assert code in [notice.code for notice in found.warnings]
     if code == "W495":
         assert found.fos.lowest == pytest.approx(0.9 * before.limit, rel=0.01)
@@ -535,7 +425,7 @@ def test_of_many_blocks_that_did_not_settle_no_finer_pairs_are_tried(monkeypatch
 
     monkeypatch.setattr(ravelling, "_LARGE", 0)
     refining(monkeypatch, unsettled)
-    found = sk.run(sk.load(populations.bench(115)))
+    found = sk.run(sk.load(populations.bench(223)))
     assert not any(asked)
     (said,) = [notice.message for notice in found.warnings if notice.code == "W496"]
     assert said.endswith("the motion has not settled, and none were tried")
@@ -546,117 +436,12 @@ def test_a_limit_without_finer_pairs_says_why(monkeypatch, most, why) -> None:
     """Of the coarse ones alone nobody knows how far the number is off."""
     monkeypatch.setattr(ravelling, "_MOST_PAIRS", most)
     refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.NONE, factor=None) if finer else limit)
-    found = sk.run(sk.load(populations.bench(115)))
+    found = sk.run(sk.load(populations.bench(223)))
     (said,) = [notice.message for notice in found.warnings if notice.code == "W496"]
     assert said == f"how far finer node pairs move the factor of safety is not known: {why}"
-
-
-def history(model: AssemblyModel, parameter: float, runs: float | None, gone=(), broken=(), opens=()) -> Fallen:
-    """A history that ends at a parameter, and what it did to contacts."""
-    still = np.zeros(model.load.size)
-    at_rest = Bed(model, Drive(model.load.ravel())).forces(still, parameter)
-    one, other = Flow(still, at_rest, "rest", still, 0.0), Flow(still + 1.0, at_rest, "runs", still, 0.0)
-    which = [np.isin(np.arange(len(model.plus)), some) for some in (gone, broken or gone, opens)]
-    return Fallen(which[0], parameter, runs, which[1], which[2], one, other)
-
-
-def followed(model: AssemblyModel, script: Scripted, ended: Fallen, working=None) -> Bonded:
-    """Rounds with one history for all of their bonds."""
-    working = np.ones(model.load.size) if working is None else working
-    return with_bonds(model, script, pressed_to(0.0), working, falls=lambda _: ended)
-
-
-SLIDE = [(1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
-
-
-def test_what_a_history_breaks_is_gone_from_the_first_round() -> None:
-    model = boxes()
-    script = Scripted(model, {(1, 0): ends(model, 0.5, SLIDE)})
-    found = followed(model, script, history(model, 0.501, 0.5, gone=(1,)))
-    assert script.asked == [(1, 0)]
-    assert (found.limit.parameter, found.entire, found.fell) == (0.5, False, 0.5)
-    assert (found.bond[model.pair_contact == 1] == 0.0).all()
-
-
-@pytest.mark.parametrize(("without", "parameter", "outcome"), [
-    (0.799, 0.799, PathOutcome.SETTLED), (0.7, 0.81, PathOutcome.BRACKET), (0.9, 0.81, PathOutcome.BRACKET),
-])  # fmt: skip
-def test_a_limit_beyond_a_history_is_where_that_runs(without, parameter, outcome) -> None:
-    """At λ 0.8 the upper bond breaks and the boxes run: a limit at 0.5 counts on it. Without it: there, or a rest."""
-    model = boxes()
-    script = Scripted(model, {(1, 1): ends(model, 0.5, SLIDE), (1, 0): ends(model, without, SLIDE)})
-    found = followed(model, script, history(model, 0.81, 0.8, broken=(1,)))
-    assert script.asked[:2] == [(1, 1), (1, 0)]
-    assert (found.limit.parameter, found.limit.outcome) == (parameter, outcome)
-    assert (found.bond[model.pair_contact == 1] == 0.0).all()
-
-
-def test_a_limit_within_the_steps_of_a_history_stays() -> None:
-    model = boxes()
-    script = Scripted(model, {(1, 1): ends(model, 0.798, SLIDE)})
-    found = followed(model, script, history(model, 0.802, 0.8, broken=(1,)))
-    assert (script.asked, found.limit.parameter) == ([(1, 1)], 0.798)
-
-
-def test_a_limit_beyond_a_history_with_its_bonds_says_where_that_runs() -> None:
-    model = boxes()
-    found = followed(model, Scripted(model, {(1, 0): ends(model, 0.5, SLIDE)}), history(model, 0.81, 0.8, gone=(1,)))
-    assert (found.limit.parameter, found.fell) == (0.5, 0.8)
-
-
-@pytest.mark.parametrize(("whole", "asked", "parameter"), [
-    (0.799, [(1, 0), (1, 1)], 0.799), (0.7, [(1, 0), (1, 1)], 0.8), (0.81, [(1, 0), (1, 1)], 0.8),
-])  # fmt: skip
-def test_a_bond_of_a_contact_that_touches_again_comes_back_where_the_history_does_not_mind(
-    whole, asked, parameter
-) -> None:
-    """Farther than the history it would be without its bond broken, or nearer: it stays broken."""
-    model = boxes()
-    pressing = replace(ends(model, 0.8, SLIDE), normal=np.where(model.pair_contact == 1, 1.0, 0.0))
-    script = Scripted(model, {(1, 0): pressing, (1, 1): ends(model, whole, SLIDE)})
-    found = followed(model, script, history(model, 0.802, 0.8, gone=(1,)))
-    assert script.asked == asked
-    assert found.limit.parameter == parameter
-    assert (found.bond[model.pair_contact == 1] == (1.0 if parameter == 0.799 else 0.0)).all()
-
-
-def test_without_a_path_for_what_a_history_broke_the_rounds_go_without() -> None:
-    model = boxes()
-    none = replace(ends(model, 1.0, SLIDE, PathOutcome.NO_REST), parameter=None)
-    script = Scripted(model, {(1, 0): none, (1, 1): ends(model, 0.5, SLIDE)})
-    found = followed(model, script, history(model, 0.81, 0.8, gone=(1,)))
-    assert (script.asked, found.limit.parameter, found.entire) == ([(1, 0), (1, 1)], 0.5, True)
-
-
-def test_a_limit_that_has_not_settled_knows_what_the_blocks_do_without_what_they_open_as_they_run() -> None:
-    model = boxes()
-    script = Scripted(model, {
-        (1, 1): ends(model, 0.8, SLIDE, PathOutcome.BRACKET), (1, 0): ends(model, 0.9, SLIDE),
-    })  # fmt: skip
-    found = followed(model, script, history(model, 0.802, 0.8, opens=(1,)))
-    assert (found.limit.parameter, found.soonest) == (0.8, 0.9)
-    assert script.asked == [(1, 1), (1, 0)]
-
-
-def test_a_load_that_grows_comes_no_farther_than_its_history() -> None:
-    model = boxes()
-    script = Scripted(model, {(1, 1): ends(model, 0.9, SLIDE), (1, 0): ends(model, 0.5, SLIDE)})
-    ended = history(model, 0.79, 0.8, broken=(1,))
-    found = with_bonds(model, script, pressed_to(0.0), np.ones(model.load.size), True, falls=lambda _: ended)
-    assert (found.limit.parameter, found.limit.outcome) == (0.79, PathOutcome.BRACKET)
-
-
-@pytest.mark.parametrize(("off", "asked"), [(0.0, [(1, 1)]), (1.0, [(1, 1), (1, 0)])])
-def test_a_limit_is_asked_what_is_open_where_its_forces_need_a_pair_that_pulls(monkeypatch, off, asked) -> None:
-    """The history says that nothing is: so it is, unless the forces do not balance without what pulls; for good."""
-    model = boxes()
-    monkeypatch.setattr(bonds.Rounds, "_off", lambda self, end: np.full(6, off if end.parameter == 0.5 else 0.0))
-    script = Scripted(model, {(1, 1): lifted(ends(model, 0.5, SLIDE), 1e-3, 1.0), (1, 0): ends(model, 0.6, SLIDE)})
-    followed(model, script, history(model, 0.51, 0.5))
-    assert script.asked == asked
 
 
 def test_a_bench_whose_limit_needs_a_pair_that_pulls_has_its_number() -> None:
     design = populations.bench(241)
     design["strength"]["joint"]["c"] = 2.0
-    assert sk.run(sk.load(design)).fos.limit == pytest.approx(1.6932, rel=2e-4)
+    assert sk.run(sk.load(design)).fos.limit == pytest.approx(1.6854, rel=2e-4)

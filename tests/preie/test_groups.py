@@ -135,17 +135,18 @@ def test_a_limit_is_proposed_at_once_until_a_group_has_ended_in_a_peak(search, m
     _, found, _ = search.found
     at_once = []
 
-    def peak(*_, **options):
+    def peak(_model, bond, *_, **options):
         at_once.append(options["at_once"])
-        return replace(found, outcome=PathOutcome.BRACKET) if len(at_once) == 2 else found
+        return replace(found, bond=bond, outcome=PathOutcome.BRACKET if len(at_once) == 2 else found.outcome)
 
-    search.solved = b"", None
+    search.solved = {}
     monkeypatch.setattr(groups, "first_limit", peak)
     bond = np.ones(len(search.model.control_area))
     first = search._first()
     more = groups._with_neighbours(search.scene.assembly, first, search.blocks)
-    for group in (first, more, first, more):
-        assert search._of_group(group, bond) is not None
+    for falls in (True, False):
+        for group in (first, more):
+            assert search._of_group(group, bond, falls) is not None
     assert at_once == [True, True, False, False]
 
 

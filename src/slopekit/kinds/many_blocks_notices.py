@@ -128,7 +128,7 @@ def bonds_of(failure: Failure) -> Bonds:
         return Bonds(lost, limit.bonded, entire=limit.entire)
     return Bonds(
         lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
-        limit.fell, limit.finer, limit.finer_is_less, limit.unrefined, limit.entire,
+        limit.finer, limit.finer_is_less, limit.unrefined, limit.entire,
     )  # fmt: skip
 
 

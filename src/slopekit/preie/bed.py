@@ -452,6 +452,15 @@ class Bed:
         few.unbalanced_at_most = self.unbalanced_at_most[those]
         return few
 
+    def with_bonds(self, bond: Floats) -> "Bed":
+        """The same joints with cohesion where `bond` (m,) is 1."""
+        other = copy.copy(self)
+        other.bond, other.cohesion = bond, self._summed(self.model.cohesion * bond)
+        if self._kernels is not None:
+            given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
+            other._law = self._kernels.law(self._pattern.contacts, *given)
+        return other
+
     def dilating(self, part: float, parameter: float) -> "Bed":
         """The same blocks on joints that dilate by a part of their friction angle (its tangent) at a strength λ."""
         other = copy.copy(self)

@@ -17,18 +17,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.arrays import Floats, frozen
 from slopekit.core.onlooker import told_times
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks_limit import Basis, BlocksLimit, Proposal, Span
-from slopekit.preie.bonds import Bonded, Falls, Rounds, with_bonds
+from slopekit.preie.bonds import Bonded, with_bonds
 from slopekit.preie.bound import StaticBound
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
-from slopekit.preie.falling import Fallen, fallen
-from slopekit.preie.flow import relaxed
+from slopekit.preie.falling import fall
 from slopekit.preie.loads_last import FIRST_LOAD, LoadsOn, loads_last
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import first_peak, follow
@@ -46,18 +45,14 @@ _STRONGEST = 100.0  # and not above this times what friction angles and cohesion
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
-_FOLLOWED = 100  # blocks up to which bonds that falling strength breaks are found by following it
-_FINELY_FOLLOWED = 24  # and between finer node pairs
-_OF_HISTORY = 0.2  # of the work that is left, for a history
 _BITS = 40  # of a strength in parts of the largest: 12 digits
 _SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
-_FELL = 5e-3  # below a factor: steps of falling strength come no nearer to where blocks run
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
 def limit_of_blocks(
     model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL, proposal: Proposal | None = None,
-    begun: Rounds | None = None,
+    bond: Floats | None = None,
 ) -> BlocksLimit:  # fmt: skip
     """The limit factor of an assembly with its static bound.
 
@@ -66,14 +61,14 @@ def limit_of_blocks(
     ranged : whether the range of the mechanism is wanted
     ratio : k_t / k_n of the elastic joints
     proposal : what is tried before the path
-    begun : what the rounds of bonds came to with other node pairs of the same contacts
+    bond : (m,) 0 where a pair has lost its cohesion between other node pairs of the same contacts
     """
     with allowed(MOST):
-        limit = _limit_within(model, ratio, proposal, begun)
+        limit = _limit_within(model, ratio, proposal, bond)
         return with_range(model, limit, proposal) if ranged else limit
 
 
-def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None, begun: Rounds | None) -> BlocksLimit:
+def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None, bond: Floats | None) -> BlocksLimit:
     """The limit with the work that is allowed."""
     model, unit = _in_unit_strength(model)
     strong = unit > 0.0
@@ -82,7 +77,7 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
-    limit = _limit_of(model, unit, bound, ratio, proposal, begun)
+    limit = _limit_of(model, unit, bound, ratio, proposal, bond)
     return replace(
         limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
         lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), bonded=_times(limit.bonded, unit),
@@ -91,7 +86,7 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
         tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
         unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
-        sooner=_times(limit.sooner, unit), fell=_times(limit.fell, unit),
+        sooner=_times(limit.sooner, unit),
     )  # fmt: skip
 
 
@@ -130,25 +125,25 @@ def _rounded(values: Floats) -> Floats:
 
 def _limit_of(
     model: AssemblyModel, unit: float, bound: StaticBound, ratio: float, proposal: Proposal | None,
-    begun: Rounds | None,
+    bond: Floats | None,
 ) -> BlocksLimit:  # fmt: skip
     """The limit of a model in unit strength; a proposal is in the strength of the design."""
     steps, loads, drive = 0, LoadsOn(), Drive(model.load.ravel())
     snapped: set[bytes] = set()  # bonds with which a peak was taken for a round
 
-    def once(bond: Floats, vouched: bool) -> tuple[PathLimit, bool]:
+    def once(bond: Floats, falls: bool, vouched: bool) -> tuple[PathLimit, bool]:
         nonlocal steps, loads
         loads = LoadsOn()
         settled = None
         if proposal is not None and not vouched:
-            own = proposal.limit_alone(bond)
+            own = proposal.limit_alone(bond, falls)
             if own is not None and (own.found or own.outcome is PathOutcome.BRACKET):
                 if not own.found:
                     snapped.add(bond.tobytes())
                 return _weaker(own, 1.0 / unit), False
         try:
             if proposal is not None:
-                settled = proposal.limit(bond, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
+                settled = proposal.limit(bond, falls, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
         except EffortSpentError as spent:
             raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
@@ -160,27 +155,16 @@ def _limit_of(
             proposal.begins_with(peak.motion)
             return _weaker(peak, 1.0 / unit), False
         with told_times(unit, "divided by"):
-            path_end, loads, work = _on_path(model, unit, bond, bound, ratio)
+            path_end, loads, work = _on_path(model, unit, bond, bound, ratio, falls)
         steps += work
         if proposal is not None and path_end.parameter:
             proposal.begins_with(path_end.motion)
         return path_end, True
 
-    def pressed(bond: Floats, reduction: float) -> Bools | None:
-        return _pressed(Bed(model, drive, bond, ratio), reduction)
-
-    history = _history(model, drive, ratio, _START / min(bound.factor or _STRONGEST, _STRONGEST))
-    followed = len(model.load) <= (_FOLLOWED if begun is None else _FINELY_FOLLOWED)
-
-    def falls(lost: Bools) -> Fallen | None:
-        """The history, and whom it shows to move."""
-        found = history(lost)
-        if found is not None and proposal is not None and found.flow.ended != "rest":
-            proposal.begins_with(found.flow.at - found.flow.before)
-        return found
-
+    if proposal is not None and bound.factor is not None and model.cohesion.any():
+        proposal.begins_with(bound.velocity.ravel())
     try:
-        ended = with_bonds(model, once, pressed, drive.working, False, begun, falls if followed else None)
+        ended = with_bonds(model, once, drive.working, False, bond)
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
@@ -191,9 +175,9 @@ def _limit_of(
         )  # fmt: skip
     if ended.share > 1.0 - NO_STRENGTH:  # all that holds the motion is cohesion that it opens
         nothing_left = replace(ended.limit, outcome=PathOutcome.NO_REST, parameter=None)
-        alone = _limit(model, nothing_left, ended.bond, bound, steps, loads)
-        return replace(alone, rounds=ended.rounds, bonded=1.0 / ended.whole if ended.whole else None)
-    return _with_evidence(_limit(model, ended.limit, ended.bond, bound, steps, loads), ended)
+        alone = _limit(model, nothing_left, bound, steps, loads)
+        return replace(alone, bonded=1.0 / ended.whole if ended.whole else None)
+    return _with_evidence(_limit(model, ended.limit, bound, steps, loads), ended)
 
 
 def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None = None) -> BlocksLimit:
@@ -239,9 +223,7 @@ def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -
     return None if span is None else (_times(span[0], times), _times(span[1], times))
 
 
-def _limit(
-    model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads: LoadsOn
-) -> BlocksLimit:
+def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps: int, loads: LoadsOn) -> BlocksLimit:
     """What the path says, once every block has vouched for it; of a peak the range has what other ways to it give."""
     factor = 1.0 / path_end.parameter if path_end.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0
@@ -272,7 +254,7 @@ def _limit(
         change = max(change, highest / factor - 1.0)
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
-        outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(bond), top,
+        outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
         None if highest is None else factor, highest, loads.carried, loads.last, steps, bound.steps, path_end.group,
         path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun,
     )  # fmt: skip
@@ -280,50 +262,19 @@ def _limit(
 
 def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
     """The limit with what is known of its bonds."""
-    limit = replace(limit, rounds=ended.rounds, counted=ended.counted)
+    limit = replace(limit, counted=ended.counted)
     if ended.unsettled is not None:
         limit = replace(limit, unsettled=1.0 / ended.unsettled)
-    if ended.whole and (ended.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
+    if ended.whole and (limit.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
         limit = replace(limit, bonded=1.0 / ended.whole, entire=ended.entire)
     if limit.factor is not None and ended.soonest and 1.0 / ended.soonest < limit.factor * (1.0 - _SOONER):
         sooner = 1.0 / ended.soonest
         limit = replace(limit, sooner=sooner, lowest=sooner if limit.lowest is None else min(limit.lowest, sooner))
-    if limit.factor is not None and ended.fell and 1.0 / ended.fell < limit.factor * (1.0 - _FELL):
-        fell = 1.0 / ended.fell
-        limit = replace(limit, fell=fell, lowest=fell if limit.lowest is None else min(limit.lowest, fell))
     if not ended.share or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
     unbonded = None if ended.least is None else 1.0 / ended.least
-    return replace(limit, basis=basis, kept=ended.kept, kept_share=ended.share, unbonded=unbonded)
-
-
-def _history(model: AssemblyModel, drive: Drive, ratio: float, start: float) -> Falls:
-    """Histories from a parameter on, each followed once."""
-    known: dict[bytes, Fallen | None] = {}
-
-    def falls(lost: Bools) -> Fallen | None:
-        key = lost.tobytes()
-        if key not in known:
-            try:
-                with part(_OF_HISTORY):
-                    known[key] = fallen(model, drive, ratio, start, lost)
-            except EffortSpentError:
-                known[key] = None
-        return known[key]
-
-    return falls
-
-
-def _pressed(bed: Bed, parameter: float) -> Bools | None:
-    """Contacts (k,) that are pressed anywhere as blocks rest on their elastic joints; None where they do not rest."""
-    flow = relaxed(bed, bed.elastic_displacement, parameter, 0.0)
-    if flow.ended != "rest":
-        flow = relaxed(bed, np.zeros(bed.size), parameter, 1.0)
-    if flow.ended != "rest":
-        return None
-    pressed: Bools = np.bincount(bed.model.pair_contact, flow.forces.touching, bed.contacts) > 0
-    return pressed
+    return replace(limit, basis=basis, kept=ended.opened, kept_share=ended.share, unbonded=unbonded)
 
 
 def _off(model: AssemblyModel, path_end: PathLimit) -> float:
@@ -359,42 +310,34 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
 
     The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
     their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ; `bonded`, `unbonded`,
-    `unsettled`, `sooner` and `fell` are multipliers.
+    `unsettled` and `sooner` are multipliers.
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
 
-    def once(bond: Floats, _: bool) -> tuple[PathLimit, bool]:
+    def once(bond: Floats, falls: bool, _: bool) -> tuple[PathLimit, bool]:
         bed = Bed(model, Drive(own, grows, reduction), bond)
         try:
-            return follow(bed, first), True
+            return (fall if falls and model.cohesion.any() else follow)(bed, first), True
         except EffortSpentError:
             none = np.zeros(bed.size)
             return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)), True
 
-    def pressed(bond: Floats, multiplier: float) -> Bools | None:
-        try:
-            return _pressed(Bed(model, Drive(own, grows, reduction), bond), multiplier)
-        except EffortSpentError:  # nobody knows: no contact counts as pressed, and the next search says the rest
-            return None
-
     with allowed(MOST):
-        falls = _history(model, Drive(own, grows, reduction), SHEAR_TO_NORMAL, first)
-        ended = with_bonds(model, once, pressed, grows, True, falls=falls if len(model.load) <= _FOLLOWED else None)
-    path_end, bond = ended.limit, ended.bond
+        ended = with_bonds(model, once, grows, True)
+    path_end = ended.limit
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK
     basis = Basis.SETTLED if ended.share and basis is Basis.LIMIT else basis
-    farther = (bond == 0.0).any() and (ended.whole or 0.0) > (path_end.parameter or math.inf)
+    farther = (path_end.bond == 0.0).any() and (ended.whole or 0.0) > (path_end.parameter or math.inf)
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
-        frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,
+        frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond), None, None, None, None, False,
         path_end.factorisations, 0, bonded=ended.whole if farther else None, entire=ended.entire,
-        kept=ended.kept, kept_share=ended.share,
+        kept=ended.opened, kept_share=ended.share,
         unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
         counted=ended.counted,
         sooner=ended.soonest if (ended.soonest or math.inf) < (path_end.parameter or 0.0) * (1.0 - _SOONER) else None,
-        fell=ended.fell if (ended.fell or math.inf) < (path_end.parameter or 0.0) * (1.0 - _FELL) else None,
     )  # fmt: skip
 
 
@@ -412,20 +355,23 @@ def bound_of(model: AssemblyModel) -> float | None:
         return _times(_bound(model).factor, unit)
 
 
-def first_limit(model: AssemblyModel, bond: Floats, bound: StaticBound, at_once: bool = True) -> PathLimit | None:
+def first_limit(
+    model: AssemblyModel, bond: Floats, bound: StaticBound, falls: bool, at_once: bool = True
+) -> PathLimit | None:
     """The limit of some blocks with bonds (m,) as they are, and their `unit_bound`; None where there is none.
 
     A peak is that of one way to it: nobody asks how sure it is.
 
     Parameters
     ----------
+    falls : whether more of them break as strength falls
     at_once : whether a limit is proposed before the path, or where it ends in a peak
     """
     model, unit = _in_unit_strength(model)
     if bound.lifted:
         return None
     with told_times(unit or 1.0, "divided by"):
-        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, peaks=False, at_once=at_once)
+        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, falls, peaks=False, at_once=at_once)
     return _weaker(path_end, unit or 1.0) if path_end.parameter else None
 
 
@@ -446,7 +392,7 @@ def _times(factor: float | None, by: float) -> float | None:
 
 
 def _on_path(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, peaks: bool = True,
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, falls: bool, peaks: bool = True,
     at_once: bool = True,
 ) -> tuple[PathLimit, LoadsOn, int]:  # fmt: skip
     """The path with some bonds, how the loads beside weight came on, and the work.
@@ -458,8 +404,9 @@ def _on_path(
     start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED else None
-    path_end = path_end or follow(bed, start, brief=live and bed.tangents == 1)
+    bonded = bool(bed.cohesion.any())
+    path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
+    path_end = path_end or (fall if bonded and falls else follow)(bed, start, live and bed.tangents == 1)
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1
     if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= _PROPOSED:
         path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
@@ -480,11 +427,11 @@ def _on_path(
             path_end = first_peak(bed, path_end)
         begun = 1.0 / path_end.started if path_end.started > start else None
         return path_end, LoadsOn(begun=begun), work + bed.factorisations
-    locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
+    locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED and not (bonded and falls)
     if path_end.outcome is PathOutcome.BRACKET:
         if locked:  # a rest that needs many times the bound
             path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
-        elif peaks and path_end.peak is not None:
+        elif peaks and path_end.peak is not None and not bonded:
             path_end = first_peak(bed, path_end)
     return path_end, LoadsOn(), bed.factorisations
 

@@ -6,7 +6,6 @@ from typing import Protocol
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.bonds import Rounds
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path_limit import PathLimit
 from slopekit.preie.tolerances import MESH_CHANGE
@@ -56,9 +55,7 @@ class BlocksLimit:
     sooner : of all rounds of bonds the least factor at which a motion would begin, where that is less than the factor;
         `lowest` is no more
     counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
-    rounds : what the rounds of bonds came to, for other node pairs of the same contacts
-    fell : where blocks whose strength falls step by step run before the factor with these bonds, the factor there
-    finer : the factor on finer node pairs where the motion did not settle there; `lowest` is no more than it and `fell`
+    finer : the factor on finer node pairs where the motion did not settle there; `lowest` is no more than it
     unrefined : why it is not known how far finer node pairs move the factor; None where that is known, or not asked
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost; if not `entire` with those that falling strength leaves
@@ -101,8 +98,6 @@ class BlocksLimit:
     unsettled: float | None = None
     sooner: float | None = None
     counted: int = 0
-    rounds: Rounds | None = None
-    fell: float | None = None
     finer: float | None = None
     unrefined: Unrefined | None = None
     entire: bool = True
@@ -111,7 +106,7 @@ class BlocksLimit:
     def at_most(self) -> float:
         """What `lowest` may be at most: the least factor at which other bonds or ways, or finer pairs let it move."""
         finer = self.finer if self.finer_is_less else None
-        return min((one for one in (self.factor, self.sooner, self.fell, finer) if one is not None), default=math.inf)
+        return min((one for one in (self.factor, self.sooner, finer) if one is not None), default=math.inf)
 
     @property
     def finer_is_less(self) -> bool:
@@ -122,10 +117,10 @@ class BlocksLimit:
 class Proposal(Protocol):
     """Another way than the path to the limit of all blocks."""
 
-    def limit(self, bond: Floats, top: float, peaks: bool = False) -> PathLimit | None:
+    def limit(self, bond: Floats, falls: bool, top: float, peaks: bool = False) -> PathLimit | None:
         """The limit with some bonds (m,), at most `top`, or with `peaks` a peak; None where the way leads nowhere."""
 
-    def limit_alone(self, bond: Floats) -> PathLimit | None:
+    def limit_alone(self, bond: Floats, falls: bool) -> PathLimit | None:
         """That of the blocks which failed last, all others held; None where there is none."""
 
     def peak(self) -> PathLimit | None:

@@ -1,102 +1,116 @@
-"""What falling strength does to cohesive contacts: blocks at rest, a little less strength, and at rest again.
+"""The limit of the motion with which cohesive blocks run whose strength falls.
 
-A contact that no node pair presses as the blocks rest on their elastic joints has lost its cohesion from then on; they
-come to rest again at the same strength, or run. The same with a load that grows.
+Gravity comes on while the joints stick. The strength falls, the blocks come to rest again each time, and a contact that
+no node pair presses then has lost its cohesion from there on; they come to rest once more without it, or run. The same
+with a load that grows.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Bools
-from slopekit.core.records import dataclass
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Drive
+from slopekit.core.arrays import Bools, Floats
+from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed
-from slopekit.preie.path import ROUGHER, at_rest_first, at_rest_next
-from slopekit.preie.tolerances import FARTHEST, FLOWS, LEAST_STRENGTH, RUNS
+from slopekit.preie.path import Ran, at_rest_first, at_rest_next, follow
+from slopekit.preie.path_limit import PathLimit, PathOutcome, result_of
+from slopekit.preie.tolerances import FARTHEST, LIMIT_BALANCED, RUNS
 
-_STRIDE = 0.95  # of the strength, a step
-NEAR_RUNNING = 3e-3  # how near the last rest comes to where the blocks run
+_STUCK = 32.0  # times the strength of a path's start: there hardly anything slips, and more of it changes nothing
+_STRIDE = 0.05  # of ln λ, a step: in longer ones contacts open and touch again
+NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
+_STANDS = 1e-5  # of the strength to begin with: what stands at it stands without any
+_DROPS = 0.1  # from there to the limit of the motion in space
+_MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
 
-@dataclass(frozen=True, slots=True)
-class Fallen:
-    """How a history ended.
+def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
+    """The limit of the path with the bonds that are left where the blocks run: no farther than there.
 
-    Attributes
+    Parameters
     ----------
-    gone : (k,) contacts that have lost their cohesion, as they were open all over at rest
-    parameter, runs : of the last rest, and the first at which the blocks do not come to rest; None where they always do
-    broken : (k,) all contacts that had lost their cohesion when they ran; opens : that they opened then
-    rest : the last; flow : how they ran
-    """
-
-    gone: Bools
-    parameter: float
-    runs: float | None
-    broken: Bools
-    opens: Bools
-    rest: Flow
-    flow: Flow
-
-
-def fallen(model: AssemblyModel, drive: Drive, ratio: float, start: float, lost: Bools) -> Fallen | None:
-    """The history from a parameter on of blocks whose contacts `lost` (k,) have no cohesion.
-
-    None where they rest at no such strength.
+    start, brief : of the path (`preie.path.follow`), which is followed without a history where none begins
 
     Raises
     ------
     EffortSpentError
         The work that is allowed is done.
     """
-    joints = model.joint_pairs  # a bolt has no pair that could be pressed
-    bonded = np.bincount(model.pair_contact[joints], model.cohesion[joints], len(lost)) > 0.0
+    if brief and at_rest_first(bed, start, 0)[1].ended != "rest":
+        return follow(bed, start, brief)
+    fallen = _fallen(bed, start * _STUCK if bed.drive.ramp is None else start)
+    if fallen is None:
+        return follow(bed, start, brief)
+    left, ran, snaps = fallen
+    if ran.flow.ended == "rest":
+        stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
+        return replace(stands, started=start)
+    ended = follow(left, start, brief or bed.size > _MANY, ran)
+    bed.factorisations = left.factorisations
+    if ended.found and not _is_there(left, ran, ended, snaps):
+        moved = ran.flow.at - ran.flow.before
+        peak = ran.parameter, ran.bad
+        ended = result_of(left, PathOutcome.BRACKET, ran.parameter, peak, ran.rest.at, moved, ran.rest.forces)
+    return replace(ended, started=start)
 
-    def bed(gone: Bools) -> Bed:
-        return Bed(model, drive, np.where((lost | gone)[model.pair_contact], 0.0, 1.0), ratio)
 
-    def touching(flow: Flow) -> Bools:
-        """Contacts (k,) that any pair presses."""
-        some: Bools = np.bincount(model.pair_contact, flow.forces.touching, len(lost)) > 0
-        return some
+def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
+    """Whether a limit is no farther than where the blocks run, and needs no pair that pulls.
 
-    def settled(flow: Flow, parameter: float, gone: Bools) -> tuple[Flow, Bools]:
-        """From a rest with some bonds to one that leaves no others open all over, or running."""
-        while flow.ended == "rest":
-            opens = bonded & ~lost & ~gone & ~touching(flow)
-            if not opens.any():
-                break
-            gone = gone | opens
-            flow = _next(bed(gone), flow, parameter)
-        return flow, gone
+    Nor nearer, where bonds broke as they ran (`snaps`): without those the blocks would have run before. Nor far nearer
+    in space, where a flow that goes on leads to another motion, as that of blocks without any cohesion.
+    """
+    assert ended.parameter is not None
+    off = bed.model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
+    past = bed.drive.gap(ended.parameter, ran.bad) - 1.0
+    drops = NEAR_RUNNING if snaps else _DROPS if bed.tangents > 1 else math.inf
+    return -NEAR_RUNNING <= past <= drops and float(np.abs(off).max()) < LIMIT_BALANCED
 
-    none = np.zeros_like(lost)
-    for _ in range(ROUGHER + 1):
-        _, flow = at_rest_first(bed(none), start, 0)
-        gone = none
-        if flow.ended == "rest":
-            flow, gone = settled(flow, start, none)
-        if flow.ended == "rest":
-            break
-        if drive.ramp is not None:
-            return None
-        start *= 2.0  # less breaks where joints are stronger
-    else:
+
+def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran, bool] | None:
+    """The joints as they are where the blocks run, or stand without strength, and whether bonds broke as they ran.
+
+    None where they rest nowhere.
+    """
+    parameter, flow = at_rest_first(bed, start, 0)
+    bed, flow = _broken(bed, flow, parameter)
+    if flow.ended != "rest":
         return None
-    parameter, step = start, _STRIDE
+    stride = _STRIDE
     while True:
-        trial = drive.harder(parameter, step)
-        found, left = settled(_next(bed(gone), flow, trial), trial, gone)
-        if found.ended == "rest":
-            parameter, flow, gone = trial, found, left
-            if parameter < LEAST_STRENGTH * start if drive.ramp is None else parameter > FARTHEST:
-                return Fallen(gone, parameter, None, gone, none, flow, flow)
-        elif 1.0 - step < NEAR_RUNNING:
-            return Fallen(gone, parameter, trial, left, _opened(model, found), flow, found)
-        else:
-            step = math.sqrt(step)
+        trial = bed.drive.harder(parameter, math.exp(-stride))
+        left, found = _broken(bed, _next(bed, flow, trial), trial)
+        if found.ended != "rest":
+            if stride <= NEAR_RUNNING:
+                return left, Ran(parameter, flow, trial, found), left is not bed
+            stride *= 0.5
+            continue
+        parameter, flow, bed = trial, found, left
+        if parameter < _STANDS * start if bed.drive.ramp is None else parameter > FARTHEST:
+            return bed, Ran(parameter, flow, parameter, flow), False
+
+
+def open_all_over(bed: Bed, flow: Flow) -> Floats | None:
+    """The bonds (m,) that are left at a rest, where those of contacts that no pair presses go; None where none do."""
+    contact = bed.model.pair_contact
+    opens = _bonded(bed) & (np.bincount(contact, flow.forces.touching, bed.contacts) == 0)
+    return np.where(opens[contact], 0.0, bed.bond) if (opens[contact] & (bed.bond > 0.0)).any() else None
+
+
+def _bonded(bed: Bed) -> Bools:
+    """Contacts (k,) that can lose their bond; a bolt has no pair that could be pressed."""
+    joints = bed.model.joint_pairs
+    bonded: Bools = np.bincount(bed.model.pair_contact[joints], bed.model.cohesion[joints], bed.contacts) > 0.0
+    return bonded
+
+
+def _broken(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
+    """From a rest to one that leaves no bond on contacts that are open all over, or running."""
+    while flow.ended == "rest" and (left := open_all_over(bed, flow)) is not None:
+        bed = bed.with_bonds(left)
+        flow = _next(bed, flow, parameter)
+    return bed, flow
 
 
 def _next(bed: Bed, flow: Flow, parameter: float) -> Flow:
@@ -105,11 +119,3 @@ def _next(bed: Bed, flow: Flow, parameter: float) -> Flow:
     if tried.ended in ("rest", "runs"):
         return tried
     return relaxed(bed, tried.at, parameter, max(tried.viscosity, THICK), runs_at=RUNS)
-
-
-def _opened(model: AssemblyModel, flow: Flow) -> Bools:
-    """Contacts (k,) that blocks open as they run."""
-    opening, slip = model.opening_and_slip(flow.at - flow.before)
-    fastest = max(float(np.abs(opening).max()), float(np.sqrt((slip * slip).sum(axis=1)).max()))
-    opens: Bools = np.bincount(model.pair_contact, opening > FLOWS * fastest, len(model.plus)) > 0
-    return opens

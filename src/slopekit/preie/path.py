@@ -20,6 +20,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
 from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.bounds import held_by_normals
 from slopekit.preie.effort import EffortSpentError
@@ -46,13 +47,24 @@ _MANY = 600  # unknowns of a section from which the path of rounded joints is tr
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
 
 
-def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """Blocks that were at rest at a parameter, and how they ran at the next one, `bad`."""
+
+    parameter: float
+    rest: Flow
+    bad: float
+    flow: Flow
+
+
+def follow(bed: Bed, start: float, brief: bool = False, ran: Ran | None = None) -> PathLimit:
     """The limit of one bed.
 
     Parameters
     ----------
     start : strength (λ) at which gravity comes on, or the first load multiplier
     brief : gives up where gravity does not come to rest there, and after the first bracket that does not settle
+    ran : stage A, where it was gone through already
 
     Raises
     ------
@@ -61,7 +73,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     """
     rested: list[float] = []
     try:
-        ended = _followed(bed, start, brief, rested)
+        ended = _followed(bed, start, brief, rested, ran)
     except EffortSpentError:
         raise EffortSpentError(1.0 / rested[-1] if rested and bed.drive.ramp is None else None) from None
     if ended.found or ended.outcome is PathOutcome.STANDS or bed.drive.ramp is not None:
@@ -76,16 +88,20 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     )
 
 
-def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathLimit:
+def _followed(bed: Bed, start: float, brief: bool, rested: list[float], ran: Ran | None) -> PathLimit:
     """The limit; `rested` gets the parameters at which the blocks are at rest on the way."""
     strength = bed.drive.ramp is None
-    parameter, flow = at_rest_first(bed, start, 0 if brief else ROUGHER)
+    if ran is None:
+        parameter, flow = at_rest_first(bed, start, 0 if brief else ROUGHER)
+    else:
+        parameter, flow = ran.parameter, ran.rest
     if flow.ended != "rest":
         without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return result_of(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
-    at, begun, first = flow.at, parameter, flow.at
+    at, forces, begun, first = flow.at, flow.forces, parameter, flow.at
     rested.append(parameter)
-    runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
+    # parameters at which nothing was found at rest, the worst first
+    runs: list[tuple[float, Flow]] = [] if ran is None else [(ran.bad, ran.flow)]
     failed: Flow | None = None  # the last flow whose forces did not settle
     ratio = _STRIDE
     brackets = (_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2])
@@ -93,7 +109,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
     near = next(nearest)
     traces = strength and bed.tangents > 1 and not bed.dilates
     smooth = strength and bed.tangents == 1 and not bed.dilates and bed.bolted is None
-    if smooth and bed.size > _MANY:
+    if smooth and bed.size > _MANY and ran is None:
         ended = traced_in_section(bed, at, parameter, _BROADLY)
         if ended is not None:
             return replace(ended, started=begun)
@@ -121,7 +137,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
                 snaps, nearest, ratio = snaps - 1, iter(brackets), _STRIDE  # they only snapped, to another rest
                 near = next(nearest)
                 runs.clear()
-            parameter, at = bad, flow.at
+            parameter, at, forces = bad, flow.at, flow.forces
         if runs:
             ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))
         trial = bed.drive.harder(parameter, ratio)
@@ -130,7 +146,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
         if tried.ended != "rest":
             runs.append((trial, tried))
             continue
-        parameter, at = trial, tried.at
+        parameter, at, forces = trial, tried.at, tried.forces
         rested.append(parameter)
         if (parameter < LEAST_STRENGTH * start) if strength else (parameter > FARTHEST):
             return result_of(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
@@ -140,7 +156,6 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathL
         ended = traced_in_section(bed, first, begun, _FINELY)
         if ended is not None and (ended.parameter or 0.0) >= bad:
             return replace(ended, peak=(parameter, bad), started=begun)
-    forces = bed.forces(at, parameter)
     peak = result_of(bed, PathOutcome.BRACKET, parameter, (parameter, bad), at, flow.at - flow.before, forces)
     return replace(peak, started=begun)
 

@@ -42,7 +42,8 @@ class PathLimit:
     ----------
     outcome, parameter : λ = 1/F or the load multiplier, None where there is none
     peak : the last parameter at rest, and the first that runs
-    motion : (N,) of the mechanism, its largest part 1; normal : (m,); friction : (g, t); bond : (m,)
+    motion : (N,) of the mechanism, its largest part 1; normal : (m,); friction : (g, t)
+    bond : (m,) 0 where a pair has lost its cohesion on the way
     displacement : (N,) of the elastic joints
     reduction : λ of the joints there
     residual : largest unbalanced force in parts of the largest load
@@ -64,6 +65,7 @@ class PathLimit:
     reduction: float
     residual: float
     factorisations: int
+    bond: Floats
     started: float = math.nan
     group: int = 0
     width: float = 0.0
@@ -83,7 +85,7 @@ def result_of(
     fastest = max(float(np.abs(motion).max(initial=0.0)), TINY)
     return PathLimit(
         outcome, parameter, peak, at, motion / fastest, forces.normal, forces.friction,
-        bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations,
+        bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations, bed.bond,
     )  # fmt: skip
 
 

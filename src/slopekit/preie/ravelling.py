@@ -21,7 +21,6 @@ from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import limit_of_blocks, load_limit, with_range
 from slopekit.preie.blocks_limit import Basis, BlocksLimit, Unrefined
-from slopekit.preie.bonds import Rounds
 from slopekit.preie.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.groups import Groups
 from slopekit.preie.model import JointStrength
@@ -234,14 +233,14 @@ def _large(model: AssemblyModel) -> bool:
 
 
 def component_limit(
-    model: AssemblyModel, proposal: Groups | None = None, begun: Rounds | None = None
+    model: AssemblyModel, proposal: Groups | None = None, bond: Floats | None = None
 ) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
     """The limit of a component, and its model: where laws are curved with the lines that the limit settled on.
 
     The range of its mechanism comes later, of those that fail first.
     """
     if model.lines is None:
-        return model, limit_of_blocks(model, False, proposal=proposal, begun=begun)
+        return model, limit_of_blocks(model, False, proposal=proposal, bond=bond)
     from slopekit.preie.strength_lines import settled_blocks  # only curved laws pay for it
 
     return settled_blocks(model, limit_of_blocks)
@@ -291,7 +290,7 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         twists = _twisting(part)
         if not twists.any():
             break
-        if part.limit.basis is Basis.PEAK and part.limit.rounds is not None and _large(part.model):
+        if part.limit.basis is Basis.PEAK and part.model.cohesion.any() and _large(part.model):
             return replace(part, limit=replace(part.limit, unrefined=Unrefined.UNSETTLED))
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
@@ -301,11 +300,12 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         model, patch = model_patch
         by_groups = _large(model) and bool(model.cohesion.any())
         groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
-        model, limit = component_limit(model, groups, part.limit.rounds)
+        lost = np.bincount(part.model.pair_contact, part.limit.bond, len(part.model.plus)) == 0.0
+        model, limit = component_limit(model, groups, np.where(lost[model.pair_contact], 0.0, 1.0))
         if not limit.factor:
             return _unrefined(part, Unrefined.NO_FACTOR)
         assert part.limit.factor is not None  # what twists contacts has one
-        if limit.basis is Basis.PEAK and limit.rounds is not None:
+        if limit.basis is Basis.PEAK and model.cohesion.any():
             return replace(part, limit=replace(part.limit, finer=limit.factor))
         change = abs(limit.factor / part.limit.factor - 1.0)
         part = replace(
