@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from slopekit.design.files import load, with_values
+from slopekit.design.reading.files import load, with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse
 

@@ -13,10 +13,10 @@ import numpy as np
 import slopekit as sk
 from slopekit.core.errors import GeometryError
 from slopekit.kinds import cut
-from slopekit.kinds.one_block import block_status
 from slopekit.kinds.protocol import compare
+from slopekit.kinds.single_block.one_block import block_status
 from slopekit.kinds.wedge import compared as compared_form
-from slopekit.preie.limit import limit_analysis
+from slopekit.preie.one_block.limit import limit_analysis
 
 COUNT = 1000
 

@@ -64,8 +64,8 @@ def scene_of(name: str, blocks: int):
 
 def case(name: str, blocks: int, passes: int | None) -> dict:
     """Both solvers on one scene; `passes`: how many the other one is said to need, None: run them."""
-    from slopekit.preie.blocks import limit_of_blocks
-    from slopekit.preie.program import BlockProgram, Strengths
+    from slopekit.preie.many_blocks.blocks import limit_of_blocks
+    from slopekit.preie.programs.program import BlockProgram, Strengths
 
     scene, phi, exact = scene_of(name, blocks)
     began = time.perf_counter()

@@ -254,7 +254,7 @@ def judged(task: tuple[str, int, bool]) -> Judged:
 
 def _without_number(design: Design, bound: float) -> tuple[float | None, float | None, float | None]:
     """`path`, `tips` and `rests` of a design."""
-    from slopekit.preie.blocks import limit_of_blocks
+    from slopekit.preie.many_blocks.blocks import limit_of_blocks
     from tests.preie.load_oracle import comes_on, tips_whatever_the_strength
     from tests.preie.path_oracle import model_of, with_bonds
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from slopekit.views.charts import Curve, check_curves, draw_chart, draw_speed_error
-from slopekit.views.drawing import new_figure, save
+from slopekit.views.charts.charts import Curve, check_curves, draw_chart, draw_speed_error
+from slopekit.views.charts.drawing import new_figure, save
 
 
 def speed_error_chart(

@@ -14,9 +14,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from slopekit.geometry import splitting
-from slopekit.geometry.bench import bench_body
-from slopekit.geometry.joint_sets import JointSet, planes_of_sets
+from slopekit.geometry.rock import splitting
+from slopekit.geometry.rock.bench import bench_body
+from slopekit.geometry.rock.joint_sets import JointSet, planes_of_sets
 
 STAGES = {"cut_with_combs": "manifold3d", "cells_of": "cells", "faces_of": "faces", "facing": "match",
           "_patches": "patches"}  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 
 from slopekit.core.orientation import Plane
 from slopekit.design.common import Pair
-from slopekit.design.distributions import Angles, Distribution, Fisher, Name, Variable
+from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Name, Variable
 from slopekit.studies.prob.sampling import METHODS, chunks, planned
 
 _REPEATS = 5

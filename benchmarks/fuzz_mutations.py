@@ -9,8 +9,8 @@ from functools import cache
 from typing import Any
 
 from benchmarks.fuzz_seeds import EXTREMES, FRAGMENTS, SEEDS, SPICES, WRONG
-from slopekit.design.nodes import Node
-from slopekit.design.yaml import SourceLines, TreeBuilder, composed
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.yaml import SourceLines, TreeBuilder, composed
 
 _PLAIN = re.compile(r"[A-Za-z0-9_.+/-][A-Za-z0-9_.+/ °%<>=@-]*[A-Za-z0-9_.+/°%-]|[A-Za-z0-9]")
 

@@ -8,7 +8,7 @@ import trimesh
 from benchmarks.fuzz_slopes import FACTOR_FILES, SECTIONS, SLOPES, VALUES
 from benchmarks.fuzz_slopes import FRAGMENTS as _OF_SLOPES
 from slopekit.design.templates import names, path_of
-from slopekit.geometry.shapes import profile_prism
+from slopekit.geometry.solids.shapes import profile_prism
 
 _RICH = {
     "rich wedge": """\

@@ -172,7 +172,9 @@ def _without_sheet(document: dict[str, Any]) -> dict[str, Any]:
 def _undrawn() -> Iterator[list[str]]:
     """Pictures are named instead of drawn: what they show stands in the JSON."""
     plots = import_module("slopekit.views.plots")
-    import_module("slopekit.views.page_pictures")  # takes `draw` by name: loaded later it would keep what stands here
+    import_module(
+        "slopekit.views.pages.page_pictures"
+    )  # takes `draw` by name: loaded later it would keep what stands here
     drawn: list[str] = []
     before = plots.draw
 

@@ -19,7 +19,7 @@ from benchmarks.benches import bench
 from benchmarks.populations import Design
 from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels
-from slopekit.preie.bed import Bed
+from slopekit.preie.elastic_path.bed import Bed
 
 _WAYS = ("numpy", "compiled")
 _STEPS = 20

@@ -14,7 +14,7 @@ import time
 import numpy as np
 
 import slopekit as sk
-from slopekit.geometry.rockmass import J1, J2
+from slopekit.geometry.rock.rockmass import J1, J2
 from slopekit.kinds import wedge
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge

@@ -19,7 +19,7 @@ import numpy as np
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.views.scenes import SCENES, compose
+from slopekit.views.solid.scenes import SCENES, compose
 
 BENCH = {
     "slope.height": "18 m", "slope.length": "44 m", "sets.S1.spacing": "2 m", "sets.S2.spacing": "2.2 m",

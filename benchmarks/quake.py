@@ -1,6 +1,6 @@
 """How fast several blocks gain on shaken ground, from the equation of motion on their springs.
 
-Nothing of `preie.seismic_gain` is asked but the mass: implicit Euler, contacts open and slip as the springs say. The
+Nothing of `motion.seismic_gain` is asked but the mass: implicit Euler, contacts open and slip as the springs say. The
 law is holonomic (no memory of slip), which a push that never turns round does not notice.
 """
 
@@ -10,15 +10,15 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import cut
-from slopekit.kinds.many_blocks_scene import scene_loads
-from slopekit.kinds.many_blocks_shaking import gyration
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
+from slopekit.kinds.assemblies.many_blocks_shaking import gyration
 from slopekit.kinds.solver_inputs import joint_strength
-from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.flow import relaxed
-from slopekit.preie.ravelling import critical_load
-from slopekit.preie.seismic_gain import mass_of
+from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.flow import relaxed
+from slopekit.preie.many_blocks.ravelling import critical_load
+from slopekit.preie.motion.seismic_gain import mass_of
 
 _KEY = "loads.seismic.k"
 _STEP = 10.0  # times the period of a spring: they follow and do not ring

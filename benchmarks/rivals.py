@@ -20,11 +20,11 @@ import clarabel
 import numpy as np
 import scipy.sparse as sp
 
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.limit import curved_limit_analysis, limit_analysis, passes_limit
-from slopekit.preie.model import Model
-from slopekit.preie.program import BlockProgram, Strengths
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.limit import curved_limit_analysis, limit_analysis, passes_limit
+from slopekit.preie.programs.program import BlockProgram, Strengths
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.model import Model
 from tests.preie.assembly_oracle import conic_sequence
 
 #: Where bisections start, in parts of the answer: no trial of theirs falls on it by chance.

@@ -33,9 +33,9 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import cut, surface
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.model import build_model
-from slopekit.preie.slippage import slippable
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.slippage import slippable
+from slopekit.preie.system.model import build_model
 from tests.preie.block_scenes import GOODMAN_BRAY
 from tests.support import PAPER
 

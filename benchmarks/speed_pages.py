@@ -24,7 +24,7 @@ from benchmarks.speed_error import (
     wedge,
     with_command,
 )
-from slopekit.views.charts import FLOOR, Curve
+from slopekit.views.charts.charts import FLOOR, Curve
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
 _JSON = _DOCS / "speed.json"

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.studies.points import Evaluation
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.sampling import METHODS, draw, planned, samples

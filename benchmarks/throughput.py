@@ -19,7 +19,7 @@ from slopekit.closed_form.plane import PlaneArrays, plane_failures
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane
-from slopekit.geometry.rockmass import wedge_rock_mass
+from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
 
 Arrays = dict[str, np.ndarray]

@@ -18,8 +18,8 @@ from benchmarks.golden_budget import packages_of
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.bound import static_bound
-from slopekit.preie.limit import limit_analysis
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.programs.bound import static_bound
 from tests.support import random_wedge
 
 PAPER = {"dips": ("45/115", "45/245")}

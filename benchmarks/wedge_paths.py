@@ -15,15 +15,15 @@ from slopekit.core.errors import SlopekitError
 from slopekit.core.onlooker import Clock
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.kinds import cut
-from slopekit.kinds.one_block_limit import find_limit
+from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
-from slopekit.preie.assembly import AssemblyModel, build_assembly
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.limit import limit_analysis
-from slopekit.preie.model import JointStrength, Model
-from slopekit.preie.one_path import path_limit
-from slopekit.preie.passes import Outcome
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.one_block.one_path import path_limit
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.system.assembly import AssemblyModel, build_assembly
+from slopekit.preie.system.model import JointStrength, Model
 from tests.support import random_wedge
 
 

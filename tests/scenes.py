@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 import slopekit as sk
-from slopekit.geometry.shapes import Cutter, Ellipsoid, profile_prism
+from slopekit.geometry.solids.shapes import Cutter, Ellipsoid, profile_prism
 from slopekit.kinds import surface
-from slopekit.preie.model import Model, build_model
-from slopekit.preie.slippage import Slippage, slippable
+from slopekit.preie.one_block.slippage import Slippage, slippable
+from slopekit.preie.system.model import Model, build_model
 
 SLOPE = [[60, 0], [40, 0], [0, 40], [-20, 40]]  # the inferred slope of the paper's §4.2
 PAPER = {"shape": "ellipsoid", "centre": [40, 0, 40], "radii": [40, 28.284271247461902, 40]}

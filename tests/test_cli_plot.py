@@ -13,7 +13,7 @@ from slopekit.cli import main
 from slopekit.core.errors import DesignError
 from slopekit.core.explanations import explanation
 from slopekit.design.templates import path_of
-from slopekit.views import drawing
+from slopekit.views.charts import drawing
 
 pytest.importorskip("matplotlib")
 
@@ -145,9 +145,9 @@ def test_a_key_that_is_missing_is_named(run, folder, tmp_path) -> None:
 
 
 def test_scenes_are_handed_on(run, tmp_path, monkeypatch) -> None:
-    """The eight 3-D words go to `views.scenes` with the options."""
+    """The eight 3-D words go to `solid.scenes` with the options."""
     called = []
-    from slopekit.views import scenes
+    from slopekit.views.solid import scenes
 
     monkeypatch.setattr(scenes, "draw", lambda *what, **options: called.append((what[1:], options)))
     file = tmp_path / "r.json"
@@ -179,7 +179,8 @@ def test_folders(run, folder, tmp_path) -> None:
 @pytest.mark.parametrize("what", ["curve", "stereonet", "scene"])
 def test_our_own_faults_are_not_the_document_s(what, run, folder, tmp_path, monkeypatch) -> None:
     """A KeyError or TypeError of the drawing of a whole document is none of its: it goes through (exit 5)."""
-    from slopekit.views import orientation_charts, scenes, sweep_charts
+    from slopekit.views.charts import orientation_charts, sweep_charts
+    from slopekit.views.solid import scenes
 
     assert sk.plot(folder / "sweep.json", "curve", tmp_path / "whole.png")
     for fault in (KeyError("ours"), TypeError("ours"), ValueError("ours")):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import J1, J2
+from slopekit.geometry.rock.cutting import Block, cut_wedge
+from slopekit.geometry.rock.rockmass import J1, J2
 from slopekit.kinds.wedge import _rock_mass
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PointForce, WaterPressure, block_loads

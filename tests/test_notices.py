@@ -18,8 +18,8 @@ from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
-from slopekit.preie.limit import limit_analysis
-from slopekit.preie.model import JointStrength, build_model
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.system.model import JointStrength, build_model
 from tests.commands import slopekit
 
 DIPS = ("45/115", "45/245")
@@ -186,8 +186,8 @@ def test_an_option_is_no_value_of_the_option_before_it(arguments, starts, tmp_pa
 
 @pytest.mark.parametrize("missing", ["pyvista", "matplotlib"])
 def test_drawing_without_its_extra_says_which(monkeypatch, tmp_path, missing) -> None:
-    from slopekit.views import rendering
-    from slopekit.views.scenes import draw
+    from slopekit.views.solid import rendering
+    from slopekit.views.solid.scenes import draw
 
     found = rendering.find_spec
     monkeypatch.setattr(rendering, "find_spec", lambda name: None if name == missing else found(name))

@@ -163,7 +163,7 @@ def load(
     >>> design.kind, round(design.unit_weight_kn_m3, 3)
     ('wedge', 26.487)
     """
-    from slopekit.design.files import load as load_design
+    from slopekit.design.reading.files import load as load_design
 
     return load_design(source, tuple((set or {}).items()), case)
 
@@ -437,7 +437,7 @@ def report(
     ...     "<title>" in page.read_text(encoding="utf-8")
     True
     """
-    from slopekit.views.report import write_report
+    from slopekit.views.pages.report import write_report
 
     target = Path(path)
     target = target / "report.html" if target.is_dir() else target

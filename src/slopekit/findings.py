@@ -10,7 +10,7 @@ from slopekit.block_scene import BlockSizes, Contacts, Shapes, Solids, joined, p
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import NO_JSON
 from slopekit.core.records import dataclass
-from slopekit.geometry.welding import welded
+from slopekit.geometry.solids.welding import welded
 
 #: Factors that differ by less than this part look the same.
 SAME_FACTOR = 2e-5

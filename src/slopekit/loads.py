@@ -14,7 +14,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.records import dataclass
-from slopekit.geometry.cutting import Block
+from slopekit.geometry.rock.cutting import Block
 
 if TYPE_CHECKING:  # one block has no patches between blocks
     from slopekit.geometry.patches import Assembly

@@ -12,9 +12,9 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.geometry.interfaces import NodePairs
-from slopekit.preie.limit import LimitAnalysis
-from slopekit.preie.model import Model
-from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.one_block.limit import LimitAnalysis
+from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import MESH_CHANGE
 
 #: The code of inputs that nobody gave.

@@ -29,7 +29,7 @@ from slopekit.evidence import (
     WithoutBasal,
 )
 from slopekit.extents import Geometry
-from slopekit.preie.balance import Balance
+from slopekit.preie.motion.balance import Balance
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table

@@ -9,7 +9,7 @@ from slopekit.app import answers
 from slopekit.app.controls import groups_of, reach, text_at, values_of
 from slopekit.app.session import Session
 from slopekit.core.errors import DesignError
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.design.templates import names
 from slopekit.studies.keys import Key
 from tests.app.pages import controls_of

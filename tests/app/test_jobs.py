@@ -9,7 +9,7 @@ from slopekit.app.desk import jobs_of
 from slopekit.app.jobs import WHAT, Jobs, run_job
 from slopekit.app.session import Session
 from slopekit.core.errors import DesignError
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.design.registry import KINDS
 from slopekit.kinds import factors_of
 from slopekit.studies.prob import prob

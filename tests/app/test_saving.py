@@ -11,7 +11,7 @@ from slopekit.app import saving
 from slopekit.app.saving import Autosave, change_of, edited, save
 from slopekit.app.session import Session, opened_file, opened_template, opened_text
 from slopekit.core.errors import DesignError
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from tests.app.pages import controls_of
 
 BLOCK = """\

@@ -19,10 +19,10 @@ from slopekit.app.server import HEADERS, application
 from slopekit.app.session import Session, opened_file, opened_template
 from slopekit.app.verbs import take
 from slopekit.core.errors import DesignError
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse, factors_of
-from slopekit.views.viewer_data import viewer_data
+from slopekit.views.solid.viewer_data import viewer_data
 from tests.app.pages import HOST, OWN, PORT, TOKEN, Page, desk_of, got
 from tests.commands import slopekit
 

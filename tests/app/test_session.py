@@ -7,8 +7,8 @@ import pytest
 from slopekit.app.controls import text_at
 from slopekit.app.session import Session, different, opened_text
 from slopekit.core.errors import DesignError
-from slopekit.design.files import load
-from slopekit.design.nodes import document_from
+from slopekit.design.reading.files import load
+from slopekit.design.reading.nodes import document_from
 from slopekit.design.registry import KINDS
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_named

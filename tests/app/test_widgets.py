@@ -76,7 +76,7 @@ def test_kinds_that_take_long_wait_for_their_button() -> None:
 
 
 def test_a_scene_is_that_of_the_page() -> None:
-    from slopekit.views.viewer_data import viewer_data
+    from slopekit.views.solid.viewer_data import viewer_data
 
     result = sk.wedge(dips=("45/115", "45/245"))
     scene = result.view().scene

@@ -16,8 +16,8 @@ import pytest
 import slopekit as sk
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.core.errors import GeometryError
-from slopekit.geometry import section
-from slopekit.geometry.section import LEFT, plane_section
+from slopekit.geometry.sections import section
+from slopekit.geometry.sections.section import LEFT, plane_section
 from slopekit.kinds import plane as analysis
 from slopekit.kinds.plane import PlaneDesign
 from tests.closed_form.scalar_plane import ClosedFormPlane, plane_failure

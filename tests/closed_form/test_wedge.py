@@ -11,7 +11,7 @@ from slopekit.core.orientation import Plane
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.limit import forces_only_limit, limit_analysis
+from slopekit.preie.one_block.limit import forces_only_limit, limit_analysis
 from tests.support import random_wedge
 
 DIPS = ("45/115", "45/245")

@@ -17,7 +17,7 @@ from slopekit.closed_form.given import columns_of, of_chunk
 from slopekit.closed_form.wedge import CHUNK, OUTCOMES, ClosedFormWedges, WedgeArrays, hoek_bray_wedges
 from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane, line_of, normals
-from slopekit.geometry.rockmass import RockMass, wedge_rock_mass
+from slopekit.geometry.rock.rockmass import RockMass, wedge_rock_mass
 from tests.closed_form.scalar_wedge import ClosedFormWedge, WedgeWater, hoek_bray_wedge
 
 PLANES = ("joint1", "joint2", "face", "upper")

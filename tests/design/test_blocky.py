@@ -11,9 +11,9 @@ import slopekit as sk
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.units import quantity
 from slopekit.design.parts import Strength, Water
+from slopekit.design.reading.yaml import SourceLines, TreeBuilder, _composed, composed
 from slopekit.design.templates import path_of
-from slopekit.design.yaml import SourceLines, TreeBuilder, _composed, composed
-from slopekit.geometry.polygons import fault_of_polygon
+from slopekit.geometry.sections.polygons import fault_of_polygon
 from slopekit.kinds.bench import BenchDesign, JointSetInput
 from slopekit.kinds.blocks import BlocksDesign
 from slopekit.kinds.topple import ToppleDesign, column_names

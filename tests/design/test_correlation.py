@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slopekit.core.orientation import Line, Plane
-from slopekit.design.copula import (
+from slopekit.design.reading.nodes import document_from
+from slopekit.design.scatter.copula import (
     EIGENVALUE_TOLERANCE,
     factor,
     nearest_correlation,
@@ -17,9 +18,8 @@ from slopekit.design.copula import (
     rank_correlation,
     smallest_eigenvalue,
 )
-from slopekit.design.correlation import check_correlation
-from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
-from slopekit.design.nodes import document_from
+from slopekit.design.scatter.correlation import check_correlation
+from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
 
 DIP = Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle")
 J1, J2 = (Variable(f"joints.{name}.plane", Fisher(Plane(45, 115), 100)) for name in ("J1", "J2"))

@@ -4,7 +4,9 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, Plane
-from slopekit.design.distributions import (
+from slopekit.design.reading.nodes import document_from
+from slopekit.design.reading.structure import is_distribution
+from slopekit.design.scatter.distributions import (
     Angles,
     Distribution,
     Fisher,
@@ -13,8 +15,6 @@ from slopekit.design.distributions import (
     read_distribution,
     read_orientation,
 )
-from slopekit.design.nodes import document_from
-from slopekit.design.structure import is_distribution
 
 
 def node(value):

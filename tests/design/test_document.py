@@ -9,9 +9,9 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, Plane
-from slopekit.design.document import load_document, read_document
-from slopekit.design.nodes import Node, document_from
-from slopekit.design.overrides import ALTERNATIVES, parse_override, with_overrides
+from slopekit.design.reading.document import load_document, read_document
+from slopekit.design.reading.nodes import Node, document_from
+from slopekit.design.reading.overrides import ALTERNATIVES, parse_override, with_overrides
 
 WALL = """\
 slopekit: 1

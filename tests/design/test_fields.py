@@ -6,12 +6,12 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.units import quantity
-from slopekit.design.document import read_document
 from slopekit.design.fields import every_field, field_at, structure_of, words_of
-from slopekit.design.files import load
+from slopekit.design.reading.document import read_document
+from slopekit.design.reading.files import load
+from slopekit.design.reading.structure import AnyOf, KeyGroup, Leaf, ListOf, Named
 from slopekit.design.registry import KINDS, record_of
 from slopekit.design.strength_laws import fields_of_law
-from slopekit.design.structure import AnyOf, KeyGroup, Leaf, ListOf, Named
 from slopekit.design.templates import names, path_of
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.registry import LAWS

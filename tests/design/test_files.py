@@ -9,9 +9,9 @@ import trimesh
 
 import slopekit as sk
 from slopekit.core.orientation import Line
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
-from slopekit.geometry import meshes, sliding_mass
+from slopekit.geometry.solids import meshes, sliding_mass
 
 WEDGE = """\
 slopekit: 1

@@ -6,8 +6,8 @@ import pytest
 import slopekit as sk
 from slopekit.core.orientation import Line, parse_plane
 from slopekit.design import words
-from slopekit.design.files import with_values
-from slopekit.kinds import held_bolts
+from slopekit.design.reading.files import with_values
+from slopekit.kinds.single_block import held_bolts
 from slopekit.kinds.wedge import ON_ARRAYS
 
 COUNT = 40

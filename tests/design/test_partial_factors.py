@@ -6,7 +6,7 @@ import math
 import pytest
 
 import slopekit as sk
-from slopekit.design.files import load, with_values
+from slopekit.design.reading.files import load, with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import factors_of
 from tests.commands import slopekit

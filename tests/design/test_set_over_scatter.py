@@ -3,7 +3,7 @@
 import pytest
 
 from slopekit.core.errors import DesignError
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse
 from slopekit.studies.prob import prob

@@ -2,9 +2,9 @@
 
 import pytest
 
-from slopekit.design.document import load_document
-from slopekit.design.nodes import document_from
-from slopekit.design.structure import AnyOf, KeyGroup, Leaf, ListOf, Named, check_structure
+from slopekit.design.reading.document import load_document
+from slopekit.design.reading.nodes import document_from
+from slopekit.design.reading.structure import AnyOf, KeyGroup, Leaf, ListOf, Named, check_structure
 
 NUMBER = Leaf(number=True)
 STRENGTH = KeyGroup({"c": NUMBER, "phi": Leaf(number=True, example="20"), "dilation": NUMBER})

@@ -14,8 +14,8 @@ from slopekit.elastic.flexibility import Elements, Rock
 from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_evenly
 from slopekit.elastic.model import on_bedrock
 from slopekit.elastic.rest import RestSearch
-from slopekit.preie.contact import JointStiffness, tractions
-from slopekit.preie.model import local_axes
+from slopekit.preie.system.contact import JointStiffness, tractions
+from slopekit.preie.system.model import local_axes
 
 E = 2e6
 WEDGE = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30, "c": (24, 48),
@@ -138,7 +138,7 @@ def test_displacements_on_nodes_of_both_bodies_give_the_same_forces() -> None:
     """Rest on all displacements of the elements of block and bedrock: no D, nothing condensed."""
     from slopekit.elastic.flexibility import flexibility
     from slopekit.elastic.model import with_blocks
-    from slopekit.geometry.section import FACE, UPPER
+    from slopekit.geometry.sections.section import FACE, UPPER
     from slopekit.kinds import cut
     from slopekit.kinds.elastic_scene import elastic_model
 

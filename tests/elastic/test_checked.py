@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.kinds import ladders
+from slopekit.kinds.single_block import ladders
 from slopekit.studies.check.run import _elastic, check
 
 

@@ -11,8 +11,8 @@ from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_
 from slopekit.elastic.model import ElasticModel, on_bedrock, with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.preie.contact import JointStiffness
-from slopekit.preie.model import local_axes
+from slopekit.preie.system.contact import JointStiffness
+from slopekit.preie.system.model import local_axes
 
 E, NU, K_N, GAMMA, H = 2e6, 0.0, 1e5, 25.0, 10.0
 BOX = np.array([[x, y, z] for z in (0.0, H) for x, y in ((0, 0), (2, 0), (2, 1), (0, 1))])

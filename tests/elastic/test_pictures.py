@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.views.drawing import misfit, new_figure
-from slopekit.views.elastic_charts import _beyond, draw_elastic_tractions
+from slopekit.views.charts.drawing import misfit, new_figure
+from slopekit.views.charts.elastic_charts import _beyond, draw_elastic_tractions
+from slopekit.views.pages.report import report_of
 from slopekit.views.plots import draw, need_of, offers
-from slopekit.views.report import report_of
 
 pytest.importorskip("matplotlib")
 from matplotlib.tri import Triangulation

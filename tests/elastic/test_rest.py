@@ -14,9 +14,9 @@ from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic_scene import elastic_model
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.contact import JointStiffness, tractions
-from slopekit.preie.equilibrium import equilibrium
-from slopekit.preie.model import local_axes
+from slopekit.preie.motion.equilibrium import equilibrium
+from slopekit.preie.system.contact import JointStiffness, tractions
+from slopekit.preie.system.model import local_axes
 from slopekit.studies.check.run import _elastic
 
 WEDGE = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30, "c": (24, 48),

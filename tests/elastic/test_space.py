@@ -14,8 +14,8 @@ from slopekit.elastic.model import with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic_scene import scene_of_many
-from slopekit.preie.contact import ContactMode
-from slopekit.preie.model import local_axes
+from slopekit.preie.system.contact import ContactMode
+from slopekit.preie.system.model import local_axes
 from tests.elastic.test_rest import STIFFNESS, blocks
 
 FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]

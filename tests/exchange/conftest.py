@@ -11,8 +11,8 @@ import slopekit as sk
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
 from slopekit.core.codec import json_of
 from slopekit.kinds import cut
-from slopekit.kinds.many_blocks import _geometry
-from slopekit.kinds.many_blocks_design import AssemblyDesign
+from slopekit.kinds.assemblies.many_blocks import _geometry
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 
 TEMPLATES = Path(__file__).parents[2] / "templates"
 #: Map coordinates of the toe, m.

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from slopekit.geometry.meshes import MeshBody, merged, mesh_bodies
+from slopekit.geometry.solids.meshes import MeshBody, merged, mesh_bodies
 
 _POLYHEDRON = 42
 

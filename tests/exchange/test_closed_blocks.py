@@ -6,10 +6,10 @@ import trimesh
 
 from slopekit.block_scene import BlockScene
 from slopekit.core.orientation import Plane
-from slopekit.geometry.bench import bench_body
-from slopekit.geometry.joint_sets import JointSet, planes_of_sets
-from slopekit.geometry.splitting import cut_bench
-from slopekit.geometry.welding import open_edges, welded
+from slopekit.geometry.rock.bench import bench_body
+from slopekit.geometry.rock.joint_sets import JointSet, planes_of_sets
+from slopekit.geometry.rock.splitting import cut_bench
+from slopekit.geometry.solids.welding import open_edges, welded
 from tests.exchange.conftest import TEMPLATES
 
 NAMES = sorted(

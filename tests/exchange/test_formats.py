@@ -12,7 +12,7 @@ from slopekit.block_scene import BlockScene
 from slopekit.exchange import dxf
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import volume_of
-from slopekit.geometry.meshes import outward, read_mesh
+from slopekit.geometry.solids.meshes import outward, read_mesh
 from tests.bolted import bolted
 from tests.exchange.conftest import EAST, NORTH, TEMPLATES
 from tests.exchange.meshes import read_blocks

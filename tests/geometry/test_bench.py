@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.bench import bench_body
-from slopekit.geometry.joint_sets import JointSet, SetPlanes, planes_of_sets
-from slopekit.geometry.splitting import BenchCut, cut_bench, join_slivers
+from slopekit.geometry.rock.bench import bench_body
+from slopekit.geometry.rock.joint_sets import JointSet, SetPlanes, planes_of_sets
+from slopekit.geometry.rock.splitting import BenchCut, cut_bench, join_slivers
 from tests.geometry.test_joint_sets import BOX, EAST, FLAT, SOUTH, moved, normal, planes
 
 SLOPE = bench_body(normal(70.0, 180.0), normal(5.0, 180.0), 20.0, 40.0, 25.0)
@@ -266,7 +266,7 @@ def test_nothing_is_lost(sets, scatter_deg, min_volume, seed) -> None:
 
 def test_blocks_that_do_not_add_up_are_refused(monkeypatch) -> None:
     """E224 is the last line of defence: faces that lie off their planes are noticed."""
-    from slopekit.geometry import splitting
+    from slopekit.geometry.rock import splitting
 
     body = bench_body(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 9.0, 9.0, 9.0)
     planes = planes_of_sets([JointSet(np.eye(3)[2], spacing=3.0)], body, np.random.default_rng(0))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.columns import BASE, RISER, SIDE, column_assembly, column_outlines
-from slopekit.geometry.section_blocks import section_assembly
+from slopekit.geometry.sections.columns import BASE, RISER, SIDE, column_assembly, column_outlines
+from slopekit.geometry.sections.section_blocks import section_assembly
 
 #: Goodman & Bray 1976: 16 columns, 10 m wide, dipping 60°, steps of 1 m
 HEIGHTS = np.array([4.0, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4])

@@ -7,13 +7,14 @@ import pytest
 
 from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane
-from slopekit.geometry import cutting, interfaces
-from slopekit.geometry.cutting import cut_wedge
+from slopekit.geometry import interfaces
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import J1, J2, UPPER, RockMass, wedge_rock_mass
-from slopekit.preie.patch_pairs import fan_rule
+from slopekit.geometry.rock import cutting
+from slopekit.geometry.rock.cutting import cut_wedge
+from slopekit.geometry.rock.rockmass import J1, J2, UPPER, RockMass, wedge_rock_mass
+from slopekit.preie.system.patch_pairs import fan_rule
 from slopekit.studies.prob.sources import _series
-from slopekit.views.stereonet import cells
+from slopekit.views.charts.stereonet import cells
 
 TRIANGLE = [(0.0, 0.0), (4.0, 0.0), (1.0, 3.0)]
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.bench import BODY_FACES, ConvexBody, bench_body
-from slopekit.geometry.joint_sets import JointSet, planes_of_sets
+from slopekit.geometry.rock.bench import BODY_FACES, ConvexBody, bench_body
+from slopekit.geometry.rock.joint_sets import JointSet, planes_of_sets
 
 SOUTH, FLAT, EAST = np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import DesignError
-from slopekit.geometry import meshes
-from slopekit.geometry.meshes import outward, read_mesh
+from slopekit.geometry.solids import meshes
+from slopekit.geometry.solids.meshes import outward, read_mesh
 from tests.scenes import ellipsoid_mesh, save, sheet
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from slopekit.geometry import sliding_mass
-from slopekit.geometry.shapes import Ellipsoid
+from slopekit.geometry.solids import sliding_mass
+from slopekit.geometry.solids.shapes import Ellipsoid
 from tests.scenes import ground_about
 
 

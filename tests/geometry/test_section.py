@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.section import footing_section, line_pairs, plane_section
+from slopekit.geometry.sections.section import footing_section, line_pairs, plane_section
 
 
 def by_hand(plane: float, face: float, upper: float, height: float, distance: float | None):

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import GeometryError
-from slopekit.geometry import box_search
-from slopekit.geometry.box_search import box_pairs
-from slopekit.geometry.clipping import clip_convex, polygon_sums
-from slopekit.geometry.section_blocks import section_assembly
+from slopekit.geometry.rock import box_search
+from slopekit.geometry.rock.box_search import box_pairs
+from slopekit.geometry.sections.clipping import clip_convex, polygon_sums
+from slopekit.geometry.sections.section_blocks import section_assembly
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 L_SHAPE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]])

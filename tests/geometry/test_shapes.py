@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.shapes import END, SLIP, Cylinder, Ellipsoid, profile_prism, sheet_solid, smooth_normals
+from slopekit.geometry.solids.shapes import END, SLIP, Cylinder, Ellipsoid, profile_prism, sheet_solid, smooth_normals
 from tests.scenes import ellipsoid_mesh, sheet
 
 RULE = (((1, 0, 0), 1 / 12), ((0, 1, 0), 1 / 12), ((0, 0, 1), 1 / 12), ((1 / 3, 1 / 3, 1 / 3), 3 / 4))

@@ -8,8 +8,8 @@ from scipy.integrate import dblquad
 
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, sheet_solid
-from slopekit.geometry.sliding_mass import analytic_mass, cut_mass, facet_pairs
+from slopekit.geometry.solids.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, sheet_solid
+from slopekit.geometry.solids.sliding_mass import analytic_mass, cut_mass, facet_pairs
 from tests.scenes import ground_about, sheet, slab, tilted
 
 

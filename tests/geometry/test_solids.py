@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import GeometryError
-from slopekit.geometry.meshes import read_mesh
-from slopekit.geometry.solids import mesh_assembly
+from slopekit.geometry.solids.meshes import read_mesh
+from slopekit.geometry.solids.solids import mesh_assembly
 
 TRIANGLES = np.array(
     [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],

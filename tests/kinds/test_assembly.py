@@ -14,8 +14,8 @@ from benchmarks import populations
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut, kind_of
-from slopekit.preie.blocks_limit import Basis
-from slopekit.preie.passes import Outcome
+from slopekit.preie.many_blocks.blocks_limit import Basis
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.result import Result
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
@@ -276,9 +276,9 @@ def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> 
 
 def test_what_the_results_of_hard_scenes_say() -> None:
     """A motion that does not settle, loads that come last, bonds that break, no bound: each has its notice."""
-    from slopekit.kinds import many_blocks as room
-    from slopekit.kinds.many_blocks_notices import notices_of
-    from slopekit.kinds.many_blocks_states import mechanism
+    from slopekit.kinds.assemblies import many_blocks as room
+    from slopekit.kinds.assemblies.many_blocks_notices import notices_of
+    from slopekit.kinds.assemblies.many_blocks_states import mechanism
 
     design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))
     scene = cut(design)
@@ -354,7 +354,7 @@ def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
 
 def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -> None:
     """An inside-out cube is turned, and said; pairs that the geometry could not intersect are named."""
-    from slopekit.geometry import solids
+    from slopekit.geometry.solids import solids
 
     slab = trimesh.creation.box([9, 9, 2], trimesh.transformations.translation_matrix([0, 0, -1]))
     cube = trimesh.creation.box([1, 1, 1], trimesh.transformations.translation_matrix([0, 0, 0.5]))

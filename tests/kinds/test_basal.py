@@ -18,7 +18,7 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import words_named
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.basal import crack_reach
-from slopekit.views.report_inputs import _strengths
+from slopekit.views.pages.report_inputs import _strengths
 from tests.commands import slopekit
 
 TEMPLATE = path_of("wedge-basal")

@@ -3,10 +3,10 @@
 import pytest
 
 import slopekit as sk
-from slopekit.design.files import load, with_values
+from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import factors_of
-from slopekit.kinds.one_block_limit import once
 from slopekit.kinds.protocol import ClosedForm, compare
+from slopekit.kinds.single_block.one_block_limit import once
 from slopekit.kinds.wedge.design import wedge_design
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]

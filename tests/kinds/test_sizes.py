@@ -17,14 +17,14 @@ from slopekit.closed_form.sizes import wedge_sizes
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.templates import folder
 from slopekit.findings import AssemblyGeometry, BlockMotion
+from slopekit.kinds.assemblies.many_blocks_states import with_sizes
 from slopekit.kinds.bench import BenchDesign
 from slopekit.kinds.bench import cut as cut_bench
-from slopekit.kinds.many_blocks_states import with_sizes
 from slopekit.kinds.wedge import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.result import Result
-from slopekit.views.dimensions import dimensions
-from slopekit.views.stage import Stage
+from slopekit.views.solid.dimensions import dimensions
+from slopekit.views.solid.stage import Stage
 from tests.closed_form.extents import block_extents
 
 CUT = 1e-8  # manifold rounds to 1e-12 of the body; a thin wedge loses some digits

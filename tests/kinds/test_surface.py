@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, run, save, sheet, slab
 

@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError, MisfitError
 from slopekit.kinds import kind_named
-from slopekit.kinds.many_blocks_scene import scene_loads
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 
 WATER = 9.81
 SECTION = {

@@ -1,4 +1,4 @@
-"""The programs of `preie.program` put to a general conic solver (Clarabel): no line in common but the matrix B."""
+"""The programs of `programs.program` put to a general conic solver (Clarabel): no line in common but the matrix B."""
 
 import math
 import time
@@ -8,7 +8,7 @@ import clarabel
 import numpy as np
 import scipy.sparse as sp
 
-from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.system.assembly import AssemblyModel
 
 
 @dataclass(frozen=True)

@@ -10,17 +10,17 @@ import numpy as np
 
 import slopekit as sk
 from slopekit.core.orientation import parse_plane
-from slopekit.geometry.bench import bench_body
-from slopekit.geometry.columns import column_assembly
-from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 from slopekit.geometry.patches import BEDROCK, Patches
-from slopekit.geometry.splitting import cut_bench
+from slopekit.geometry.rock.bench import bench_body
+from slopekit.geometry.rock.joint_sets import JointSet, planes_of_sets
+from slopekit.geometry.rock.splitting import cut_bench
+from slopekit.geometry.sections.columns import column_assembly
 from slopekit.kinds import cut
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import NO_BOLTS, PassiveBolts, assembly_loads
-from slopekit.preie.assembly import AssemblyModel, build_assembly
-from slopekit.preie.model import JointStrength
-from slopekit.preie.ravelling import Part, ravel
+from slopekit.preie.many_blocks.ravelling import Part, ravel
+from slopekit.preie.system.assembly import AssemblyModel, build_assembly
+from slopekit.preie.system.model import JointStrength
 
 UNIT_WEIGHT = 25.0
 GOODMAN_BRAY = np.array([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], dtype=float)
@@ -176,7 +176,7 @@ def stack(count: int, dip: float = 30.0, width: float = 2.0, height: float = 1.0
 
 
 def columns(heights=GOODMAN_BRAY, width: float = 10.0, step: float = 1.0, dip: float = 60.0, risers=True, rows=1):
-    """Columns on a stepped base: `geometry/columns.py`, with or without the contacts against the steps."""
+    """Columns on a stepped base: `geometry/sections/columns.py`, with or without the contacts against the steps."""
     built = column_assembly(dip, width, np.asarray(heights, dtype=float), step, rows=rows)
     patches = built.patches
     if not risers:

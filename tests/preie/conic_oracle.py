@@ -6,7 +6,7 @@ import clarabel
 import numpy as np
 import scipy.sparse as sp
 
-from slopekit.preie.model import Model
+from slopekit.preie.system.model import Model
 
 
 def solve(model: Model, elastic: float, top: np.ndarray, right: np.ndarray, fixed: np.ndarray):

@@ -1,4 +1,4 @@
-"""A block on thousands of separate springs: the cracked base by another way, to hold `slopekit.preie.cracked` against.
+"""A block on thousands of separate springs: the cracked base by another way, for `preie.one_block.cracked`.
 
 Shares nothing with it: no clipping, no path by arc length, no running state. Contacts are midpoints of small triangles;
 a spring that opens carries nothing, its cohesion comes on over a sliver of pressure (`RAMP` of the mean). Strength goes

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import linprog
 
-from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.path_oracle import Joints, arrays_of, in_parts_of_blocks, unmoved
 
 _STIFFNESS = 0.4  # k_t / k_n

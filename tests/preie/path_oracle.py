@@ -23,7 +23,7 @@ import slopekit as sk
 from slopekit.kinds import cut
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import assembly_loads
-from slopekit.preie.assembly import AssemblyModel, build_assembly
+from slopekit.preie.system.assembly import AssemblyModel, build_assembly
 
 
 def model_of(design: Mapping[str, Any], refine: int = 0) -> AssemblyModel:
@@ -536,8 +536,8 @@ def _settled(bed: Joints, state: State, before: State, strength: float, viscosit
 def with_bonds(model: AssemblyModel, start: float, stiffness: float = 0.4) -> tuple[History, np.ndarray]:
     """`history` again and again: a contact that opens anywhere in the last motion loses all its cohesion for good.
 
-    Not the rule of `preie.bonds`, where bonds come back or are kept: it ends at the same limit where each motion opens
-    what the last one leaves open, and else below it. `breaking` is the judge of what falling strength comes to.
+    Not the rule of `many_blocks.bonds`, where bonds come back or are kept: it ends at the same limit where each motion
+    opens what the last one leaves open, and else below it. `breaking` is the judge of what falling strength comes to.
     """
     given = arrays_of(model)
     cohesion = given.cohesion.copy()

@@ -9,8 +9,8 @@ import numpy as np
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.assembly import AssemblyModel, build_assembly
-from slopekit.preie.model import JointStrength, Model
+from slopekit.preie.system.assembly import AssemblyModel, build_assembly
+from slopekit.preie.system.model import JointStrength, Model
 
 UNIT_WEIGHT = 25.0
 GOODMAN_BRAY = [4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4]  # heights in m, 10 m wide, base steps 1 m

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from slopekit.preie.all_pairs import all_pairs_failed, blocks_detached
-from slopekit.preie.contact import JointStiffness
-from slopekit.preie.settlement import settlement
+from slopekit.preie.motion.all_pairs import all_pairs_failed, blocks_detached
+from slopekit.preie.motion.settlement import settlement
+from slopekit.preie.system.contact import JointStiffness
 from tests.preie.sections import block_in_space, columns, paper_wedge, stack, wall
 
 EVEN = JointStiffness(tangential=1e6)

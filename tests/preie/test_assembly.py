@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from slopekit.core.errors import SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
-from slopekit.preie.assembly import AssemblyModel, build_assembly
-from slopekit.preie.model import JointStrength
+from slopekit.preie.system.assembly import AssemblyModel, build_assembly
+from slopekit.preie.system.model import JointStrength
 from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, columns, wall, weighed
 
 BENCH = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))

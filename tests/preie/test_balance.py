@@ -8,9 +8,9 @@ import pytest
 import slopekit as sk
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.balance import balance, of_blocks, of_one_block
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.limit import limit_analysis
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.motion.balance import balance, of_blocks, of_one_block
+from slopekit.preie.one_block.limit import limit_analysis
 from tests.preie.block_scenes import wall
 
 TURNING = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30}

@@ -10,11 +10,11 @@ import pytest
 from scipy.optimize import linprog
 
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
-from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.passes import Outcome
-from slopekit.preie.path import follow
+from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.path import follow
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
+from slopekit.preie.one_block.passes import Outcome
 from tests.closed_form.blocks import two_blocks
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import (

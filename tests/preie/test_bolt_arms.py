@@ -5,7 +5,7 @@ import pytest
 
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.loads import Loads
-from slopekit.preie.model import JointStrength, build_model
+from slopekit.preie.system.model import JointStrength, build_model
 
 
 @pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.5)])

@@ -8,18 +8,18 @@ import pytest
 
 import slopekit as sk
 from benchmarks import populations
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
-from slopekit.preie import blocks, bonds, ravelling
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.blocks_limit import Basis
-from slopekit.preie.bonds import Bonded, with_bonds
-from slopekit.preie.bounds import static_bound
-from slopekit.preie.falling import NEAR_RUNNING, fall
-from slopekit.preie.path_limit import PathLimit, PathOutcome
+from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.falling import NEAR_RUNNING, fall
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
+from slopekit.preie.many_blocks import blocks, bonds, ravelling
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.many_blocks.blocks_limit import Basis
+from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
+from slopekit.preie.programs.bounds import static_bound
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.block_scenes import boxes_in_space
 from tests.preie.path_oracle import breaking, model_of
 

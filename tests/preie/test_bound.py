@@ -8,8 +8,8 @@ import pytest
 
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.bound import static_bound
-from slopekit.preie.limit import curved_limit_analysis, limit_analysis
+from slopekit.preie.one_block.limit import curved_limit_analysis, limit_analysis
+from slopekit.preie.programs.bound import static_bound
 from tests.preie import conic_oracle
 from tests.preie.test_limit import block_on_incline
 from tests.scenes import COARSE, PAPER, SPHERE, model_of

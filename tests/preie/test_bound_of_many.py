@@ -8,12 +8,12 @@ import pytest
 
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
-from slopekit.preie import bound_of_many, bounds
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bound_of_many import bound_in_one_run
-from slopekit.preie.bounds import static_bound
-from slopekit.preie.distance import bound_by_programs
-from slopekit.preie.program import ProgramResult
+from slopekit.preie.programs import bound_of_many, bounds
+from slopekit.preie.programs.bound_of_many import bound_in_one_run
+from slopekit.preie.programs.bounds import static_bound
+from slopekit.preie.programs.distance import bound_by_programs
+from slopekit.preie.programs.program import ProgramResult
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import bench, boxes_in_space, downhill, random_bench
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from slopekit.preie.cones import determinant, longest_step, longest_step_to_zero, product, quotient, scaling
+from slopekit.preie.programs.cones import determinant, longest_step, longest_step_to_zero, product, quotient, scaling
 
 seeds = st.integers(0, 2**32 - 1)
 widths = st.sampled_from([1, 2, 3])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slopekit.preie.contact import CloughDuncan, ContactMode, JointStiffness, breaks, tractions
+from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, breaks, tractions
 
 STIFF = JointStiffness(tangential=1e6)
 

@@ -10,16 +10,17 @@ import pytest
 
 import slopekit as sk
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
-from slopekit.geometry.rockmass import J1, J2
-from slopekit.kinds import cut, moments, wedge
-from slopekit.kinds.moments import limit_by_rules, opens_cohesive
+from slopekit.geometry.rock.rockmass import J1, J2
+from slopekit.kinds import cut, wedge
+from slopekit.kinds.single_block import moments
+from slopekit.kinds.single_block.moments import limit_by_rules, opens_cohesive
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.preie import cracked
-from slopekit.preie.cracked import cracked_base, cracked_limit
-from slopekit.preie.limit import LimitAnalysis, limit_analysis, limit_on_lines
-from slopekit.preie.model import JointStrength, Model, build_model
-from slopekit.preie.polygon_bed import BedSprings, PolygonBed, bed_of
+from slopekit.preie.one_block import cracked
+from slopekit.preie.one_block.cracked import cracked_base, cracked_limit
+from slopekit.preie.one_block.limit import LimitAnalysis, limit_analysis, limit_on_lines
+from slopekit.preie.one_block.polygon_bed import BedSprings, PolygonBed, bed_of
+from slopekit.preie.system.model import JointStrength, Model, build_model
 from slopekit.result import Result
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge
@@ -348,7 +349,7 @@ def test_no_model_is_solved_twice_in_one_analysis(monkeypatch) -> None:
         asked[b"".join(part.tobytes() for part in (model.rows, model.load, model.cohesion, model.tan_friction))] += 1
         return limit_on_lines(model)
 
-    monkeypatch.setattr("slopekit.preie.limit.limit_on_lines", counted)
+    monkeypatch.setattr("slopekit.preie.one_block.limit.limit_on_lines", counted)
     sk.wedge(**turning_on_two_edges())
     assert len(asked) > 3
     assert max(asked.values()) == 1
@@ -356,7 +357,7 @@ def test_no_model_is_solved_twice_in_one_analysis(monkeypatch) -> None:
 
 def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:
     """Neither the plain wedge nor one that has lost all contact on one joint."""
-    monkeypatch.setattr("slopekit.kinds.one_block_limit.limit_by_rules", judge_never)
+    monkeypatch.setattr("slopekit.kinds.single_block.one_block_limit.limit_by_rules", judge_never)
     for water in ((0, 0), (290, 0)):
         result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=water)
         assert result.cohesion_under_moments is None

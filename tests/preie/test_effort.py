@@ -9,10 +9,10 @@ import pytest
 import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
-from slopekit.preie import groups
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.effort import EffortSpentError, allowed, factorisation, part, spend
-from slopekit.preie.passes import Outcome
+from slopekit.preie.many_blocks import groups
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.solvers.effort import EffortSpentError, allowed, factorisation, part, spend
 from tests.preie.path_oracle import model_of
 
 FACTOR, BOUND = populations.goodman_bray_factor(16), 1.19089

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from benchmarks.benches import bench as keyed_bench
-from slopekit.preie import ravelling
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.flow import relaxed, stepped
+from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.flow import relaxed, stepped
+from slopekit.preie.many_blocks import ravelling
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.block_scenes import first_part, random_bench
 from tests.preie.test_path import BEDS
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from benchmarks.benches import bench
-from slopekit.preie import blocks, groups, ravelling
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.blocks_limit import Basis
-from slopekit.preie.path_limit import PathOutcome
+from slopekit.preie.elastic_path.path_limit import PathOutcome
+from slopekit.preie.many_blocks import blocks, groups, ravelling
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.many_blocks.blocks_limit import Basis
 from tests.preie.block_scenes import boxes_in_space, first_part
 
 EXACT = math.tan(math.radians(35.0)) / math.tan(math.radians(45.0))

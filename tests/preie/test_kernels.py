@@ -15,18 +15,18 @@ from hypothesis import strategies as st
 from benchmarks import populations
 from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels as module
-from slopekit.preie.bed import Bed, BedForces, Drive
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.bound_of_many import _Shortfall, bound_in_one_run
-from slopekit.preie.cone_steps import ConeEquations, residuals
-from slopekit.preie.cones import longest_step
-from slopekit.preie.cracked import cracked_limit
-from slopekit.preie.fronts import Fronts
-from slopekit.preie.iterates import IterateStep
-from slopekit.preie.patterns import ContactPattern, compiled_contacts
-from slopekit.preie.polygon_bed import BedSprings, PolygonBed
-from slopekit.preie.program import BlockProgram, NewtonEquations, Residuals
-from slopekit.preie.stiffness import SparseStiffness
+from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.cracked import cracked_limit
+from slopekit.preie.one_block.polygon_bed import BedSprings, PolygonBed
+from slopekit.preie.programs.bound_of_many import _Shortfall, bound_in_one_run
+from slopekit.preie.programs.cone_steps import ConeEquations, residuals
+from slopekit.preie.programs.cones import longest_step
+from slopekit.preie.programs.iterates import IterateStep
+from slopekit.preie.programs.program import BlockProgram, NewtonEquations, Residuals
+from slopekit.preie.solvers.fronts import Fronts
+from slopekit.preie.solvers.stiffness import SparseStiffness
+from slopekit.preie.system.patterns import ContactPattern, compiled_contacts
 from tests.preie.block_scenes import bench, boxes_in_space, columns, random_bench, stack, wall
 from tests.preie.path_oracle import model_of
 from tests.preie.test_bound_of_many import MODELS, bolted

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from slopekit.preie.key_blocks import sliding_factors
+from slopekit.preie.many_blocks.key_blocks import sliding_factors
 
 _PARALLEL = 1e-9
 

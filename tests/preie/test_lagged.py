@@ -2,13 +2,13 @@
 
 import pytest
 
-from slopekit.preie import rests
-from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.elastic_path import rests
+from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.lagged import lagged_rest
+from slopekit.preie.elastic_path.rests import rests_before
+from slopekit.preie.elastic_path.undilated import rest_of_hundreds
 from slopekit.preie.kernels import compiled
-from slopekit.preie.lagged import lagged_rest
-from slopekit.preie.rests import rests_before
 from slopekit.preie.tolerances import LAGGED_ROUNDING, RESTS_NEAR
-from slopekit.preie.undilated import rest_of_hundreds
 from tests.preie.test_flow import model_of_bench
 from tests.preie.test_undilated import LIMIT, admissible
 

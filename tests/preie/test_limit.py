@@ -11,10 +11,10 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.preie.bound import static_bound
-from slopekit.preie.limit import limit_analysis
-from slopekit.preie.model import JointStrength, Model, build_model
-from slopekit.preie.passes import Outcome
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.programs.bound import static_bound
+from slopekit.preie.system.model import JointStrength, Model, build_model
 from tests.preie import conic_oracle
 from tests.support import random_wedge
 

@@ -17,16 +17,16 @@ from benchmarks.wedge_paths import as_assembly, compared
 from slopekit.core.errors import DesignError
 from slopekit.geometry.patches import BEDROCK
 from slopekit.kinds import cut
-from slopekit.kinds.many_blocks_scene import scene_loads
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.components import whole_model
-from slopekit.preie.distance import Distance
-from slopekit.preie.limit import limit_analysis
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.programs.distance import Distance
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.components import whole_model
 from slopekit.result import Result
 from slopekit.studies.check import check
 from tests.preie import path_oracle

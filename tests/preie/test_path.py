@@ -12,20 +12,21 @@ import slopekit as sk
 from benchmarks import populations
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
-from slopekit.preie import blocks, path, proposal
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, BedForces, Drive, NewtonStep
-from slopekit.preie.blocks import limit_of_blocks, load_limit
-from slopekit.preie.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.bounds import held_by_normals, static_bound
-from slopekit.preie.contact import SHEAR_TO_NORMAL
-from slopekit.preie.flow import Flow
-from slopekit.preie.limit import limit_analysis
-from slopekit.preie.passes import Outcome
-from slopekit.preie.path import follow
-from slopekit.preie.path_limit import PathOutcome, limit_state
-from slopekit.preie.proposal import proposed
-from slopekit.preie.ravelling import _twisting
+from slopekit.preie.elastic_path import path, proposal
+from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive, NewtonStep
+from slopekit.preie.elastic_path.flow import Flow
+from slopekit.preie.elastic_path.path import follow
+from slopekit.preie.elastic_path.path_limit import PathOutcome, limit_state
+from slopekit.preie.elastic_path.proposal import proposed
+from slopekit.preie.many_blocks import blocks
+from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
+from slopekit.preie.many_blocks.ravelling import _twisting
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.programs.bounds import held_by_normals, static_bound
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from tests.preie import load_oracle, path_oracle
 from tests.preie.block_scenes import (
     Scene,

@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks import populations
 from benchmarks.blocks import judged, report
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.block_scenes import boxes_in_space
 from tests.preie.load_oracle import comes_on, tips_whatever_the_strength
 from tests.preie.path_oracle import certified_range, history, model_of, static_bound, with_bonds

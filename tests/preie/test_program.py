@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slopekit.preie import program as program_module
-from slopekit.preie.bounds import static_bound
-from slopekit.preie.program import MOST_LOAD, BlockProgram, Strengths
+from slopekit.preie.programs import program as program_module
+from slopekit.preie.programs.bounds import static_bound
+from slopekit.preie.programs.program import MOST_LOAD, BlockProgram, Strengths
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import GOODMAN_BRAY, active_passive, bench, boxes_in_space, columns, stack, wall
 
@@ -96,13 +96,15 @@ def test_the_static_bound_against_bisection(name) -> None:
     """The largest factor with admissible forces (associated flow): Clarabel and bisection to 1e-6.
 
     Ours has the elastic energy in it and lies up to 1e-5 lower. In a section the ends of contacts, which alone are
-    pressed where blocks turn, are springs of a sixth of them: 2e-5 lower where columns topple. `preie.bounds` takes a
-    thousandth of that energy.
+    pressed where blocks turn, are springs of a sixth of them: 2e-5 lower where columns topple. `programs.bounds` takes
+    a thousandth of that energy.
     """
     model = MODELS[name](0.0)
     program = BlockProgram(model)
     found = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, 3e-7, 150)
-    assert found.settled or name == "bench"  # slivers have to balance to a part of their own load: `preie.bounds` does
+    assert (
+        found.settled or name == "bench"
+    )  # slivers have to balance to a part of their own load: `programs.bounds` does
     ours, exact = 1.0 / found.at.load_factor, assembly_oracle.static_bound(model)
     assert exact * (1.0 - (2e-5 if name == "columns" else 1e-5)) < ours < exact * (1.0 + 2e-6)
     assert static_bound(model).factor == pytest.approx(exact, rel=1e-6)

@@ -11,17 +11,17 @@ import pytest
 import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
-from slopekit.preie import ravelling
-from slopekit.preie import traced as traced_room
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks_limit import Basis
-from slopekit.preie.bounds import static_bound
-from slopekit.preie.flow import stepped
-from slopekit.preie.path import follow
-from slopekit.preie.path_limit import PathLimit, PathOutcome
-from slopekit.preie.rounded import RoundedPath
-from slopekit.preie.traced import traced_in_section
+from slopekit.preie.elastic_path import traced as traced_room
+from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.flow import stepped
+from slopekit.preie.elastic_path.path import follow
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
+from slopekit.preie.elastic_path.rounded import RoundedPath
+from slopekit.preie.elastic_path.traced import traced_in_section
+from slopekit.preie.many_blocks import ravelling
+from slopekit.preie.many_blocks.blocks_limit import Basis
+from slopekit.preie.programs.bounds import static_bound
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie import path_oracle
 from tests.preie.block_scenes import boxes_in_space, first_part, wall
 
@@ -66,7 +66,7 @@ def test_the_equations_are_solved_by_newtons_method() -> None:
 
 
 def test_sharpened_states_are_those_of_the_joints() -> None:
-    """Newton's method on the joints of `preie.bed` changes λ by no more than what the rounding has left."""
+    """Newton's method on the joints of `elastic_path.bed` changes λ by no more than what the rounding has left."""
     bed, path = begun((2, 2, 2))
     assert path.onto(1e3, 400)
     sharp = path.sharpened(400)

@@ -8,11 +8,11 @@ import pytest
 
 import slopekit as sk
 from benchmarks.quake import rate_above
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.geometry.patches import Assembly
 from slopekit.kinds import kind_of
-from slopekit.kinds.many_blocks_shaking import gyration
+from slopekit.kinds.assemblies.many_blocks_shaking import gyration
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve.by_factor import for_factor
 from slopekit.studies.solve.sheet import sheet_of

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.contact import JointStiffness
-from slopekit.preie.equilibrium import equilibrium
-from slopekit.preie.settlement import Settlement, settlement
+from slopekit.preie.motion.equilibrium import equilibrium
+from slopekit.preie.motion.settlement import Settlement, settlement
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.contact import JointStiffness
 from tests.preie.sections import block_in_space, columns, paper_wedge, polygons, stack, wall
 
 EVEN = JointStiffness(tangential=1e6)
@@ -65,7 +65,7 @@ def test_a_block_settles_by_its_weight_over_its_stiffness(model: AssemblyModel, 
     ("stiffness", "within"), [(JointStiffness(tangential=4e6), 1e-9), (PAPER, 2e-3)], ids=["constant", "clough-duncan"]
 )
 def test_the_wedge_rests_where_the_solver_of_one_block_puts_it(stiffness, within: float, factor: float) -> None:
-    """`preie.equilibrium`, another iteration and no assembly; secants end within 1e-3 of the last."""
+    """`motion.equilibrium`, another iteration and no assembly; secants end within 1e-3 of the last."""
     assembly, model = paper_wedge()
     ours, theirs = settlement(assembly, stiffness, factor), equilibrium(model, factor, stiffness)
     size = np.abs(theirs.displacement).max()

@@ -11,10 +11,10 @@ from slopekit.core.arrays import frozen
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
 from slopekit.loads import Loads
-from slopekit.preie import shaking
-from slopekit.preie.contact import JointStiffness
-from slopekit.preie.model import JointStrength, build_model
-from slopekit.preie.shaking import inertia_of, shake, shaken_block
+from slopekit.preie.motion import shaking
+from slopekit.preie.motion.shaking import inertia_of, shake, shaken_block
+from slopekit.preie.system.contact import JointStiffness
+from slopekit.preie.system.model import JointStrength, build_model
 from slopekit.studies.quake.sliding import slide
 
 G = 9.81

@@ -8,9 +8,9 @@ import pytest
 
 from slopekit.core.arrays import frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
-from slopekit.geometry.section import line_pairs, plane_section
-from slopekit.preie.limit import curved_limit_analysis
-from slopekit.preie.slippage import slippable
+from slopekit.geometry.sections.section import line_pairs, plane_section
+from slopekit.preie.one_block.limit import curved_limit_analysis
+from slopekit.preie.one_block.slippage import slippable
 from tests.scenes import COARSE, PAPER, SPHERE, model_of, run
 
 CYLINDER = {"shape": "cylinder", "centre": [40, 40], "radius": 42, "length": 30}

@@ -14,10 +14,10 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 from slopekit.core.errors import SolverError
-from slopekit.preie import fronts, stiffness
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.fronts import Fronts
-from slopekit.preie.stiffness import Band, Dense, SparseStiffness
+from slopekit.preie.solvers import fronts, stiffness
+from slopekit.preie.solvers.fronts import Fronts
+from slopekit.preie.solvers.stiffness import Band, Dense, SparseStiffness
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.block_scenes import Scene, bench, boxes_in_space, columns, stack, wall
 
 BENCH = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))

@@ -2,8 +2,8 @@
 
 import pytest
 
-from slopekit.preie import bound
-from slopekit.preie.limit import limit_analysis
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.programs import bound
 from tests.preie.test_limit import paper_model
 
 

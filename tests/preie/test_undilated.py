@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slopekit.preie import rests, undilated
-from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Drive, NewtonStep
-from slopekit.preie.bounds import static_bound
-from slopekit.preie.effort import EffortSpentError
-from slopekit.preie.flow import Flow, relaxed
-from slopekit.preie.rests import JUST, rests_before
-from slopekit.preie.undilated import rest_from, rest_of_hundreds, rest_without_dilation
+from slopekit.preie.elastic_path import rests, undilated
+from slopekit.preie.elastic_path.bed import Bed, Drive, NewtonStep
+from slopekit.preie.elastic_path.flow import Flow, relaxed
+from slopekit.preie.elastic_path.rests import JUST, rests_before
+from slopekit.preie.elastic_path.undilated import rest_from, rest_of_hundreds, rest_without_dilation
+from slopekit.preie.programs.bounds import static_bound
+from slopekit.preie.solvers.effort import EffortSpentError
+from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.block_scenes import random_bench
 from tests.preie.test_flow import model_of_bench
 

@@ -11,15 +11,15 @@ from benchmarks.wedge_paths import as_assembly, compared
 from slopekit.core.arrays import frozen
 from slopekit.core.onlooker import Clock
 from slopekit.kinds import analyse, cut
-from slopekit.kinds.moments import _bond_gone
-from slopekit.kinds.one_block_limit import find_limit
+from slopekit.kinds.single_block.moments import _bond_gone
+from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie.assembly import one_block
-from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.limit import limit_analysis
-from slopekit.preie.model import Model
-from slopekit.preie.one_path import by_path, path_limit, range_of
-from slopekit.preie.passes import Outcome
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.one_block.limit import limit_analysis
+from slopekit.preie.one_block.one_path import by_path, path_limit, range_of
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.system.assembly import one_block
+from slopekit.preie.system.model import Model
 from slopekit.result import Result
 from tests.preie import path_oracle
 from tests.support import random_wedge

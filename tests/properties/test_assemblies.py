@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 
 import slopekit as sk
 from slopekit.kinds import cut
-from slopekit.kinds import many_blocks as room
-from slopekit.preie.components import whole_model
+from slopekit.kinds.assemblies import many_blocks as room
+from slopekit.preie.system.components import whole_model
 from tests.properties import changes
 from tests.properties.strategies import benches, bolted, bonds, bricks, columns, rows, shards, stacks
 

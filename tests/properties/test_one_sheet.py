@@ -15,7 +15,7 @@ import slopekit as sk
 from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.templates import names, path_of
-from slopekit.views.report import report_of
+from slopekit.views.pages.report import report_of
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 #: How many are left out of a line: a count of rows, no number of one.

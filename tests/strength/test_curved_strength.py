@@ -11,9 +11,9 @@ from slopekit.core.errors import DesignError
 from slopekit.design.parts import Strength
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse, factors_of, kind_of
-from slopekit.kinds.secants import changed_laws
+from slopekit.kinds.single_block.secants import changed_laws
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.preie import strength_lines
+from slopekit.preie.system import strength_lines
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
 from slopekit.strength.mohr_coulomb import MohrCoulomb

@@ -9,7 +9,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.fields import field_at
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.design.strength_laws import KEYS
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.strength.barton_bandis import BartonBandis

@@ -18,16 +18,16 @@ import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.core.orientation import Plane
 from slopekit.design.joint_lists import joint_list
-from slopekit.geometry.cutting import cut_wedge
-from slopekit.geometry.rockmass import wedge_rock_mass
+from slopekit.geometry.rock.cutting import cut_wedge
+from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.studies.bench_design import confirmed
 from slopekit.studies.bench_design.bench import BenchSite, bench_of
 from slopekit.studies.bench_design.outcomes import along, quantiles, steps_of
 from slopekit.studies.bench_design.run import accepted
 from slopekit.studies.bench_design.said import notices_of
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, drawn_trials, wilson
+from slopekit.views.pages.report import report_of
 from slopekit.views.plots import draw
-from slopekit.views.report import report_of
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
 

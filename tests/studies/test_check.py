@@ -10,8 +10,9 @@ import pytest
 import slopekit as sk
 from slopekit.core.codec import record_of
 from slopekit.design.templates import path_of
-from slopekit.kinds import ladders, many_blocks_ladder
-from slopekit.kinds.ladders import Rung, timed
+from slopekit.kinds.assemblies import many_blocks_ladder
+from slopekit.kinds.single_block import ladders
+from slopekit.kinds.single_block.ladders import Rung, timed
 from slopekit.studies.check import Check, Finding, check
 from slopekit.studies.check import run as module
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
@@ -230,7 +231,7 @@ def test_a_limit_that_its_forces_do_not_carry_is_not_consistent(by, seen, monkey
 
     A limit that is too low is one that more than its forces would hold: said by the closed form and the node pairs.
     """
-    from slopekit.kinds import one_block
+    from slopekit.kinds.single_block import one_block
 
     honest = one_block.result
 

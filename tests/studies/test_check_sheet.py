@@ -6,7 +6,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
-from slopekit.kinds import ladders
+from slopekit.kinds.single_block import ladders
 from slopekit.studies.check import check
 from tests.commands import slopekit
 
@@ -73,7 +73,7 @@ def test_without_a_factor_there_is_no_picture(tmp_path) -> None:
 
 def test_without_matplotlib_the_rest_is_written(tmp_path, monkeypatch) -> None:
     """E140 before any work where a picture is all that is asked for."""
-    from slopekit.views import drawing as room
+    from slopekit.views.charts import drawing as room
 
     monkeypatch.setattr(room, "find_spec", lambda name: None)
     with pytest.raises(sk.DesignError) as caught:

@@ -15,7 +15,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.core.orientation import Plane, line_of
-from slopekit.geometry.rockmass import wedge_rock_mass
+from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.studies.combos import Combos, combos
 from slopekit.studies.combos import pairs as room
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES

@@ -3,7 +3,7 @@
 import pytest
 
 import slopekit as sk
-from slopekit.design.files import load, with_values
+from slopekit.design.reading.files import load, with_values
 from slopekit.design.templates import names, path_of
 from slopekit.studies.keys import key_of, keys_of, values_of
 from slopekit.studies.ranges import parse_values, parse_within

@@ -10,7 +10,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.core.orientation import Plane
-from slopekit.geometry.rockmass import wedge_rock_mass
+from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.studies.kinematic import Kinematic, kinematic
 from slopekit.studies.kinematic.criteria import (
     DIRECT,

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import GeometryError
-from slopekit.design.files import load, with_values
+from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import cut, kind_of
-from slopekit.kinds.held_bolts import held
+from slopekit.kinds.single_block.held_bolts import held
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.bolts import as_laid_out, holding, standing
 from slopekit.studies.prob.sampling import samples

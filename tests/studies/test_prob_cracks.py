@@ -8,7 +8,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
 from slopekit.studies.prob.bolts import as_laid_out, standing
 from slopekit.studies.prob.cracks import PLACE, checked_alone, cracked

@@ -9,7 +9,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.studies.prob.from_survey import surveyed
 from tests.commands import slopekit
 

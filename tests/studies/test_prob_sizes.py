@@ -7,7 +7,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import GeometryError
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds.wedge import cut
 from slopekit.studies.prob.run import Probability
 

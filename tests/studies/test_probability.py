@@ -13,7 +13,7 @@ from scipy.stats import binom, multivariate_normal, norm
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.studies import running
 from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob

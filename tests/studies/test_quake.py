@@ -525,7 +525,7 @@ def test_six_degrees_of_freedom_fall_to_the_residual_strength() -> None:
 
 
 def test_a_step_that_is_refused_is_said(monkeypatch) -> None:
-    from slopekit.preie import shaking
+    from slopekit.preie.motion import shaking
 
     newton, calls = shaking._newton, []
 

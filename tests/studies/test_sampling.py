@@ -14,8 +14,8 @@ from scipy import stats
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, Plane, normals
-from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
+from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.studies.marginals import checked_limits, marginal, tails
 from slopekit.studies.prob import sampling, sources
 from slopekit.studies.prob.sampling import METHODS, draw, planned, samples

@@ -13,7 +13,7 @@ from scipy.stats import vonmises_fisher
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, normals
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.studies.axes import axes_of, cone_of, terzaghi_weights
 from slopekit.studies.sets.clustering import best, clusters_of, girdle_of
 from slopekit.studies.sets.density import densest, density
@@ -354,9 +354,9 @@ def test_json_sheet_and_files(tmp_path) -> None:
 
 @pytest.mark.parametrize("arguments", [(), ("--ignore-sets", "--contours", "schmidt", "--scanline", "090/0")])
 def test_the_picture(tmp_path, arguments) -> None:
-    from slopekit.views.drawing import new_figure
+    from slopekit.views.charts.drawing import new_figure
+    from slopekit.views.charts.set_charts import draw_sets
     from slopekit.views.plots import misfit, need_of
-    from slopekit.views.set_charts import draw_sets
 
     run = slopekit("sets", LIST, *arguments, "--json")
     document = json.loads(run.stdout)

@@ -12,12 +12,13 @@ import slopekit as sk
 from benchmarks import populations
 from benchmarks.blocks import multiplier
 from slopekit.core.errors import DesignError, Notice
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import Bonds, bond_notices
-from slopekit.preie import blocks, effort
+from slopekit.preie.many_blocks import blocks
+from slopekit.preie.solvers import effort
 from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE

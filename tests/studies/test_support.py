@@ -18,8 +18,8 @@ import slopekit as sk
 from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import Line
 from slopekit.design.templates import path_of
-from slopekit.geometry.cutting import cut_wedge
-from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
+from slopekit.geometry.rock.cutting import cut_wedge
+from slopekit.geometry.rock.rockmass import J1, J2, wedge_rock_mass
 from slopekit.kinds import cut, factors_of
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design

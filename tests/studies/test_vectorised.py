@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import DesignError
-from slopekit.design.files import load, with_values
+from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import kind_of
 from slopekit.studies.prob.bolts import as_laid_out, standing
 from slopekit.studies.prob.sampling import samples

@@ -15,18 +15,18 @@ from slopekit.block_scene import packed
 from slopekit.cli import app
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.views.layers import ACTIVE_BOLT, PASSIVE_BOLT, Bar, Picture
 from slopekit.views.plots import draw as draw_any
 from slopekit.views.plots import offers
-from slopekit.views.rendering import Camera, write_words
-from slopekit.views.scene_parts import kinds_of_loads
-from slopekit.views.scenes import SceneOptions, compose
-from slopekit.views.viewer_data import viewer_data
+from slopekit.views.solid.layers import ACTIVE_BOLT, PASSIVE_BOLT, Bar, Picture
+from slopekit.views.solid.rendering import Camera, write_words
+from slopekit.views.solid.scene_parts import kinds_of_loads
+from slopekit.views.solid.scenes import SceneOptions, compose
+from slopekit.views.solid.viewer_data import viewer_data
 from tests.bolted import bolted
 
 pytest.importorskip("matplotlib")
-from slopekit.views.drawing import new_figure
-from slopekit.views.elevation import draw_elevation
+from slopekit.views.charts.drawing import new_figure
+from slopekit.views.charts.elevation import draw_elevation
 
 NAMES = ("three", "pattern", "plane", "bench")
 

@@ -12,9 +12,9 @@ from slopekit.core.errors import HARMLESS
 from slopekit.core.explanations import explanation, explanations
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
-from slopekit.kinds.many_blocks_design import AssemblyDesign
-from slopekit.views.report_words import answer
-from slopekit.views.stage import Stage
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.views.pages.report_words import answer
+from slopekit.views.solid.stage import Stage
 
 DIPS = ("45/115", "45/245")
 

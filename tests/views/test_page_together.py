@@ -11,9 +11,9 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
-from slopekit.views import page_pictures, report
-from slopekit.views.page_together import inputs_table, same_design
-from slopekit.views.report import report_of
+from slopekit.views.pages import page_pictures, report
+from slopekit.views.pages.page_together import inputs_table, same_design
+from slopekit.views.pages.report import report_of
 from tests.bolted import WEDGE, bolt
 
 pytest.importorskip("jinja2")

@@ -10,21 +10,21 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line
 from slopekit.design.templates import path_of
-from slopekit.kinds import ladders
+from slopekit.kinds.single_block import ladders
 from slopekit.kinds.surface import normals_rungs
-from slopekit.views.stereonet import project
+from slopekit.views.charts.stereonet import project
 
 pytest.importorskip("matplotlib")
 from slopekit.studies.kinematic.criteria import planes_of_poles
-from slopekit.views.charts import draw_normals, draw_reduction, draw_speed_errors
-from slopekit.views.drawing import misfit, new_figure
-from slopekit.views.kinematic_charts import draw_kinematic
-from slopekit.views.orientation_charts import draw_orientations, orientations_of
+from slopekit.views.charts.charts import draw_normals, draw_reduction, draw_speed_errors
+from slopekit.views.charts.drawing import misfit, new_figure
+from slopekit.views.charts.kinematic_charts import draw_kinematic
+from slopekit.views.charts.orientation_charts import draw_orientations, orientations_of
+from slopekit.views.charts.probability_charts import draw_histogram
+from slopekit.views.charts.quake_charts import draw_six
+from slopekit.views.charts.stereonet import cells
+from slopekit.views.charts.sweep_charts import draw_contour, draw_curve, draw_tornado
 from slopekit.views.plots import EVERY, need_of, offers
-from slopekit.views.probability_charts import draw_histogram
-from slopekit.views.quake_charts import draw_six
-from slopekit.views.stereonet import cells
-from slopekit.views.sweep_charts import draw_contour, draw_curve, draw_tornado
 
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
 

@@ -18,12 +18,12 @@ from slopekit.cli import app
 from slopekit.core.errors import DesignError
 from slopekit.core.explanations import explanations
 from slopekit.design.templates import path_of
-from slopekit.views import page_pictures
-from slopekit.views import report as room
-from slopekit.views.page_pictures import still_pictures
-from slopekit.views.report import report_of, verification_excerpt
-from slopekit.views.report_inputs import input_tables, value_text
-from slopekit.views.viewer_data import viewer_data
+from slopekit.views.pages import page_pictures
+from slopekit.views.pages import report as room
+from slopekit.views.pages.page_pictures import still_pictures
+from slopekit.views.pages.report import report_of, verification_excerpt
+from slopekit.views.pages.report_inputs import input_tables, value_text
+from slopekit.views.solid.viewer_data import viewer_data
 from tests.views import scenes
 
 pytest.importorskip("jinja2")

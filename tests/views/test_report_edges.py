@@ -11,14 +11,14 @@ import slopekit as sk
 from slopekit.block_scene import packed
 from slopekit.design.templates import path_of
 from slopekit.kinds.protocol import compare
-from slopekit.views import layers
-from slopekit.views import report as room
-from slopekit.views import viewer_data as viewer
-from slopekit.views.report import report_of
-from slopekit.views.report_inputs import input_tables
-from slopekit.views.report_words import limit_of, meaning
-from slopekit.views.stage import Stage
-from slopekit.views.viewer_data import viewer_data
+from slopekit.views.pages import report as room
+from slopekit.views.pages.report import report_of
+from slopekit.views.pages.report_inputs import input_tables
+from slopekit.views.pages.report_words import limit_of, meaning
+from slopekit.views.solid import layers
+from slopekit.views.solid import viewer_data as viewer
+from slopekit.views.solid.stage import Stage
+from slopekit.views.solid.viewer_data import viewer_data
 from tests.views import scenes
 from tests.views.test_report import document, page, wet_wedge, words
 

@@ -13,12 +13,12 @@ import slopekit as sk
 from slopekit.block_scene import BlockScene, packed
 from slopekit.core.arrays import Floats
 from slopekit.design.templates import path_of
-from slopekit.views import rendering
-from slopekit.views.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
-from slopekit.views.rendering import Camera
-from slopekit.views.scene_parts import resultants
-from slopekit.views.scenes import SCENES, SceneOptions, compose, draw
-from slopekit.views.stage import Stage
+from slopekit.views.solid import rendering
+from slopekit.views.solid.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
+from slopekit.views.solid.rendering import Camera
+from slopekit.views.solid.scene_parts import resultants
+from slopekit.views.solid.scenes import SCENES, SceneOptions, compose, draw
+from slopekit.views.solid.stage import Stage
 
 KINDS = ("wedge", "plane", "footing", "cylinder", "blocks", "goodman-bray", "wall")
 

@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.orientation import Line, Plane, normals
 from slopekit.studies.kinematic.criteria import planes_of_poles, zones_of_lines, zones_of_poles
-from slopekit.views.stereonet import (
+from slopekit.views.charts.stereonet import (
     cone,
     daylight_envelope,
     great_circle,

@@ -21,15 +21,15 @@ from slopekit.core.orientation import parse_plane
 from slopekit.core.sheet import factor_text
 from slopekit.design.common import Design
 from slopekit.design.fields import words_of
-from slopekit.design.nodes import Node
+from slopekit.design.reading.nodes import Node
 from slopekit.kinds import analyse, kind_of
 from slopekit.kinds.sheets.shared import verdict
 from slopekit.result import JUDGED, Result
 from slopekit.strength.registry import LAWS
 from slopekit.strength.waviness import Wavy
 from slopekit.studies.keys import Key
-from slopekit.views.stage import Stage
-from slopekit.views.viewer_data import data_of
+from slopekit.views.solid.stage import Stage
+from slopekit.views.solid.viewer_data import data_of
 
 Answer = dict[str, Any]
 #: What changes of GOVERNS are made to, by how their names begin: the ends of the paths.

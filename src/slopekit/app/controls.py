@@ -1,6 +1,6 @@
 """The controls of a design: every number, word and name that it has, with slider ends, as its fields declare them.
 
->>> from slopekit.design.files import load
+>>> from slopekit.design.reading.files import load
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
 >>> design = load(wedge)
 >>> [group["name"] for group in groups_of(design, design)][:3]
@@ -18,11 +18,11 @@ from typing import Any
 from slopekit.core.errors import DesignError
 from slopekit.core.units import quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.distributions import Distribution, Fisher
 from slopekit.design.fields import Field, every_field, field_at, in_degrees, words_of
-from slopekit.design.nodes import Document, Node
-from slopekit.design.overrides import ALTERNATIVES, spread
-from slopekit.design.structure import WRITTEN, orientation_kind
+from slopekit.design.reading.nodes import Document, Node
+from slopekit.design.reading.overrides import ALTERNATIVES, spread
+from slopekit.design.reading.structure import WRITTEN, orientation_kind
+from slopekit.design.scatter.distributions import Distribution, Fisher
 from slopekit.studies.keys import Key, keys_of
 
 Control = dict[str, Any]
@@ -88,7 +88,7 @@ def values_of(design: Design) -> Mapping[str, Key]:
 def text_at(document: Document, path: str) -> str | None:
     """What the file has at a path, an angle of an orientation by its own path; None where nothing stands there.
 
-    >>> from slopekit.design.nodes import document_from
+    >>> from slopekit.design.reading.nodes import document_from
     >>> text_at(document_from({"joints": {"J1": {"plane": "045/115"}}}), "joints.J1.plane.dip")
     '045'
     """
@@ -238,7 +238,7 @@ def _doc(field: Field | None) -> str:
 def written(design: Design, key: Key | None, path: str, value: float) -> str:
     """A number as the file shall have it: in the unit that stands there, no slip of radians, whole where it counts.
 
-    >>> from slopekit.design.files import load
+    >>> from slopekit.design.reading.files import load
     >>> wedge = load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
     ...               "water": "50 %", "slope": {"height": "20 m"}})
     >>> keys = values_of(wedge)

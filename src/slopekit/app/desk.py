@@ -19,7 +19,7 @@ from slopekit.app.session import Moment, Opened, Session
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.records import dataclass
 from slopekit.design import templates
-from slopekit.design.nodes import cut, printable
+from slopekit.design.reading.nodes import cut, printable
 from slopekit.kinds import kind_named
 from slopekit.result import Result
 

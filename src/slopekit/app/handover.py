@@ -19,7 +19,7 @@ from slopekit.app.session import Session, at, different
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.design import templates
-from slopekit.design.nodes import Node
+from slopekit.design.reading.nodes import Node
 
 WHAT = ("page", "dxf", "json", "command", "yaml")
 _BRACKETS = ("[", "{", "'", '"')
@@ -58,7 +58,7 @@ def handed(what: str, session: Session, document: Mapping[str, Any] | None) -> F
         return File(f"{stem}.json", "application/json", text.encode())
     if what == "dxf":
         return File(f"{stem}.dxf", "application/dxf", _dxf(document, stem))
-    from slopekit.views.report import report_of
+    from slopekit.views.pages.report import report_of
 
     return File(f"{stem}.html", "text/html", report_of(document, with_pictures=False).html.encode())
 

@@ -24,7 +24,7 @@ from slopekit.core.onlooker import onlooker
 from slopekit.core.options import Advance, Workplace
 from slopekit.core.records import dataclass
 from slopekit.design.fields import words_of
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_named
 from slopekit.studies.keys import key_of, values_of
 
@@ -224,7 +224,7 @@ def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
 def _serve(pipe: Connection) -> None:
     """The process: wait for a job, do it, say what came of it; end where nobody listens any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, which ends this
-    import slopekit.views.viewer_data  # noqa: F401
+    import slopekit.views.solid.viewer_data  # noqa: F401
 
     try:
         while (task := pipe.recv()) is not None:

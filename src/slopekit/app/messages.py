@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.design.nodes import cut, printable
+from slopekit.design.reading.nodes import cut, printable
 
 Message = dict[str, Any]
 LARGEST, LARGEST_SURVEY = 1_000_000, 8_000_000  # letters of a message

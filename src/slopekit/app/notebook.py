@@ -184,7 +184,7 @@ def _opened(source: Any) -> Opened:
         from pathlib import Path
 
         return opened_file(Path(source))
-    from slopekit.design.files import load
+    from slopekit.design.reading.files import load
 
     if isinstance(source, Mapping):
         source = load(source)

@@ -31,8 +31,8 @@ from typing import Any
 from slopekit.app.session import Opened, Session, digest_of, opened_text
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.records import dataclass
-from slopekit.design.document import read_text
-from slopekit.design.nodes import Document, Node, cut
+from slopekit.design.reading.document import read_text
+from slopekit.design.reading.nodes import Document, Node, cut
 
 _PLAIN = re.compile(r"[\w°.+\-/][\w°²³.+\-/%]*(?: [\w°²³.+\-/%]+)*")
 _NOT_PLAIN = re.compile(r"(?:~|null|-+)", re.IGNORECASE)

@@ -24,11 +24,11 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.design import templates
 from slopekit.design.common import Design
-from slopekit.design.document import read_text
-from slopekit.design.files import design_of, load_document_design
-from slopekit.design.nodes import Document, Node
-from slopekit.design.overrides import ALTERNATIVES, with_overrides
-from slopekit.design.structure import WRITTEN
+from slopekit.design.reading.document import read_text
+from slopekit.design.reading.files import design_of, load_document_design
+from slopekit.design.reading.nodes import Document, Node
+from slopekit.design.reading.overrides import ALTERNATIVES, with_overrides
+from slopekit.design.reading.structure import WRITTEN
 from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key
 
@@ -96,8 +96,8 @@ def opened_text(text: str, name: str, path: Path | None = None, digest: str = ""
 
 def opened_file(path: Path) -> Opened:
     """A design of a file. Raises DesignError with every fault found."""
-    from slopekit.design.document import decoded
-    from slopekit.design.on_disk import read_bytes
+    from slopekit.design.reading.document import decoded
+    from slopekit.design.reading.on_disk import read_bytes
 
     content = read_bytes(path)
     return opened_text(decoded(content, path.name), path.name, path, digest_of(content))
@@ -356,7 +356,7 @@ def opened_template(name: str) -> Opened:
 
 def _titled(document: Document, text: str) -> Document:
     """The title is words, whatever they begin with."""
-    from slopekit.design.nodes import Place, cut, printable
+    from slopekit.design.reading.nodes import Place, cut, printable
 
     place = Place("--set", 0, 0, cut(f"title={text}"))
     return with_overrides(document, [("title", Node(printable(text), place, "title", place))])
@@ -365,7 +365,7 @@ def _titled(document: Document, text: str) -> Document:
 def different(one: Node | None, other: Node | None) -> list[str]:
     """The paths at which two trees differ, each as high up as one of them has nothing or a value of another shape.
 
-    >>> from slopekit.design.nodes import document_from
+    >>> from slopekit.design.reading.nodes import document_from
     >>> a, b = (document_from({"slope": {"height": h}, "water": "dry"}).root for h in (10, 12))
     >>> different(a, b)
     ['slope.height']

@@ -27,7 +27,7 @@ from slopekit.core.orientation import Plane, normals
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.joint_lists import JointList
-from slopekit.design.nodes import as_text
+from slopekit.design.reading.nodes import as_text
 from slopekit.design.survey import MeasuredJoint, read_joints_text
 from slopekit.kinds import kind_of, status_text
 from slopekit.studies.combos import Combos, combos

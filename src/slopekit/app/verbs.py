@@ -9,7 +9,7 @@ from slopekit.app.desk import Desk, Link
 from slopekit.app.messages import Message, text_of, values_of, wrong
 from slopekit.app.session import Moment, Opened, opened_template, opened_text
 from slopekit.core.errors import DesignError
-from slopekit.design.nodes import cut, printable
+from slopekit.design.reading.nodes import cut, printable
 
 _MOST_FILES = 8  # that can be downloaded
 

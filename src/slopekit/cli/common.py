@@ -29,8 +29,8 @@ FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
 
 def load_design(design: str, sets: list[str] | None, case: str | None = None) -> "Design":
     """The design of a file, with what `--set` replaces in it; the load case that `--case` names."""
-    from slopekit.design.files import load
-    from slopekit.design.overrides import parse_override
+    from slopekit.design.reading.files import load
+    from slopekit.design.reading.overrides import parse_override
 
     faults, overrides = Faults(), list[tuple[str, object]]()
     for text in sets or []:
@@ -84,7 +84,7 @@ def checked_image(picture: str | None) -> Path | None:
     """The picture asked for, refused before any work is done where it cannot be drawn or written."""
     if picture is None:
         return None
-    from slopekit.views.drawing import FORMATS, require_matplotlib
+    from slopekit.views.charts.drawing import FORMATS, require_matplotlib
 
     image = image_of(Path(picture), FORMATS)
     require_matplotlib(image)

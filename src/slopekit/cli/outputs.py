@@ -177,8 +177,8 @@ def report(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing on success.")] = False,
 ) -> None:
     """One self-contained page of results and studies: answers, checks, pictures, a view to turn (extra: report)."""
+    from slopekit.views.pages.report import require_jinja, write_report
     from slopekit.views.plots import document_file, read_document
-    from slopekit.views.report import require_jinja, write_report
 
     sources = [document_file(Path(result)) for result in results]
     target = sources[0].parent / "report.html" if output is None else Path(output)

@@ -59,7 +59,7 @@ def _remove(paths: list[Path], what: str) -> None:
 def _drawn(record: dict[str, Any], folder: Path) -> list[str]:
     """Draw what the result can give; the names of what was drawn."""
     from slopekit.views.plots import offers
-    from slopekit.views.rendering import require_drawing
+    from slopekit.views.solid.rendering import require_drawing
 
     try:
         require_drawing(folder)
@@ -82,7 +82,7 @@ def scene_of(picture: str | None) -> Path | None:
         return None
     image = image_of(Path(picture), _ENDINGS)
     if image.suffix.lower() == ".png":
-        from slopekit.views.rendering import require_drawing
+        from slopekit.views.solid.rendering import require_drawing
 
         require_drawing(image)
     return image

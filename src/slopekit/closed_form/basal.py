@@ -106,7 +106,7 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
 
     Formula: with R the resultant and nᵢ the normals into the block, the block moves along the s of s = R + Σ Nᵢ nᵢ for
     which Nᵢ >= 0, s·nᵢ >= 0 and Nᵢ (s·nᵢ) = 0; F = Σ (cᵢAᵢ + Nᵢ tan φᵢ) / |s| over the planes in contact. Codes are
-    those of `geometry.basal`.
+    those of `rock.basal`.
 
     >>> wedges = BasalWedgeArrays(
     ...     joint1_dip_deg=75.0, joint1_dip_direction_deg=100.0, joint2_dip_deg=75.0, joint2_dip_direction_deg=260.0,

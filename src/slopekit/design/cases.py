@@ -1,6 +1,6 @@
 """Load cases: a design with some of its keys set, and an acceptance of its own.
 
->>> from slopekit.design.files import load
+>>> from slopekit.design.reading.files import load
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
 ...          "cases": {"static": {"accept": "fos >= 1.5"}, "quake": {"set": {"loads.seismic.k": 0.1}}}}
 >>> [(case.name, case.sets, case.design.seismic.coefficient) for case in load(wedge).cases]
@@ -14,8 +14,8 @@ from difflib import get_close_matches
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.common import Design, LoadCase
-from slopekit.design.nodes import Document, Node, cut
-from slopekit.design.overrides import with_overrides
+from slopekit.design.reading.nodes import Document, Node, cut
+from slopekit.design.reading.overrides import with_overrides
 
 _NOT_SET = ("slopekit", "kind", "cases")
 _NAME = re.compile(r"[^\W_](?:[\w -]{0,38}\w)?")  # of files and folders on every system, too

@@ -26,11 +26,11 @@ from slopekit.design.parts import (
     forces_without,
     listed,
 )
-from slopekit.design.structure import Leaf, ListOf
+from slopekit.design.reading.structure import Leaf, ListOf
 
 if TYPE_CHECKING:
-    from slopekit.design.distributions import Variable
-    from slopekit.design.nodes import Document
+    from slopekit.design.reading.nodes import Document
+    from slopekit.design.scatter.distributions import Variable
 
 Criterion = Literal["limit", "all-pairs"]
 #: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.

@@ -25,7 +25,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import unit_of
-from slopekit.design.structure import ANGLES, AnyOf, KeyGroup, Leaf, ListOf, Named, OrientationKind, Spec
+from slopekit.design.reading.structure import ANGLES, AnyOf, KeyGroup, Leaf, ListOf, Named, OrientationKind, Spec
 
 #: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
 Role = Literal["quantity", "coordinate", "scatter", "setting"]

@@ -11,10 +11,10 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of, number, text
-from slopekit.design.nodes import Node
 from slopekit.design.parts import Action, Water
-from slopekit.design.reader import Reader
-from slopekit.design.structure import Leaf, ListOf
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import Leaf, ListOf
 
 TABLE = "table"
 WORST = "worst"  # of places of a crack

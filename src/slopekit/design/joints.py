@@ -8,11 +8,11 @@ from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, count
-from slopekit.design.nodes import Node
 from slopekit.design.parts import Strength
-from slopekit.design.reader import Reader
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import AnyOf, KeyGroup, Leaf, ListOf
 from slopekit.design.sections import read_strength, standard_strength, strength_names
-from slopekit.design.structure import AnyOf, KeyGroup, Leaf, ListOf
 
 #: A joint list in place of joints.
 FROM_CSV = KeyGroup(
@@ -95,7 +95,7 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
     file, pick, convention = node.get("csv"), node.get("pick"), node.get("convention")
     assert file is not None
     try:
-        from slopekit.design.named_files import beside
+        from slopekit.design.reading.named_files import beside
 
         survey = read_joints(beside(reader, file), convention.text if convention is not None else None)
     except DesignError as error:

@@ -4,7 +4,7 @@ The design itself is factored, so both methods, every study and every picture se
 safety is then the over-design factor: 1 is enough. A factor on the resistance divides the strength of the joints once
 more, which divides that factor of safety alike.
 
->>> from slopekit.design.files import load
+>>> from slopekit.design.reading.files import load
 >>> plane = {"slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "rock": {"unit_weight": 26},
 ...          "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 25, "phi": 37}},
 ...          "analysis": {"partial_factors": "DA1-C2"}}
@@ -25,8 +25,8 @@ from slopekit.core.errors import DesignError, Fault, Faults, GeometryError, did_
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
-from slopekit.design.nodes import Document, Node
 from slopekit.design.parts import Action, FactoredNumber, PartialFactors, Residual, Rule, Strength, listed
+from slopekit.design.reading.nodes import Document, Node
 from slopekit.strength.reduced import Reduced
 
 _SHIPPED = Path(__file__).with_name("factors")
@@ -109,7 +109,7 @@ def _shipped(path: Path) -> Mapping[str, PartialFactors]:
 
 def _sets(path: Path) -> Mapping[str, PartialFactors]:
     """The sets of a file by name: all under `sets`, or one that is the file itself."""
-    from slopekit.design.document import load_document
+    from slopekit.design.reading.document import load_document
 
     root = load_document(path).root
     faults, factor_sets = Faults(), dict[str, PartialFactors]()

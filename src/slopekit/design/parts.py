@@ -9,7 +9,7 @@ from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
-from slopekit.design.structure import Anything, Leaf, ListOf, Named
+from slopekit.design.reading.structure import Anything, Leaf, ListOf, Named
 
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw

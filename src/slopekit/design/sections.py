@@ -9,10 +9,10 @@ from slopekit.core.orientation import number as shown
 from slopekit.design import words
 from slopekit.design.common import Design
 from slopekit.design.fields import fields_of
-from slopekit.design.nodes import Node, Place
 from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
-from slopekit.design.reader import Reader
-from slopekit.design.structure import is_distribution
+from slopekit.design.reading.nodes import Node, Place
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import is_distribution
 
 _MOST_FACTORS = 200
 _NOTHING = Node({}, Place("", 0, 0, ""), "", Place("", 0, 0, ""))

@@ -11,9 +11,9 @@ from typing import Any
 from slopekit.core.errors import did_you_mean
 from slopekit.core.orientation import number
 from slopekit.design.fields import Field, fields_of
-from slopekit.design.nodes import Node
 from slopekit.design.parts import Strength
-from slopekit.design.reader import Reader
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.reader import Reader
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.protocol import StrengthLaw
 from slopekit.strength.registry import LAWS

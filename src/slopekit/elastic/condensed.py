@@ -8,8 +8,8 @@ since motions Z as a whole are among the w: Zᵀ Pᵀ = Bᵀ, Zᵀ G = 1, Zᵀ K
 
     (K - Pᵀ S P) u = r,   Δγ = R u,   Δw = u - Z Δγ,   R = (BᵀB)⁻¹ Bᵀ P
 
-with a matrix of the nodes, factorised by fronts (`preie/fronts.py`). No flexibility D of all pairs is made, which has
-as many numbers as a block has pairs, squared. Rigid blocks: K = 0, P = B, Z = R = 1, no w.
+with a matrix of the nodes, factorised by fronts (`preie/solvers/fronts.py`). No flexibility D of all pairs is made,
+which has as many numbers as a block has pairs, squared. Rigid blocks: K = 0, P = B, Z = R = 1, no w.
 """
 
 import math
@@ -25,7 +25,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.elastic.flexibility import CondensedBlock
 from slopekit.elastic.model import ElasticModel
 from slopekit.elastic.whole import Place
-from slopekit.preie.fronts import Fronts
+from slopekit.preie.solvers.fronts import Fronts
 
 _EXACT = 1e-6  # what is left of a step's right side, in parts of it
 _ALIKE = 0.9  # cosine between normals of one joint set

@@ -17,7 +17,7 @@ from scipy import sparse
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.records import dataclass
 from slopekit.elastic.flexibility import CondensedBlock, Flexibility
-from slopekit.preie.equilibrium import BOLT_GIVE_M
+from slopekit.preie.motion.equilibrium import BOLT_GIVE_M
 
 _DENSE = 600  # unknowns up to which matrices are dense
 

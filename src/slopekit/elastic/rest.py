@@ -17,7 +17,7 @@ from slopekit.core.records import dataclass
 from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.model import ElasticModel
 from slopekit.elastic.whole import Place, Whole
-from slopekit.preie.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
+from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
 
 BALANCED = 1e-8  # residual, in parts of the load and of the first displacement, that counts as rest
 _AIM = 1e-10  # where Newton's method stops

@@ -15,7 +15,7 @@ from slopekit.bolts import nearest, plates, rods
 from slopekit.core.arrays import Floats, Ints
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Picked
-from slopekit.geometry.meshes import Z_UP
+from slopekit.geometry.solids.meshes import Z_UP
 
 _RESERVED = re.compile(r"(?i)solid|facet|normal|vertex|loop")  # readers look for these words, in names as well
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -137,7 +137,7 @@ def _no_scene(document: Mapping[str, Any], name: str) -> Fault:
 
 def _read(path: Path) -> Mapping[str, Any]:
     """The JSON object of a file."""
-    from slopekit.design.on_disk import read_bytes
+    from slopekit.design.reading.on_disk import read_bytes
 
     try:
         document = json.loads(read_bytes(path, _MOST_BYTES).decode("utf-8-sig"))

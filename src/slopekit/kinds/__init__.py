@@ -58,7 +58,7 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
         required()
     result = with_slips_of_size(kind.analyse(design))
     if any(strength.residual for strength in kind.strengths(design)):
-        from slopekit.kinds.residual import with_residual
+        from slopekit.kinds.single_block.residual import with_residual
 
         result = with_residual(kind, result)
     if elastic or bracket:

@@ -15,19 +15,25 @@ from slopekit.core.sheet import Section
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
 from slopekit.design.ground_water import read_ground_water, surcharge, table_depth
 from slopekit.design.parts import Action, Water
-from slopekit.design.reader import Reader
+from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
-from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
-from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
-from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
+from slopekit.kinds.assemblies.many_blocks import (
+    Blocks,
+    carried_strengths,
+    kind_of_many_blocks,
+    named_strength,
+    no_closed_form,
+)
+from slopekit.kinds.assemblies.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.sizes import Crest
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
-from slopekit.preie.ravelling import Failure
+from slopekit.preie.many_blocks.ravelling import Failure
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.geometry.bench import ConvexBody
+    from slopekit.geometry.rock.bench import ConvexBody
 
 MOST_SEED = 2**63 - 1
 
@@ -189,9 +195,9 @@ def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
 
 def cut(design: BenchDesign) -> AssemblyScene:
     """The blocks of the bench with what acts on them. Raises GeometryError and DesignError as `with_loads`."""
-    from slopekit.geometry.bench import bench_body
-    from slopekit.geometry.joint_sets import JointSet, planes_of_sets
-    from slopekit.geometry.splitting import cut_bench
+    from slopekit.geometry.rock.bench import bench_body
+    from slopekit.geometry.rock.joint_sets import JointSet, planes_of_sets
+    from slopekit.geometry.rock.splitting import cut_bench
 
     body = bench_body(design.face.normal(), design.upper.normal(), design.height_m, design.length_m, design.depth_m)
     sets = [
@@ -231,7 +237,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
 def _with_ground(design: BenchDesign, scene: AssemblyScene, body: "ConvexBody") -> AssemblyScene:
     """The water on contacts and free faces, and the surcharge."""
     from slopekit.geometry.pressure import under_planes
-    from slopekit.kinds.table_on_patches import Outside, with_surcharge, with_water
+    from slopekit.kinds.assemblies.table_on_patches import Outside, with_surcharge, with_water
 
     normals, offsets = body.normals[:2], body.offsets[:2]
     depth, into = design.table_depth_m, -Line(design.face.dip_direction_deg, 0.0).vector()

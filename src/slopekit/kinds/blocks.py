@@ -13,16 +13,29 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.ground_water import read_ground_water
-from slopekit.design.named_files import mesh_file
-from slopekit.design.nodes import Node
 from slopekit.design.parts import Action, MeshFile, Water
-from slopekit.design.reader import Reader
+from slopekit.design.reading.named_files import mesh_file
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import Leaf, ListOf, Named
 from slopekit.design.sections import strength_names
-from slopekit.design.structure import Leaf, ListOf, Named
-from slopekit.geometry.polygons import fault_of_polygon
-from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, no_closed_form, no_notices
-from slopekit.kinds.many_blocks_design import NamedDesign, Point2, common, pressures, read_surcharges, water_by
-from slopekit.kinds.many_blocks_scene import AssemblyScene, with_ground, with_loads
+from slopekit.geometry.sections.polygons import fault_of_polygon
+from slopekit.kinds.assemblies.many_blocks import (
+    Blocks,
+    carried_strengths,
+    kind_of_many_blocks,
+    no_closed_form,
+    no_notices,
+)
+from slopekit.kinds.assemblies.many_blocks_design import (
+    NamedDesign,
+    Point2,
+    common,
+    pressures,
+    read_surcharges,
+    water_by,
+)
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_ground, with_loads
 from slopekit.kinds.protocol import Carried
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, strength_in_words
 from slopekit.result import Result, Words
@@ -356,7 +369,7 @@ def cut(design: BlocksDesign) -> AssemblyScene:
 
 
 def _section(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> AssemblyScene:
-    from slopekit.geometry.section_blocks import section_assembly
+    from slopekit.geometry.sections.section_blocks import section_assembly
 
     polygons = [np.array(block.polygon_m) for block in design.blocks]
     cut = section_assembly(polygons, fixed, design.thickness_m, design.contact_tolerance_m, names)
@@ -374,8 +387,8 @@ def _section(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Asse
 
 
 def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> AssemblyScene:
-    from slopekit.geometry.meshes import read_mesh
-    from slopekit.geometry.solids import mesh_assembly
+    from slopekit.geometry.solids.meshes import read_mesh
+    from slopekit.geometry.solids.solids import mesh_assembly
 
     meshes: list[tuple[Floats, Ints]] = []
     faults = Faults()

@@ -31,10 +31,10 @@ from slopekit.kinds.elastic_scene import (
     scene_of_many,
     scene_of_one,
 )
-from slopekit.kinds.one_block import Cut
 from slopekit.kinds.protocol import Kind
+from slopekit.kinds.single_block.one_block import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.preie.contact import CloughDuncan
+from slopekit.preie.system.contact import CloughDuncan
 from slopekit.result import OTHERWISE, Result
 
 _BELOW = 0.95  # of a limit below 1: where the state is looked at

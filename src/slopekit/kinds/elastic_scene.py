@@ -24,13 +24,14 @@ from slopekit.elastic.meshing import (
     split_evenly,
 )
 from slopekit.elastic.model import ElasticModel, dense_or_sparse, on_bedrock, with_blocks
-from slopekit.geometry import rockmass, section
-from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
-from slopekit.kinds.one_block import Cut
+from slopekit.geometry.rock import rockmass
+from slopekit.geometry.sections import section
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.single_block.one_block import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
-from slopekit.preie.assembly import section_axes
-from slopekit.preie.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
-from slopekit.preie.model import Model, local_axes
+from slopekit.preie.system.assembly import section_axes
+from slopekit.preie.system.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
+from slopekit.preie.system.model import Model, local_axes
 from slopekit.result import Result
 
 MODULUS_KPA, POISSON = 2e7, 0.25
@@ -200,7 +201,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
         return made.limit(without).governing.factor or None, False
 
     def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.strength_lines import drawn
+        from slopekit.preie.system.strength_lines import drawn
 
         return drawn(settled, np.maximum(normal, 0.0) / settled.force_scale).tan_friction
 
@@ -229,10 +230,10 @@ def elastic_model(model: Model) -> ElasticModel:
 
 def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> ElasticScene:
     """Convex blocks on flat contacts."""
-    from slopekit.preie import effort
-    from slopekit.preie.blocks import bound_of
-    from slopekit.preie.components import whole_model
-    from slopekit.preie.ravelling import ravel
+    from slopekit.preie.many_blocks.blocks import bound_of
+    from slopekit.preie.many_blocks.ravelling import ravel
+    from slopekit.preie.solvers import effort
+    from slopekit.preie.system.components import whole_model
 
     assembly, (rock, _) = scene.assembly, rock_of(design)
     if design.elastic_bedrock == ELASTIC:
@@ -321,7 +322,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         return bound_of(replace(whole, cohesion=frozen(kept)))
 
     def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.strength_lines import drawn
+        from slopekit.preie.system.strength_lines import drawn
 
         scaled = np.append(np.maximum(normal, 0.0) / whole.force_scale, np.zeros(len(whole.bolts)))
         return drawn(whole, scaled).tan_friction[group]

@@ -14,12 +14,12 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
-from slopekit.design.reader import Reader
+from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
-from slopekit.geometry.section import J1, PlaneSection, footing_section, line_pairs
-from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
+from slopekit.geometry.sections.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.protocol import ClosedForm
-from slopekit.kinds.secants import on_secants
+from slopekit.kinds.single_block.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
+from slopekit.kinds.single_block.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads

@@ -20,17 +20,24 @@ from slopekit.design import words
 from slopekit.design.fields import Field, group, number, orientation
 from slopekit.design.ground_water import TABLE, WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
-from slopekit.design.nodes import Node
 from slopekit.design.parts import Strength, Water
-from slopekit.design.reader import Reader
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
-from slopekit.kinds import ground_water, worst_crack
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
-from slopekit.kinds.held_bolts import Bounds, bounds_of
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
+from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.single_block import ground_water, worst_crack
+from slopekit.kinds.single_block.closed_forms import (
+    Arguments,
+    ClosedForms,
+    OnArrays,
+    SizesOfMany,
+    force_on,
+    passive_bolts,
+)
+from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of
+from slopekit.kinds.single_block.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Hull, Loads, PointForce, block_loads, check_bolt
@@ -39,7 +46,7 @@ from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.closed_form.sizes import PlaneSizes
-    from slopekit.kinds import ground_water
+    from slopekit.kinds.single_block import ground_water
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES), "E213")
@@ -231,14 +238,14 @@ def _water(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
     """The pushes on the plane and the crack."""
     loads: dict[str, PointForce] = {}
     if design.is_cut_for_loads:
-        from slopekit.kinds import ground_water
+        from slopekit.kinds.single_block import ground_water
 
         loads = ground_water.pushes(design, _ground(design, section))
     return loads if design.water.mode == TABLE else loads | _water_of_fill(design, section)
 
 
 def _ground(design: PlaneDesign, section: PlaneSection) -> "ground_water.LocalSlope":
-    from slopekit.kinds import ground_water
+    from slopekit.kinds.single_block import ground_water
 
     upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
@@ -324,7 +331,7 @@ def arguments(design: PlaneDesign) -> Arguments:
     pressures: list[float | None] = [*water.pressures_kpa, 0.0] if given else [None, None]
     force = force_on(design)
     if design.is_cut_for_loads:
-        from slopekit.kinds import ground_water
+        from slopekit.kinds.single_block import ground_water
 
         means, rest = ground_water.for_closed_form(design, _ground(design, section_of(design)))
         force = ground_water.added(force, rest)

@@ -10,14 +10,14 @@ from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
-from slopekit.design.reader import Reader
+from slopekit.design.reading.reader import Reader
 from slopekit.notices import Bonds
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Section
-    from slopekit.kinds.closed_forms import OnArrays
-    from slopekit.kinds.ladders import Ladder
+    from slopekit.kinds.single_block.closed_forms import OnArrays
+    from slopekit.kinds.single_block.ladders import Ladder
     from slopekit.kinds.topple import ToppleDesign
 
 D = TypeVar("D", bound=Design)

@@ -9,14 +9,14 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.design.common import Design
 from slopekit.design.parts import Force, Strength
 from slopekit.extents import SectionGeometry
-from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import sizes_of_section
 from slopekit.loads import Loads, PointForce
-from slopekit.preie.contact import CloughDuncan, JointStiffness
-from slopekit.preie.model import JointStrength, build_model
+from slopekit.preie.system.contact import CloughDuncan, JointStiffness
+from slopekit.preie.system.model import JointStrength, build_model
 
 if TYPE_CHECKING:
-    from slopekit.geometry.section import PlaneSection
+    from slopekit.geometry.sections.section import PlaneSection
 
 CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 
@@ -78,7 +78,7 @@ def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> Poi
 
 def section_bedding(section: "PlaneSection", loads: Loads, given: Strength) -> Bedding:
     """The plane of a section as the bed of the block on it."""
-    from slopekit.geometry.section import J1
+    from slopekit.geometry.sections.section import J1
 
     strength, centroid = joint_strength([given]), section.block.centroid
     return Bedding(

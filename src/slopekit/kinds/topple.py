@@ -23,11 +23,11 @@ from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, count, number
 from slopekit.design.ground_water import read_ground_water
 from slopekit.design.parts import Action, Water
-from slopekit.design.reader import Reader
+from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.findings import Mechanism, ToppleColumn
-from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
-from slopekit.kinds.many_blocks_design import (
+from slopekit.kinds.assemblies.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
+from slopekit.kinds.assemblies.many_blocks_design import (
     MOST_BLOCKS,
     NamedDesign,
     Point2,
@@ -36,10 +36,10 @@ from slopekit.kinds.many_blocks_design import (
     read_surcharges,
     water_by,
 )
-from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm, Gain
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last
-from slopekit.preie.ravelling import Failure
+from slopekit.preie.many_blocks.ravelling import Failure
 from slopekit.result import Result, Words
 
 _BEYOND = 1e-6  # the table is that of columns which just fail
@@ -207,7 +207,7 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
             return {"base_step_m": None}
     if slope is None or own["slope_height_m"] is None or own["slope_face_deg"] is None or stepped is None:
         return attributes
-    from slopekit.geometry.columns import slope_heights, too_many_columns
+    from slopekit.geometry.sections.columns import slope_heights, too_many_columns
 
     upper = own["slope_upper_deg"] or 0.0
     whole = base + math.degrees(math.atan(stepped / width))
@@ -242,7 +242,7 @@ def _crest_x(design: ToppleDesign) -> float | None:
 
 
 def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
-    from slopekit.geometry.columns import BASE, RISER, column_assembly, column_outlines
+    from slopekit.geometry.sections.columns import BASE, RISER, column_assembly, column_outlines
 
     heights = np.array(design.heights_m)
     assembly = column_assembly(

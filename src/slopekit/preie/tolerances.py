@@ -55,7 +55,7 @@ NO_MOTION = 1e-6
 #: The same where the motion of an elastic path has settled and no limit state is exact.
 OPENS_ROUGHLY = 1e-4
 
-#: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `preie.mechanism`.
+#: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `programs.mechanism`.
 OPENS_IN_PASSES = 1e-5
 
 #: Opening, in parts of the fastest motion, at which the elastic start of a program lets a pair or bolt go ...

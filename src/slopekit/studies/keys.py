@@ -18,13 +18,13 @@ from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.distributions import Distribution, Fisher, read_distribution, read_orientation
 from slopekit.design.fields import UNITS, Field, Role, field_at, fields_of
-from slopekit.design.files import with_values
-from slopekit.design.nodes import Node
-from slopekit.design.overrides import spread
 from slopekit.design.parts import Strength
-from slopekit.design.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind
+from slopekit.design.reading.files import with_values
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.overrides import spread
+from slopekit.design.reading.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind
+from slopekit.design.scatter.distributions import Distribution, Fisher, read_distribution, read_orientation
 
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")
 _MOST_LISTED = 12

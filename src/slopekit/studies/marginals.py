@@ -16,8 +16,8 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.distributions import Distribution, Variable
 from slopekit.design.fields import Field, field_at
+from slopekit.design.scatter.distributions import Distribution, Variable
 
 #: The largest share that is left to a study, which counts such samples as impossible.
 MOST_BEYOND = 0.01
@@ -126,7 +126,7 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
     DesignError
         E281 for every variable of which more than 1 % lies beyond its limits.
 
-    >>> from slopekit.design.files import load
+    >>> from slopekit.design.reading.files import load
     >>> joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     >>> weak = {"c": {"dist": "normal", "mean": 10, "sd": 8}, "phi": 30}
     >>> wedge = load({"slopekit": 1, "kind": "wedge", "joints": joints, "strength": {"weak": weak}})

@@ -12,7 +12,7 @@ from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import factors_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
@@ -151,7 +151,7 @@ def point_of(
     ----------
     also : what changes with the values, of the design with them
 
-    >>> from slopekit.design.files import load
+    >>> from slopekit.design.reading.files import load
     >>> wedge = load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
     >>> point_of(wedge, {"joints.J1.plane": "45/20"}).code
     'E204'

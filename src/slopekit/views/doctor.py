@@ -75,7 +75,7 @@ def _imports(name: str) -> bool:
 
 
 def _templates() -> tuple[str, bool]:
-    from slopekit.design.files import load
+    from slopekit.design.reading.files import load
     from slopekit.design.templates import names, path_of
 
     templates = names()
@@ -97,7 +97,7 @@ def _wedge() -> tuple[str, bool]:
 
 def _both(name: str, within: float) -> tuple[str, bool]:
     """Both methods on a template."""
-    from slopekit.design.files import load
+    from slopekit.design.reading.files import load
     from slopekit.design.templates import path_of
     from slopekit.kinds import analyse
 
@@ -115,7 +115,7 @@ def _drawing() -> tuple[str, bool]:
 
     from slopekit.kinds import analyse
     from slopekit.kinds.wedge.design import wedge_design
-    from slopekit.views.scenes import draw
+    from slopekit.views.solid.scenes import draw
 
     with tempfile.TemporaryDirectory() as place:
         target = Path(place) / "wedge.png"

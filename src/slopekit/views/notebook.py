@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from slopekit.core.errors import DesignError
 from slopekit.core.shown import Shown
-from slopekit.views.page_pictures import picture_of
+from slopekit.views.pages.page_pictures import picture_of
 
 if TYPE_CHECKING or os.name != "nt":  # not one expression: a class needs a base that is known
     from pathlib import PosixPath as _Own

@@ -12,10 +12,20 @@ from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-from slopekit.views.drawing import FORMATS, FOS, Damaged, kept, misfit, need_of_drawing, new_figure, no_window, save
-from slopekit.views.kinematic_charts import TESTS
-from slopekit.views.scenes import SCENES
-from slopekit.views.stereonet import Net
+from slopekit.views.charts.drawing import (
+    FORMATS,
+    FOS,
+    Damaged,
+    kept,
+    misfit,
+    need_of_drawing,
+    new_figure,
+    no_window,
+    save,
+)
+from slopekit.views.charts.kinematic_charts import TESTS
+from slopekit.views.charts.stereonet import Net
+from slopekit.views.solid.scenes import SCENES
 
 Document = Mapping[str, Any]
 SCENE_FORMATS = (".png", ".glb", ".gltf")
@@ -89,7 +99,7 @@ def _has_bolts(document: Document) -> bool:
 
 
 def _oriented(document: Document) -> bool:
-    from slopekit.views.orientation_charts import orientations_of
+    from slopekit.views.charts.orientation_charts import orientations_of
 
     if document.get("study", "prob") != "prob" and document.get("kind") != "combos":
         return False  # other studies change their design
@@ -108,76 +118,81 @@ CHARTS: Mapping[str, Chart] = {
     "stereonet": Chart(
         "planes, poles, lines, cones on the lower hemisphere",
         "a file with joints: slopekit kinematic, sets, run, wedge, combos or prob with -o DIR",
-        "orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
+        "charts.orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
     ),
     "elevation": Chart(
         "the face with its bolts by number",
         "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR",
-        "elevation.draw_elevation", _has_bolts,
+        "charts.elevation.draw_elevation", _has_bolts,
     ),
     "histogram": Chart(
         "factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR",
-        "probability_charts.draw_histogram", lambda of: of.get("study") == "prob",
+        "charts.probability_charts.draw_histogram", lambda of: of.get("study") == "prob",
     ),
     "curve": Chart(
         "the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR",
-        "sweep_charts.draw_curve", lambda of: _sweeps(of, 1),
+        "charts.sweep_charts.draw_curve", lambda of: _sweeps(of, 1),
     ),
     "contour": Chart(
         "the factor over two numbers", "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR",
-        "sweep_charts.draw_contour", lambda of: _sweeps(of, 2),
+        "charts.sweep_charts.draw_contour", lambda of: _sweeps(of, 2),
     ),
     "backbreak": Chart(
         "how much of the crest is lost along the bench, by height and face angle",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "charts.bench_charts.draw_backbreak", _of_benches,
     ),
     "face-angle": Chart(
         "the face angle that is left along the bench, by height and face angle",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_face_angle", _of_benches,
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "charts.bench_charts.draw_face_angle",
+        _of_benches,
     ),
     "reliability": Chart(
         "which heights and face angles keep their berm",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_reliability", _of_benches,
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "charts.bench_charts.draw_reliability",
+        _of_benches,
     ),
     "tornado": Chart(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
-        "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
+        "charts.sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
     ),
     "motion": Chart(
         "acceleration, velocity and displacement in the record that moves the block most",
-        "quake.json: slopekit quake design.yaml RECORD... -o DIR", "quake_charts.draw_motion",
+        "quake.json: slopekit quake design.yaml RECORD... -o DIR", "charts.quake_charts.draw_motion",
         lambda of: of.get("study") == "quake" and of.get("motion") is not None,
     ),
     "six": Chart(
         "displacement and turning in six degrees of freedom, beside the sliding one way",
-        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "quake_charts.draw_six",
+        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "charts.quake_charts.draw_six",
         lambda of: of.get("study") == "quake" and of.get("six_motion") is not None,
     ),
     "elastic-tractions": Chart(
         "normal tractions of each joint, rigid beside elastic",
         "result.json of elastic blocks: slopekit run design.yaml --elastic -o DIR",
-        "elastic_charts.draw_elastic_tractions", lambda of: isinstance(of.get("elastic"), Mapping),
+        "charts.elastic_charts.draw_elastic_tractions", lambda of: isinstance(of.get("elastic"), Mapping),
     ),
     "speed-error": Chart(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
-        "charts.draw_speed_errors", lambda of: "ladder" in of,
+        "charts.charts.draw_speed_errors", lambda of: "ladder" in of,
     ),
     "reduction": Chart(
         "failed node pairs and displacement over the strength reduction factor",
         "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
         "by slopekit run design.yaml -o DIR",
-        "charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
+        "charts.charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
     ),
     "normals": Chart(
         "true normals of a curved slip surface against those of facets",
         "check.json of a design of kind surface: slopekit check design.yaml -o DIR",
-        "charts.draw_normals", lambda of: bool(of.get("normals")),
+        "charts.charts.draw_normals", lambda of: bool(of.get("normals")),
     ),
 }  # fmt: skip
 #: The stereonets of studies of surveys, which have no result behind them, by kind.
 _OF_SURVEYS: Mapping[str, Chart] = {
     kind: replace(CHARTS["stereonet"], drawn_by=drawn_by)
-    for kind, drawn_by in (("kinematic", "kinematic_charts.draw_kinematic"), ("sets", "set_charts.draw_sets"))
+    for kind, drawn_by in (
+        ("kinematic", "charts.kinematic_charts.draw_kinematic"),
+        ("sets", "charts.set_charts.draw_sets"),
+    )
 }
 _SCENE: Mapping[str, Any] = {
     "inputs": dict, "fos": FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
@@ -222,7 +237,7 @@ def draw(document: Document, what: str, path: Path | None, options: PlotOptions 
     document = kept(document)
     try:
         if what in SCENES:
-            from slopekit.views import scenes
+            from slopekit.views.solid import scenes
 
             scenes.draw(document, what, path, show=options.show, explode=options.explode, magnify=options.magnify,
                         step=options.step)  # fmt: skip
@@ -256,7 +271,7 @@ def _damage(document: Document, what: str, error: Exception) -> str:
         return str(error)
     said = misfit(document, need_of(what, str(document.get("kind"))))
     if not said and what in SCENES:
-        from slopekit.views.stage import Stage
+        from slopekit.views.solid.stage import Stage
 
         try:
             Stage.of(document)
@@ -339,7 +354,7 @@ def read_document(path: Path) -> Document:
     """
     import json
 
-    from slopekit.design.on_disk import read_bytes
+    from slopekit.design.reading.on_disk import read_bytes
 
     content = read_bytes(path, _MOST_BYTES)
 

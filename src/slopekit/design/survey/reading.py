@@ -18,8 +18,8 @@ from slopekit.core.orientation import (
 )
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
-from slopekit.design.nodes import fail
-from slopekit.design.on_disk import read_bytes
+from slopekit.design.reading.nodes import fail
+from slopekit.design.reading.on_disk import read_bytes
 from slopekit.design.survey.columns import (
     COLUMNS,
     COUNTERS,

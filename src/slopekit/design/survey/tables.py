@@ -10,7 +10,7 @@ from zipfile import BadZipFile
 from zlib import error as ZlibError
 
 from slopekit.core.orientation import number
-from slopekit.design.nodes import fail
+from slopekit.design.reading.nodes import fail
 
 #: What zipfile, the parser of XML and openpyxl raise over a part that is broken, missing or encrypted.
 _BROKEN = (

@@ -20,11 +20,11 @@ from slopekit.core.sheet import Section
 from slopekit.design.ground_water import ground_in_words
 from slopekit.design.parts import MeshFile
 from slopekit.extents import SurfaceGeometry
-from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
-from slopekit.geometry.meshes import outward, read_mesh
-from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
-from slopekit.geometry.sliding_mass import (
+from slopekit.geometry.rock.cutting import Block
+from slopekit.geometry.solids.meshes import outward, read_mesh
+from slopekit.geometry.solids.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
+from slopekit.geometry.solids.sliding_mass import (
     CLOSE_IT,
     SlidingMass,
     analytic_mass,
@@ -33,22 +33,31 @@ from slopekit.geometry.sliding_mass import (
     halvings,
     through,
 )
-from slopekit.kinds.one_block import DILATES, Cut, Solved, block_status, forces_of, limit_alone, result, solve
-from slopekit.kinds.one_block_states import ContactModel
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
+from slopekit.kinds.single_block.one_block import (
+    DILATES,
+    Cut,
+    Solved,
+    block_status,
+    forces_of,
+    limit_alone,
+    result,
+    solve,
+)
+from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
-from slopekit.preie.limit import curved_limit_analysis
-from slopekit.preie.model import build_model
-from slopekit.preie.passes import Outcome
-from slopekit.preie.slippage import Slippage, slippable
+from slopekit.preie.one_block.limit import curved_limit_analysis
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.one_block.slippage import Slippage, slippable
+from slopekit.preie.system.model import build_model
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
+    from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
 
 Normals = Literal["true", "smoothed", "facet"]
 NAME = "slip surface"
@@ -447,7 +456,7 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
 
 
 def _ladder(design: SurfaceDesign) -> "Ladder":
-    from slopekit.kinds.ladders import ladder_of_block
+    from slopekit.kinds.single_block.ladders import ladder_of_block
 
     ladder = ladder_of_block(design, analyse_surface, cut, _meshes)
     return replace(ladder, normals=normals_rungs(design, ladder.result, ladder.rungs))
@@ -460,7 +469,7 @@ def _meshed(
 
     A mesh file is what it is; what has too many node pairs, and edges too coarse to cut this mass, are left out.
     """
-    from slopekit.kinds.ladders import MOST_PAIRS
+    from slopekit.kinds.single_block.ladders import MOST_PAIRS
 
     geometry = result.geometry
     assert isinstance(geometry, SurfaceGeometry)
@@ -480,7 +489,7 @@ def _meshed(
 
 def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
     """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
-    from slopekit.kinds.ladders import limit_rung
+    from slopekit.kinds.single_block.ladders import limit_rung
 
     if design.slip.shape == "mesh":
         return
@@ -498,7 +507,7 @@ def normals_rungs(design: SurfaceDesign, result: Result, ladder: "Sequence[Rung]
 
     Empty where the design itself has facet normals.
     """
-    from slopekit.kinds.ladders import NormalsRung, kept_bonds_factor
+    from slopekit.kinds.single_block.ladders import NormalsRung, kept_bonds_factor
 
     own, geometry = design.slip.normals, result.geometry
     if own == "facet":

@@ -17,12 +17,12 @@ from slopekit.design.ground_water import (
     table_plane,
     table_points,
 )
-from slopekit.design.named_files import mesh_file
-from slopekit.design.nodes import Node
 from slopekit.design.parts import MeshFile, Strength, Water
-from slopekit.design.reader import Reader
+from slopekit.design.reading.named_files import mesh_file
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import Leaf, ListOf
 from slopekit.design.sections import read_common, read_strengths, read_water
-from slopekit.design.structure import Leaf, ListOf
 
 Points = tuple[tuple[float, ...], ...]
 #: What gives the size of each shape of slip surface.

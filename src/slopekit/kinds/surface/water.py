@@ -9,9 +9,9 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, cross
 from slopekit.geometry.pressure import Pressure, in_strips
-from slopekit.geometry.shapes import GROUND, SLIP
-from slopekit.geometry.sliding_mass import SlidingMass, volume_of
-from slopekit.kinds.ground_water import heights_of, pressure, refuse_above
+from slopekit.geometry.solids.shapes import GROUND, SLIP
+from slopekit.geometry.solids.sliding_mass import SlidingMass, volume_of
+from slopekit.kinds.single_block.ground_water import heights_of, pressure, refuse_above
 from slopekit.kinds.surface.design import SurfaceDesign, along_x
 from slopekit.loads import PointForce
 

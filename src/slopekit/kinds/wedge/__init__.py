@@ -17,26 +17,33 @@ from slopekit.core.sheet import Section
 from slopekit.design.parts import Strength
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import Scaled, WedgeGeometry
-from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
-from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope
-from slopekit.kinds.one_block_states import Bedding
+from slopekit.geometry.rock.cutting import Block, cut_wedge
+from slopekit.geometry.rock.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
 from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
-from slopekit.kinds.secants import changed_laws
+from slopekit.kinds.single_block.closed_forms import (
+    Arguments,
+    ClosedForms,
+    OnArrays,
+    SizesOfMany,
+    force_on,
+    passive_bolts,
+)
+from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
+from slopekit.kinds.single_block.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope
+from slopekit.kinds.single_block.one_block_states import Bedding
+from slopekit.kinds.single_block.secants import changed_laws
 from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
-from slopekit.preie.model import build_model
+from slopekit.preie.system.model import build_model
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.kinds import ground_water
+    from slopekit.kinds.single_block import ground_water
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
 _NEARLY_PARALLEL_DEG = 5.0
@@ -188,7 +195,7 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
     )  # fmt: skip
     pushes: dict[str, PointForce] = {}
     if design.is_cut_for_loads:  # ground water and surcharge are integrated over the faces: plain wedges do not pay
-        from slopekit.kinds import ground_water
+        from slopekit.kinds.single_block import ground_water
 
         pushes = ground_water.pushes(design, _ground(design, shape), _in_crack(design, shape))
     return block_loads(
@@ -208,7 +215,7 @@ def _in_crack(design: WedgeDesign, shape: Shape) -> dict[str, PointForce]:
 
 
 def _ground(design: WedgeDesign, shape: Shape) -> "ground_water.LocalSlope":
-    from slopekit.kinds import ground_water
+    from slopekit.kinds.single_block import ground_water
 
     normals = np.array([design.face.normal(), design.upper.normal()])
     return ground_water.LocalSlope(
@@ -219,7 +226,7 @@ def _ground(design: WedgeDesign, shape: Shape) -> "ground_water.LocalSlope":
 
 def _for_closed_form(design: WedgeDesign) -> tuple[list[float], Floats]:
     """Mean pressures of the joints and the crack (kPa), and the sum of all else (kN)."""
-    from slopekit.kinds import ground_water
+    from slopekit.kinds.single_block import ground_water
 
     shape = shape_of(design)
     means, rest = ground_water.for_closed_form(design, _ground(design, shape), _in_crack(design, shape))
@@ -266,7 +273,7 @@ def arguments(design: WedgeDesign) -> Arguments:
     pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0, 0.0] if given else [None] * 4
     force = force_on(design)
     if design.is_cut_for_loads:
-        from slopekit.kinds import ground_water
+        from slopekit.kinds.single_block import ground_water
 
         means, rest = _for_closed_form(design)
         force = ground_water.added(force, rest)
@@ -418,7 +425,7 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
             message = "without the crack the block goes on without end: the worst place has no farthest"
             raise DesignError([Fault("E459", message, place, "Give its distance.")]) from None
         return whole  # which says the same where it is cut
-    from slopekit.kinds import worst_crack
+    from slopekit.kinds.single_block import worst_crack
 
     return worst_crack.with_worst_crack(design, ON_ARRAYS, reach, place)
 

@@ -12,7 +12,7 @@ from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
-from slopekit.geometry.basal import (
+from slopekit.geometry.rock.basal import (
     BASAL,
     CRACK,
     J1,
@@ -24,8 +24,8 @@ from slopekit.geometry.basal import (
     cut_basal_wedge,
     trace_behind,
 )
-from slopekit.geometry.cutting import Block
-from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
+from slopekit.geometry.rock.cutting import Block
+from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.wedge import Shape, closed_form, crest_of
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
@@ -41,7 +41,7 @@ def shape_of(design: WedgeDesign) -> Shape:
     Raises
     ------
     GeometryError
-        Where the planes cut no such wedge, see `geometry.basal`.
+        Where the planes cut no such wedge, see `rock.basal`.
     """
     rock = _rock_mass(design)
     block = cut_basal_wedge(rock)
@@ -104,7 +104,7 @@ def _full(design: WedgeDesign, rock: BasalRockMass, block: Block) -> float:
 
 
 def bounds(design: WedgeDesign) -> Bounds:
-    """The planes that bound the block, of one design or of one whose numbers are arrays; see `geometry.basal`."""
+    """The planes that bound the block, of one design or of one whose numbers are arrays; see `rock.basal`."""
     basal, crack = design.basal, design.crack
     assert basal is not None
     (first, second, face, upper), traces, crest1, offset = crest_of(design)

@@ -11,9 +11,9 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, MisfitError
-from slopekit.geometry.cutting import Block
 from slopekit.geometry.pressure import Pressure, fan
-from slopekit.kinds.ground_water import outward_of
+from slopekit.geometry.rock.cutting import Block
+from slopekit.kinds.single_block.ground_water import outward_of
 from slopekit.loads import PointForce
 
 _ON = 1e-9  # of the size of the block: a corner this near to a plane lies on it

@@ -15,11 +15,11 @@ from slopekit.design import words
 from slopekit.design.fields import Field, fields_of, group, more_than_nothing, number, orientation, point, text
 from slopekit.design.ground_water import WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
-from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.parts import Residual, Strength, Water
-from slopekit.design.reader import Reader
+from slopekit.design.reading.nodes import Document, Node, Place, from_python
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import is_distribution
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
-from slopekit.design.structure import is_distribution
 
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw

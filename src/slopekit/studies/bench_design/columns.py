@@ -93,7 +93,7 @@ def confirmed_columns(
 
 def _column(asked: BenchInputs, trials: Trials, bench: Bench, trial: int) -> Design:
     """The first column of a place on its base, per metre: x against the dip of the base, z up."""
-    from slopekit.design.files import load
+    from slopekit.design.reading.files import load
 
     ground = asked.ground(bench.height_m)
     joints = int(trials.first[trial]), int(trials.second[trial])

@@ -18,7 +18,11 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, number, parse_plane
 from slopekit.core.units import quantity
-from slopekit.design.distributions import (
+from slopekit.design.joint_lists import JointList
+from slopekit.design.reading.document import load_document
+from slopekit.design.reading.nodes import Node, document_from
+from slopekit.design.reading.structure import has_angles, is_distribution
+from slopekit.design.scatter.distributions import (
     Angles,
     Distribution,
     Fisher,
@@ -27,10 +31,6 @@ from slopekit.design.distributions import (
     read_distribution,
     read_orientation,
 )
-from slopekit.design.document import load_document
-from slopekit.design.joint_lists import JointList
-from slopekit.design.nodes import Node, document_from
-from slopekit.design.structure import has_angles, is_distribution
 from slopekit.design.survey import MeasuredJoint
 from slopekit.studies.marginals import MOST_BEYOND, tails
 from slopekit.studies.prob.sampling import samples

@@ -14,9 +14,9 @@ from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, normals, number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
-from slopekit.design.distributions import Distribution
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
+from slopekit.design.scatter.distributions import Distribution
 from slopekit.design.words import between
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import BenchSite

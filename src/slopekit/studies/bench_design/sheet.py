@@ -7,7 +7,7 @@ import numpy as np
 
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted
-from slopekit.design.distributions import Distribution
+from slopekit.design.scatter.distributions import Distribution
 from slopekit.studies.bench_design.bench import MODES
 from slopekit.studies.bench_design.given import LATERAL_DEG, LATERAL_TOPPLING_DEG
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, OfCohesion

@@ -9,10 +9,10 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.sheet import counted
-from slopekit.design.distributions import PARAMETERS, Distribution, Variable
-from slopekit.design.nodes import Document, Node, document_from
-from slopekit.design.overrides import with_overrides
-from slopekit.design.structure import is_distribution
+from slopekit.design.reading.nodes import Document, Node, document_from
+from slopekit.design.reading.overrides import with_overrides
+from slopekit.design.reading.structure import is_distribution
+from slopekit.design.scatter.distributions import PARAMETERS, Distribution, Variable
 from slopekit.studies.bench_design.drawn import STRENGTHS, number_or_scatter
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.prob.sampling import samples

@@ -19,8 +19,8 @@ from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_slips_of_size
-from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
-from slopekit.preie.balance import Balance
+from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
+from slopekit.preie.motion.balance import Balance
 from slopekit.result import Result
 from slopekit.studies.protocol import DESK, ADesign, Option, StudyOutcome, Workplace, study
 

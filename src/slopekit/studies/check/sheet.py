@@ -5,9 +5,9 @@ from operator import attrgetter
 
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
-from slopekit.kinds.ladders import Rung
 from slopekit.kinds.sheets.many_blocks import limit_in_words
 from slopekit.kinds.sheets.shared import accept, has_range, leading, locked_in, methods, of_another_motion
+from slopekit.kinds.single_block.ladders import Rung
 from slopekit.result import JUDGED
 from slopekit.studies.check.run import Check, Finding
 from slopekit.studies.words import head

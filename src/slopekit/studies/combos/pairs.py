@@ -24,7 +24,7 @@ from slopekit.core.records import dataclass, names_of
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, plane_of
-from slopekit.geometry.rockmass import no_crest
+from slopekit.geometry.rock.rockmass import no_crest
 from slopekit.geometry.tolerances import SAME_DIRECTION
 from slopekit.kinds.wedge.design import SizeLimits, WedgeDesign
 from slopekit.kinds.wedge.limits import Fitted, within

@@ -15,9 +15,9 @@ from slopekit.core.errors import Notice, SlopekitError
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
-from slopekit.kinds.held_bolts import D, held, stand_off, with_held
+from slopekit.kinds.single_block.held_bolts import D, held, stand_off, with_held
 from slopekit.studies.points import Evaluation, point_of
 from slopekit.studies.running import Record
 

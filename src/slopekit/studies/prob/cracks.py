@@ -12,11 +12,11 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.distributions import Distribution, Variable
-from slopekit.design.files import with_values
 from slopekit.design.ground_water import WORST
+from slopekit.design.reading.files import with_values
+from slopekit.design.scatter.distributions import Distribution, Variable
 from slopekit.kinds import kind_of
-from slopekit.kinds.worst_crack import WHERE
+from slopekit.kinds.single_block.worst_crack import WHERE
 from slopekit.studies.prob.sampling import Samples
 from slopekit.studies.prob.vectorised import vectorised
 

@@ -16,8 +16,8 @@ from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.distributions import Fisher, Variable
 from slopekit.design.joint_lists import JointList, joint_list
+from slopekit.design.scatter.distributions import Fisher, Variable
 from slopekit.kinds import kind_of
 from slopekit.studies.prob.estimates import Share, share_of
 from slopekit.studies.prob.judged import Judged

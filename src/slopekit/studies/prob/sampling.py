@@ -15,9 +15,9 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
-from slopekit.design.correlation import contradictions
-from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
-from slopekit.design.nodes import as_text
+from slopekit.design.reading.nodes import as_text
+from slopekit.design.scatter.correlation import contradictions
+from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.studies.marginals import Marginal, marginal, standard_normal
 from slopekit.studies.prob import sources
 from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
@@ -51,7 +51,7 @@ class Samples:
     replicate: NDArray[np.int16]
 
     def settings(self, row: int) -> dict[str, float | str]:
-        """A sample as values by dotted path, as `slopekit.design.files.with_values` takes them."""
+        """A sample as values by dotted path, as `slopekit.design.reading.files.with_values` takes them."""
         by_path: dict[str, float | str] = {}
         column = 0
         for variable in self.variables:

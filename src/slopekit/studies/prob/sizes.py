@@ -10,9 +10,9 @@ from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import SlopekitError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
-from slopekit.kinds.closed_forms import SizesOfMany
+from slopekit.kinds.single_block.closed_forms import SizesOfMany
 from slopekit.studies.prob.vectorised import Vectorised
 
 SHARES = (0.05, 0.5, 0.95)

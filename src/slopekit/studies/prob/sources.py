@@ -19,7 +19,7 @@ from slopekit.core.arrays import Floats, NDArray, frozen
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
-from slopekit.design.copula import factor, normal_correlation
+from slopekit.design.scatter.copula import factor, normal_correlation
 from slopekit.studies.marginals import Marginal
 
 Column: TypeAlias = Callable[[int, Marginal], Floats]

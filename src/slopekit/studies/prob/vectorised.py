@@ -17,13 +17,13 @@ from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at, fields_of
-from slopekit.design.files import with_values
 from slopekit.design.parts import Strength
-from slopekit.design.reader import strength_of
+from slopekit.design.reading.files import with_values
+from slopekit.design.reading.reader import strength_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany
-from slopekit.kinds.held_bolts import held
-from slopekit.kinds.worst_crack import Lowest, worst_of_many
+from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany
+from slopekit.kinds.single_block.held_bolts import held
+from slopekit.kinds.single_block.worst_crack import Lowest, worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
 
 #: A design's values at a sample: what `with_values` takes.

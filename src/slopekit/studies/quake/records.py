@@ -22,7 +22,7 @@ from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
-from slopekit.design.on_disk import read_bytes
+from slopekit.design.reading.on_disk import read_bytes
 
 #: Standard gravity, of which accelerations in g are parts.
 GRAVITY = 9.80665

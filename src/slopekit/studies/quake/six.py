@@ -10,13 +10,13 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
 from slopekit.design.parts import Strength
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import cut, kind_of
-from slopekit.kinds.one_block import Cut
+from slopekit.kinds.single_block.one_block import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.preie.contact import SHEAR_TO_NORMAL, JointStiffness
-from slopekit.preie.shaking import Shake, ShakenBlock, Work, inertia_of, shake, shaken_block
+from slopekit.preie.motion.shaking import Shake, ShakenBlock, Work, inertia_of, shake, shaken_block
+from slopekit.preie.system.contact import SHEAR_TO_NORMAL, JointStiffness
 from slopekit.studies.quake.records import Record
 from slopekit.studies.quake.yielding import KEY
 

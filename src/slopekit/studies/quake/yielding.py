@@ -18,8 +18,8 @@ from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
 from slopekit.design.parts import Force
+from slopekit.design.reading.files import with_values
 from slopekit.design.registry import KINDS, record_of
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.protocol import Factors

@@ -12,11 +12,11 @@ from typing import TypeAlias
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
-from slopekit.preie import effort
+from slopekit.preie.solvers import effort
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import Advance

@@ -19,7 +19,7 @@ from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.files import with_values
+from slopekit.design.reading.files import with_values
 from slopekit.kinds import likely_slips
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.protocol import Advance, StudyOutcome

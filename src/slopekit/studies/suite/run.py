@@ -17,7 +17,7 @@ from slopekit._version import __version__
 from slopekit.core.codec import record_of
 from slopekit.core.errors import SlopekitError
 from slopekit.core.records import dataclass
-from slopekit.design.files import load
+from slopekit.design.reading.files import load
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
 from slopekit.studies.protocol import DESK, StudyOutcome, Workplace, documented

@@ -16,11 +16,11 @@ from slopekit.core.orientation import Line, line_of
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
-from slopekit.geometry.cutting import Block
+from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds import cut, factors_of, kind_of
-from slopekit.kinds.one_block_limit import find_limit
-from slopekit.preie.model import Model
-from slopekit.preie.passes import Outcome
+from slopekit.kinds.single_block.one_block_limit import find_limit
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.system.model import Model
 from slopekit.studies.support.forces import BoltedBlock
 
 #: Forces aim above the target by this part, so that rounding leaves none below it ...

@@ -19,7 +19,7 @@ from slopekit.core.codec import json_of
 from slopekit.core.errors import Faults, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.distributions import Distribution
+from slopekit.design.scatter.distributions import Distribution
 from slopekit.kinds import kind_of, notices_of_inputs
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import Method, Methods, Point, asked_of, factor_at, status_of

@@ -1,0 +1,217 @@
+"""From a design file to a checked design: the tree of YAML, its structure, its names, then the reader of its kind.
+
+Every value keeps its place, so that each fault names its line and column, whatever finds it.
+"""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
+from slopekit.design.common import Design
+from slopekit.design.fields import field_at, in_degrees, structure_of
+from slopekit.design.parts import PartialFactors
+from slopekit.design.reading.document import read_document
+from slopekit.design.reading.nodes import Document, Node, document_from
+from slopekit.design.reading.overrides import with_overrides
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import KeyGroup, check_structure
+from slopekit.design.registry import KINDS, kind_named, record_of
+
+Overrides = Sequence[tuple[str, object]]
+VERSION = 1
+
+
+def load(
+    source: str | os.PathLike[str] | Mapping[str, Any], overrides: Overrides = (), case: str | None = None
+) -> Design:
+    """Read and check a design file (or the same as a Python mapping), and its load cases.
+
+    Parameters
+    ----------
+    overrides : dotted paths and values that replace those of the file
+    case : the load case that is wanted alone, None: all of them
+
+    Raises
+    ------
+    DesignError
+        With every fault found.
+    """
+    faults = Faults()
+    if isinstance(source, Mapping):
+        document = with_overrides(document_from(source), overrides)
+    else:
+        document, wrong = read_document(source, overrides)
+        faults += wrong
+    design = faults.of(_set_over, source, overrides, document)
+    if document.root.get("cases") is not None:
+        from slopekit.design import cases  # most designs have none
+
+        document, load_cases, of_cases = cases.read_cases(document, faults, design_of)
+        faults += of_cases
+        design = None if design is None else replace(design, source=document, cases=load_cases)
+    if faults or design is None:
+        raise DesignError(dict.fromkeys(faults))
+    if case is not None:
+        from slopekit.design import cases
+
+        return cases.case_named(design, case).design
+    return design
+
+
+def _set_over(
+    source: str | os.PathLike[str] | Mapping[str, Any], overrides: Overrides, document: Document
+) -> Design:  # fmt: skip
+    """The design of a document with overrides: a number in place of a distribution takes its correlations along."""
+    try:
+        return design_of(document)
+    except DesignError as error:
+        set_here = [path for path, _ in overrides]
+        if {fault.code for fault in error.faults} != {"E168"} or not set_here or "correlation" in set_here:
+            raise
+        try:
+            before = load(source)
+        except DesignError:
+            raise error from None
+        design = design_of(document, other_values=True)
+        gone = [
+            f"{a} / {b}" for a, b, _ in before.correlation if (a, b) not in {pair[:2] for pair in design.correlation}
+        ]
+        said = f"correlation {', '.join(gone)} (a number was set in place of a distribution)"
+        return replace(design, left_out=(*design.left_out, said))
+
+
+def load_document_design(document: Document, faults: Sequence[Fault] = ()) -> Design:
+    """The design in a document without its load cases, which `source` then lacks; `faults` are said with its own.
+
+    Raises
+    ------
+    DesignError
+        With every fault found.
+    """
+    every = Faults(faults)
+    if document.root.get("cases") is not None:
+        from slopekit.design import cases
+
+        document, _, wrong = cases.read_cases(document, every, design_of)
+        every += wrong
+    design = every.of(design_of, document)
+    if every or design is None:
+        raise DesignError(dict.fromkeys(every))
+    return design
+
+
+def design_of(document: Document, other_values: bool = False) -> Design:
+    """The design in a document.
+
+    Parameters
+    ----------
+    other_values : whether values were put over those of a design that was sound: correlations of what scattered before
+        and does not now are passed over
+
+    Raises
+    ------
+    DesignError
+        E174 another version, E175 an unknown kind, and what structure, names and values are wrong.
+    """
+    root = document.root
+    kind = kind_named(_kind(root))
+    faults = check_structure(root, structure_of(kind.record, kind.record.REQUIRED), kind.name, _Others(kind.name))
+    faults += _version(root)
+    wanted, partial = _partial(document, faults)
+    unsound = {fault.where for fault in faults}
+    try:
+        design: Design = kind.read(Reader(document, kind.record, faults, other_values))
+    except DesignError as error:
+        # what the structure has said of a place is not said again by the reader
+        faults += [fault for fault in error.faults if fault.where not in unsound]
+        raise DesignError(dict.fromkeys(faults or error.faults)) from None
+    if wanted is not None and partial is not None:
+        from slopekit.design.partial_factors import factored
+
+        design = factored(design, kind, partial, str(wanted.place))
+    return replace(design, source=document)
+
+
+def _partial(document: Document, faults: list[Fault]) -> "tuple[Node | None, PartialFactors | None]":
+    """Where a design says its partial factors, and these."""
+    analysis = document.root.get("analysis")
+    if analysis is None or (node := analysis.get("partial_factors")) is None or node.value is None:
+        return None, None
+    from slopekit.design.partial_factors import read_factors  # most designs have none
+
+    try:
+        return node, read_factors(document, node)
+    except DesignError as error:
+        faults += [fault for fault in error.faults if fault not in faults]
+        return node, None
+
+
+def with_values(design: Design, values: Mapping[str, object]) -> Design:
+    """The design once more with other values, read and checked as `load` reads them.
+
+    Parameters
+    ----------
+    values : dotted paths of its file and what they shall be, as `--set` takes them
+
+    Raises
+    ------
+    DesignError
+        E280 where the design was not read from a file or a dict, and what `load` raises.
+
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> with_values(load(wedge), {"slope.height": 20}).height_m
+    20.0
+    """
+    if design.source is None:
+        advice = "Give a design file, or the same as a dict: sk.load({...})."
+        raise DesignError([Fault("E280", "this design has no file whose values could be changed", "", advice)])
+    # a small friction angle that a study draws is no slip of radians: it has its unit
+    given = [(path, _with_unit(design, path, value)) for path, value in values.items()]
+    document = with_overrides(design.source, given)
+    return replace(design_of(document, other_values=True), source=document)
+
+
+def _with_unit(design: Design, path: str, value: object) -> object:
+    field = field_at(type(design), path) if isinstance(value, float) else None
+    return f"{value!r} deg" if field is not None and field.check is in_degrees else value
+
+
+def _kind(root: Node) -> str:
+    node = root.get("kind")
+    known = ", ".join(KINDS)
+    if node is None or node.text is None:
+        where = str(node.place if node else root.place)
+        many = node is not None and (node.is_mapping or isinstance(node.value, list))
+        message = "kind is one word, not a list or keys" if many else "kind is missing: it says what the design is"
+        raise DesignError([Fault("E175", message, where, f"Known: {known}.")])
+    if node.text not in KINDS:
+        advice = did_you_mean(node.text.lower(), KINDS, f"Known: {known}.")
+        raise DesignError([Fault("E175", f"{node.text} is not a kind of design", str(node.place), advice)])
+    return node.text
+
+
+def _version(root: Node) -> list[Fault]:
+    node = root.get("slopekit")
+    if node is None or node.text is None or node.text == str(VERSION):
+        return []
+    message = f"slopekit: {node.text} is not a version of design files that this slopekit reads"
+    return [Fault("E174", message, str(node.place), f"Write slopekit: {VERSION}.")]
+
+
+class _Others(Mapping[str, KeyGroup]):
+    """The structures of the other kinds, made only where a key does not fit."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+
+    def __getitem__(self, kind: str) -> KeyGroup:
+        record = record_of(kind)
+        return structure_of(record, record.REQUIRED)
+
+    def __iter__(self) -> Iterator[str]:
+        return (kind for kind in KINDS if kind != self.kind)
+
+    def __len__(self) -> int:
+        return len(KINDS) - 1

@@ -1,0 +1,357 @@
+"""From the tree of a design to the values of its fields: each read once, all faults collected with their places."""
+
+import re
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
+from slopekit.core.orientation import Plane, parse_plane
+from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
+from slopekit.design import words
+from slopekit.design.common import Design
+from slopekit.design.fields import Field, every_field, field_at, fields_of
+from slopekit.design.parts import Strength
+from slopekit.design.reading.nodes import Document, Kept, Node, as_text
+from slopekit.design.reading.structure import has_angles, is_distribution, orientation_kind
+
+if TYPE_CHECKING:
+    from slopekit.design.common import Pair
+    from slopekit.design.scatter.correlation import Named
+    from slopekit.design.scatter.distributions import Variable
+
+T = TypeVar("T")
+P = ParamSpec("P")
+D = TypeVar("D", bound=Design)
+_BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$"  # a text: compiled when first used
+_DRAWN = (
+    "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
+)  # fmt: skip
+_STRENGTH_KEYS = [field.path for field in fields_of(Strength).values() if field.is_number]
+#: Items of lists that were read before, with what read them: of hundreds of bolts a study changes none.
+_READ: Kept[tuple[Any, Any]] = Kept()
+_MOST_GUESSES = 10  # did-you-mean among ten thousand names takes its time
+
+
+class Reader:
+    """Reads the fields of a design from its document, and collects the faults of all.
+
+    What is missing or wrong comes back as None; a fault stands for each.
+
+    Parameters
+    ----------
+    record : the dataclass of the design
+    wrong : what the structure of the document has already been found wrong in
+    other_values : whether values were put over those of a sound design
+    """
+
+    def __init__(
+        self, document: Document, record: type[Design], wrong: Sequence[Fault] = (), other_values: bool = False
+    ) -> None:
+        self.document, self.root, self.record, self.other_values = document, document.root, record, other_values
+        self.kind = record.__name__.removesuffix("Design").lower()
+        self.wrong = tuple(wrong)
+        self.misshapen = frozenset(fault.where for fault in wrong if fault.code in ("E144", "E145", "E164"))
+        self.faults = Faults()
+        self.variables: dict[str, Variable] = {}
+        self.left_out: list[str] = []
+        self.read_as: list[str] = []
+        self.defaults: list[str] = []
+        self.guesses = 0
+        self._found: dict[int, Any] = {}
+
+    # -- the tree -----------------------------------------------------------------------------------------------------
+
+    def at(self, path: str) -> Node | None:
+        """The node of a dotted path."""
+        return _below(self.root, path)
+
+    def names(self, path: str) -> list[tuple[str, Node]]:
+        """What stands under names of the user's, where each is a group of keys."""
+        node = self.at(path)
+        return [] if node is None else [(name, below) for name, below in node.items() if below.is_mapping]
+
+    def called(self, path: str) -> str:
+        """How a path is called where the design was written: itself, or `--unit-weight`."""
+        return self.document.called(path)
+
+    def fault(self, code: str, message: str, node: Node | None, advice: str = "") -> None:
+        """Keep a fault of a value."""
+        self.faults.append(Fault(code, message, str((node or self.root).place), advice))
+
+    def kept(self, read: Callable[P, T], *args: P.args, **more: P.kwargs) -> T | None:
+        """What a reading function returns of these; its faults are kept, and None returned, where it raises them."""
+        return self.faults.of(read, *args, **more)
+
+    def nearest(self, name: str, known: Collection[str]) -> str:
+        """An advice for a name that is not known."""
+        self.guesses += 1
+        first = list(known)[:8]
+        there_are = f"There are: {', '.join(first)}{', …' if len(known) > len(first) else ''}." if first else ""
+        return did_you_mean(name, known, there_are) if self.guesses <= _MOST_GUESSES else there_are
+
+    def is_sound(self, node: Node) -> bool:
+        """Whether a value and all in it have the shape they need."""
+        if not self.misshapen:
+            return True
+        parts = node.elements or tuple(below for _, below in node.items())
+        own = {str(node.place), str(node.key_place)}
+        return self.misshapen.isdisjoint(own) and all(self.is_sound(part) for part in parts)
+
+    def value(self, node: Node) -> Any:
+        """What a node says, numbers as numbers, distributions by the value a single run takes; None: misshapen."""
+        if not self.is_sound(node):
+            return None
+        if is_distribution(node) or has_angles(node):
+            return self.centre(node)
+        if node.is_mapping:
+            return {key: self.value(below) for key, below in node.items()}
+        if node.elements or isinstance(node.value, list):
+            return [self.value(below) for below in node.elements]
+        written = node.text
+        return float(written) if written is not None and re.match(_BARE_NUMBER, written) else written
+
+    def centre(self, node: Node) -> Any:
+        """What a single run takes of a number that scatters, or of an orientation that is not written in one word."""
+        from slopekit.design.scatter import distributions  # only where a value scatters
+
+        of = orientation_kind(node)
+        scatter: distributions.Scatter
+        try:
+            if of is None:
+                field = field_at(self.record, node.path)
+                measures = "ratio" if field is None else field.measures
+                scatter = distributions.read_distribution(node, measures, node.path)
+            elif is_distribution(node):
+                scatter = distributions.read_orientation(node, node.path, of)
+            else:
+                scatter = distributions.read_angles(node, node.path, of)
+        except DesignError as error:
+            self.faults += error.faults
+            return None
+        variable = distributions.Variable(node.path, scatter, str(node.place))
+        if variable.coordinates and node.path not in self.variables:
+            self.variables[node.path] = variable
+        return scatter.centre if isinstance(scatter, distributions.Distribution) else as_text(scatter.centre)
+
+    # -- fields -------------------------------------------------------------------------------------------------------
+
+    def fields(
+        self, record: Any, holder: Node | None = None, owner: str = "", only: Iterable[str] = ()
+    ) -> dict[str, Any]:
+        """The values of a record's own fields by attribute: numbers, planes, points, texts; defaults where none stands.
+
+        Parameters
+        ----------
+        holder : the node of the record, None for the whole design
+        owner : the user's name for it, for messages: spacing of S1
+        only : attributes, where not all
+        """
+        wanted = tuple(only)
+        shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
+        attributes = {}
+        for name, field in fields_of(record).items():
+            if field.measures == "group" or field.of is not None or field.each or (wanted and name not in wanted):
+                continue
+            if not field.is_attribute or field.many == "names" or shared.get(name) is field:
+                continue
+            attributes[name] = self.field(field, _below(holder or self.root, field.path), owner)
+        return attributes
+
+    def field(self, field: Field, node: Node | None, owner: str = "") -> Any:
+        """The value of one field where `node` gives it, else its default."""
+        if node is None or node.value is None or node.text in field.words:
+            if field.measures == "text" and node is not None and node.text is not None:
+                return node.text
+            if "." in field.path and field.key in self.record.DEFAULTS and (node is None or node.value is None):
+                return self.default(field.key, self.record.DEFAULTS[field.key])
+            return field.default
+        if field.many:
+            parts = node.elements if isinstance(node.value, list) else (node,)
+            each = [
+                self.number(field, part, field.in_words.format(k=k))
+                for k, part in enumerate(parts, 1) if self.is_sound(part)
+            ]  # fmt: skip
+            return tuple(value for value in each if value is not None)
+        if field.is_number:
+            return self.number(field, node, f"{field.in_words} of {owner}" if owner else field.in_words)
+        value = self.value(node)
+        if value is None:
+            return None
+        if field.measures == "plane":
+            return self.plane(node, owner or field.in_words)
+        if field.measures == "line":
+            return self.kept(words.line_of_words, value, owner or field.in_words, field.code, str(node.place))
+        if field.measures == "point":
+            return self.kept(words.point, value, field.in_words, str(node.place))
+        return self.word(field, node)
+
+    def default(self, key: str, value: T) -> T:
+        """What is taken where a key is left out; the sheet says so."""
+        self.defaults.append(key)
+        return value
+
+    def number(self, field: Field, node: Node, name: str = "") -> float | None:
+        """A number with a unit, between the limits of its field."""
+        written, name = node.text, name or field.in_words
+        if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
+            bare_number = float(written)  # most numbers of ten thousand blocks are this
+            if abs(bare_number) <= LARGEST and field.takes(bare_number) and field.check is None:
+                return int(bare_number) if field.whole else bare_number
+        value = self.value(node)
+        if value is None:
+            return None
+        if is_distribution(node):
+            mean = node.get("mean")
+            written = mean.text if mean is not None else None
+        where = str(node.place)
+        known = self._found.get(id(node))
+        if known is not None:
+            return None if known is False else float(known)  # one value of several interfaces is judged once
+
+        def read() -> float:
+            magnitude = quantity(_other_kind(value, field, name, where, self.called), field.measures, name, where)
+            return field.checked(magnitude, name, where, written or "", self.called)
+
+        found_one = self.kept(read)
+        self._found[id(node)] = False if found_one is None else found_one
+        return int(found_one) if field.whole and found_one is not None else found_one
+
+    def plane(self, node: Node, name: str) -> Plane | None:
+        """An orientation as a plane."""
+        value = node.text if node.text is not None and self.is_sound(node) else self.value(node)
+        return None if value is None else self.kept(parse_plane, value, name, str(node.place))
+
+    def word(self, field: Field, node: Node) -> str | None:
+        """A text; one of the words that the field knows."""
+        written = node.text
+        if written is None or not field.words:
+            return written
+        if written.lower() not in field.words:
+            known = " or ".join(field.words)
+            self.fault(
+                field.code, f"{field.in_words} is {written!r}, it is {known}", node, did_you_mean(written, field.words)
+            )
+            return None
+        return written.lower()
+
+    def items(self, path: str) -> tuple[Node, ...]:
+        """The items of a list; one thing alone counts as a list of one."""
+        node = self.at(path)
+        if node is None or node.value is None:
+            return ()
+        return node.elements if isinstance(node.value, list) else (node,)
+
+    def many(self, path: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
+        """A list of things in words of their own, each with its faults."""
+        entries = []
+        for item in self.items(path):
+            known = _READ.of(item)
+            if known is not None and known[0] is read and not self.misshapen:
+                entries.append(known[1])
+                continue
+            before = len(self.variables), len(self._found), len(self.faults)
+            value = item.text if item.text is not None and self.is_sound(item) else self.value(item)
+            if value is None:
+                continue
+            made = self.kept(read, value, str(item.place))
+            if made is not None:
+                entries.append(made)
+                if before == (len(self.variables), len(self._found), len(self.faults)) and not self.misshapen:
+                    _READ.keep(item, (read, made))
+        return tuple(entries)
+
+    def made(self, record: type[D], *values: Mapping[str, Any], **more: Any) -> D:
+        """The design of these values.
+
+        Raises
+        ------
+        DesignError
+            With every fault found.
+        """
+        correlation = self.correlation()
+        if self.faults or self.wrong:
+            raise DesignError(self.faults)
+        given: dict[str, Any] = {}
+        for part in (*values, more):
+            given |= part
+        variables = sorted(self.variables.values(), key=_drawn_order)
+        return record(
+            **given, left_out=tuple(self.left_out), read_as=tuple(self.read_as), defaults=tuple(self.defaults),
+            variables=tuple(variables),
+            assumed=tuple(pair for variable in variables for pair in variable.assumed()), correlation=correlation,
+        )  # fmt: skip
+
+    # -- what scatters together ---------------------------------------------------------------------------------------
+
+    def correlation(self) -> "tuple[Pair, ...]":
+        """The correlation between what scatters, by its coordinates; what is wrong with it becomes faults."""
+        node = self.at("correlation")
+        if node is None or not node.is_mapping:
+            return ()
+        from slopekit.design.scatter.correlation import check_correlation
+
+        names = self.short_names()
+        if self.other_values:
+            kept = {key: below for key, below in node.items() if all(part.strip() in names for part in key.split("/"))}
+            node = replace(node, value=kept)
+        pairs, faults = check_correlation(node, names)
+        self.faults += faults
+        return pairs
+
+    def short_names(self) -> "dict[str, Named]":
+        """What a correlation may name: paths, and `J1.phi` for the φ of J1's strength."""
+        names: dict[str, Named] = {}
+        for path, variable in self.variables.items():
+            names[path] = path if variable.of is None else variable
+            names |= {angle: angle for angle in variable.angles if angle}
+        joints = self.at("joints") or self.at("sets")
+        for joint, _ in joints.items() if joints is not None else ():
+            name = strength_of(self.root, joint)
+            for path in _strength_paths():
+                if (own := f"strength.{name}.{path}") in self.variables:
+                    names[f"{joint}.{path}"] = own
+        for group in ("joints.", "strength.", "sets."):
+            names |= {path.removeprefix(group): own for path, own in names.items() if path.startswith(group)}
+        return names
+
+
+@cache
+def _strength_paths() -> tuple[str, ...]:
+    """Of all fields of a strength: a study reads its design thousands of times."""
+    return tuple(field.path for field in every_field(Strength))
+
+
+def strength_of(root: Node, joint: str) -> str | None:
+    """The strength that a joint (a set; all of a joint list) names, or the only one there is."""
+    joints, strengths = root.get("joints") or root.get("sets"), root.get("strength")
+    of_basal = root.get("basal") if joint == "basal" else None
+    own = None if joints is None else (joints.get(joint) or of_basal or joints).get("strength")
+    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    return own.text if own is not None else names[0] if len(names) == 1 else None
+
+
+def _below(node: Node | None, path: str) -> Node | None:
+    for part in path.split("."):
+        node = node.get(part) if node is not None else None
+    return node
+
+
+def _drawn_order(variable: "Variable") -> tuple[int, int]:
+    """Where a variable stands among those that a study draws: a seed gives the same samples as ever."""
+    parts = variable.path.split(".")
+    top = ".".join(parts[:2]) if parts[0] == "loads" else parts[0]
+    key = _STRENGTH_KEYS.index(parts[2]) if top == "strength" and parts[2] in _STRENGTH_KEYS else 0
+    return (_DRAWN.index(top) if top in _DRAWN else len(_DRAWN)), key
+
+
+def _other_kind(value: Any, field: Field, name: str, where: str, called: Callable[[str], str]) -> Any:
+    """The value; E107 where a unit weight is written as a density, or the other way round."""
+    for other, path in (("density", "rock.density"), ("unit weight", "rock.unit_weight")):
+        both = field.measures in ("density", "unit weight") and field.measures != other
+        if both and is_unit_of(unit_of(value), other):
+            that = "a density" if other == "density" else "a unit weight"
+            message = f"{name} is {value}: that is {that}"
+            raise DesignError([Fault("E107", message, where, f"Write {called(path)} {value}.")])
+    return value

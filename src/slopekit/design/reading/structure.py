@@ -1,0 +1,328 @@
+"""Which keys a design may have, said once as data, and a checker that finds every key that does not fit."""
+
+import re
+from collections.abc import Iterator, Mapping
+from difflib import SequenceMatcher, get_close_matches
+from typing import Any, Literal, TypeAlias
+
+from slopekit.core.errors import Fault
+from slopekit.core.records import dataclass
+from slopekit.design.reading.nodes import Kept, Node
+
+Spec: TypeAlias = "Leaf | KeyGroup | Named | ListOf | AnyOf | Anything"
+OrientationKind = Literal["plane", "line"]
+#: The angles of a plane and of a line: the steep one, then the direction.
+ANGLES: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("plunge", "trend")}
+#: The same in the order in which they are written with a slash.
+WRITTEN: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("trend", "plunge")}
+_ORIENTATIONS: Mapping[str, OrientationKind] = {"plane": "plane", "face": "plane", "upper": "plane", "toward": "line"}
+_SHOWN_KEYS = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """One value. A number may be a distribution; an orientation also a pair of numbers; `example` is for messages."""
+
+    number: bool = False
+    orientation: bool = False
+    example: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class KeyGroup:
+    """Known keys, some of them required."""
+
+    keys: Mapping[str, Spec]
+    required: tuple[str, ...] = ()
+    example: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Things under names of the user's choice (`weak: ...`); `pairs` allows names such as B1/B2 and J1.phi/J2.phi."""
+
+    of: Spec
+    at_least: int = 0
+    pairs: bool = False
+    example: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list of like things; equal bounds fix its length."""
+
+    of: Spec
+    at_least: int = 0
+    at_most: int | None = None
+    example: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class AnyOf:
+    """One of several: the first that fits the value best."""
+
+    of: tuple[Spec, ...]
+    example: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Anything:
+    """A value of any shape: it is looked at where it will stand."""
+
+    example: str = ""
+
+
+def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, KeyGroup] | None = None) -> list[Fault]:
+    """Every key of a design that is unknown, missing or of the wrong shape.
+
+    Parameters
+    ----------
+    root : the whole design
+    spec : what a design of this kind may have
+    kind : its name, for the messages
+    others : the specs of the other kinds, to say where a key would belong
+
+    Returns
+    -------
+    list of Fault
+        E142 unknown key, E143 missing key, E144 wrong shape, E145 nothing written, E146 a name that cannot be one,
+        E164 a list that is too short or too long.
+
+    >>> from slopekit.design.reading.nodes import document_from
+    >>> spec = KeyGroup({"height": Leaf(number=True, example="64.89 m")}, required=("height",))
+    >>> print(*check_structure(document_from({"hieght": 5}).root, spec, "wedge"), sep="\\n")
+    E142 hieght is not a key of a wedge design
+         design: hieght = 5
+         Did you mean height?
+    """
+    checker = _Checker(spec, kind, others or {})
+    checker.check(root, spec)
+    return list(dict.fromkeys(checker.faults))
+
+
+def is_distribution(node: Node) -> bool:
+    """Whether the value is a mapping that gives a distribution."""
+    return node.get("dist") is not None
+
+
+def orientation_kind(node: Node) -> OrientationKind | None:
+    """What an orientation of a design is one of, by its key; None for a key of anything else."""
+    return _ORIENTATIONS.get(node.name)
+
+
+def has_angles(node: Node) -> bool:
+    """Whether an orientation is written by its two angles: `{dip: 45, dip_direction: 115}`."""
+    kind = orientation_kind(node)
+    return kind is not None and not is_distribution(node) and any(node.get(angle) is not None for angle in ANGLES[kind])
+
+
+#: Items of lists that were found to have the shape that they need, with that shape.
+_SOUND: Kept[Any] = Kept()
+
+
+class _Checker:
+    def __init__(self, spec: KeyGroup, kind: str, others: Mapping[str, KeyGroup]) -> None:
+        self.spec, self.kind, self.others = spec, kind, others
+        self.faults: list[Fault] = []
+
+    def fault(self, code: str, message: str, node: Node, advice: str = "") -> None:
+        self.faults.append(Fault(code, message, str(node.key_place), advice))
+
+    def check(self, node: Node, spec: Spec) -> None:
+        if isinstance(spec, AnyOf):
+            self.any_of(node, spec)
+        elif node.value is None and (isinstance(spec, Leaf) or not _may_be_empty(spec)):
+            self.empty(node, spec)
+        elif node.value is not None and not _fits(node, spec):
+            self.wrong_shape(node, spec)
+        elif isinstance(spec, KeyGroup):
+            self.section(node, spec)
+        elif isinstance(spec, Named):
+            self.named(node, spec)
+        elif isinstance(spec, ListOf):
+            self.list_of(node, spec)
+
+    def section(self, node: Node, spec: KeyGroup) -> None:
+        holder = f"of {node.path}" if node.path else f"of a {self.kind} design"
+        remedies = set()
+        for key, below in node.items():
+            if key in spec.keys:
+                self.check(below, spec.keys[key])
+                continue
+            remedy = self.remedy(key, below, node, spec)
+            remedies.add(remedy)
+            self.fault("E142", f"{key} is not a key {holder}", below, remedy)
+        for key in spec.required:
+            if node.get(key) is None and f"Did you mean {key}?" not in remedies:
+                path = f"{node.path}.{key}" if node.path else key
+                example = spec.keys[key].example
+                self.fault("E143", f"{path} is missing", node, f"Add {key}: {example}" if example else "")
+
+    def named(self, node: Node, spec: Named) -> None:
+        for name, below in node.items():
+            if not name.strip() or (not spec.pairs and re.search(r"[./]", name)):
+                advice = "Dots and slashes join names elsewhere (J1.phi/J2.phi): use letters, digits, - and _."
+                self.fault("E146", f"{name!r} under {node.path} cannot be a name", below, advice)
+            self.check(below, spec.of)
+        if len(node.items()) < spec.at_least:
+            message = f"{node.path} has {_count(len(node.items()))}, at least {spec.at_least} needed"
+            self.fault("E164", message, node, _example(node, spec))
+
+    def list_of(self, node: Node, spec: ListOf) -> None:
+        for below in node.elements:
+            if _SOUND.of(below) is spec.of:
+                continue
+            before = len(self.faults)
+            self.check(below, spec.of)
+            if len(self.faults) == before:
+                _SOUND.keep(below, spec.of)
+        given, least, most = len(node.elements), spec.at_least, spec.at_most
+        if given < least or (most is not None and given > most):
+            needed = f"{least}" if least == most else f"at least {least}" if given < least else f"at most {most}"
+            self.fault("E164", f"{node.path} has {_count(given)}, {needed} needed", node, _example(node, spec))
+
+    def any_of(self, node: Node, spec: AnyOf) -> None:
+        fitting = [one for one in spec.of if _fits(node, one)] if node.value is not None else []
+        if node.is_mapping and not is_distribution(node) and any(_is_orientation(one) for one in spec.of):
+            # keys of which none is an angle's are a distribution gone wrong
+            fitting = [
+                one for one in fitting if isinstance(one, KeyGroup) and {key for key, _ in node.items()} & set(one.keys)
+            ]
+        if not fitting:
+            if node.value is not None:
+                self.wrong_shape(node, spec)
+            elif not any(_may_be_empty(one) for one in spec.of):
+                self.empty(node, spec)
+            return
+        best: list[Fault] | None = None
+        for one in fitting:
+            trial = _Checker(self.spec, self.kind, self.others)
+            trial.check(node, one)
+            if not trial.faults:
+                return
+            if best is None or len(trial.faults) < len(best):
+                best = trial.faults
+        self.faults += best or []
+
+    # -- messages -----------------------------------------------------------------------------------------------------
+
+    def empty(self, node: Node, spec: Spec) -> None:
+        needed = _needed(spec)
+        self.fault("E145", f"{node.path or 'the design'} is empty, {needed} is needed", node, _example(node, spec))
+
+    def wrong_shape(self, node: Node, spec: Spec) -> None:
+        advice = _example(node, spec)
+        number = isinstance(spec, Leaf) and spec.number
+        orientation = isinstance(spec, AnyOf) and any(_is_orientation(one) for one in spec.of)
+        if (number or orientation) and node.is_mapping:
+            near = get_close_matches("dist", [key for key, _ in node.items()], n=1, cutoff=0.5)
+            example = "{dist: normal, mean: 20, sd: 2}" if number else "{dist: fisher, mean: 45/115, k: 100}"
+            advice = f"A distribution is written {example}."
+            advice = f"Write dist: instead of {near[0]}:. {advice}" if near else advice
+        message = f"{node.path or 'the design'} is {_given(node)}, {_needed(spec)} is needed"
+        self.faults.append(Fault("E144", message, str(node.place), advice))
+
+    def remedy(self, key: str, node: Node, above: Node, spec: KeyGroup) -> str:
+        """What to type instead of an unknown key: the likeliest slip."""
+        name, colon, value = key.partition(":")
+        if colon and node.value is None and name.strip() in spec.keys:
+            return f"Put a space behind the colon: {name.strip()}: {value.strip()}"
+        places = [path for path in _paths_of(key, self.spec) if path != above.path]
+        folded = {known.lower().replace("-", "_"): known for known in spec.keys}
+        near = get_close_matches(key.lower().replace("-", "_").replace(" ", "_"), folded, n=1)
+        sure = bool(near) and SequenceMatcher(None, key.lower(), near[0]).ratio() > 0.8
+        if places and not sure and not (near and len(key) == 1):  # one letter is more likely a slip than a law's a or b
+            return f"{key} belongs under {' or '.join(places[:3])}." if all(places) else f"{key} belongs at the top."
+        # the other kinds are loaded only here
+        if not (above.path or sure) and (kinds := [kind for kind, other in self.others.items() if key in other.keys]):
+            return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."
+        if near:
+            return f"Did you mean {folded[near[0]]}?"
+        elsewhere = get_close_matches(key.lower(), _all_keys(self.spec), n=1, cutoff=0.75)
+        if elsewhere:
+            where = _paths_of(elsewhere[0], self.spec)[0]
+            return f"Did you mean {elsewhere[0]}, {f'under {where}' if where else 'at the top'}?"
+        known = ", ".join(list(spec.keys)[:_SHOWN_KEYS]) + (", …" if len(spec.keys) > _SHOWN_KEYS else "")
+        return f"Known here: {known}."
+
+
+def _is_orientation(spec: Spec) -> bool:
+    return isinstance(spec, Leaf) and spec.orientation
+
+
+def _fits(node: Node, spec: Spec) -> bool:
+    """Whether the value has the shape of the spec, its own keys and items not looked at."""
+    if isinstance(spec, Anything):
+        return True
+    if isinstance(spec, AnyOf):
+        return any(_fits(node, one) for one in spec.of)
+    if isinstance(spec, Leaf):
+        pair = len(node.elements) == 2 and all(part.text is not None for part in node.elements)
+        is_special = (spec.number or spec.orientation) and is_distribution(node)
+        return node.text is not None or is_special or (spec.orientation and pair)
+    return isinstance(node.value, list) if isinstance(spec, ListOf) else node.is_mapping
+
+
+def _may_be_empty(spec: Spec) -> bool:
+    """Whether nothing behind the key says the same as no entries."""
+    if isinstance(spec, Anything):
+        return True
+    if isinstance(spec, KeyGroup):
+        return not spec.required
+    if isinstance(spec, AnyOf):
+        return any(_may_be_empty(one) for one in spec.of)
+    return isinstance(spec, Named | ListOf) and not spec.at_least
+
+
+def _given(node: Node) -> str:
+    if node.text is not None:
+        return f"the text {node.text!r}" if len(node.text) <= 40 else f"the text {node.text[:39]!r}…"
+    if isinstance(node.value, list):
+        return f"a list of {len(node.value)}"
+    keys = [key for key, _ in node.items()]
+    return f"a group of keys ({', '.join(keys[:4])}{', …' if len(keys) > 4 else ''})"
+
+
+def _needed(spec: Spec) -> str:
+    if isinstance(spec, AnyOf):
+        return " or ".join(dict.fromkeys(_needed(one) for one in spec.of))
+    if isinstance(spec, Anything):
+        return "a value"
+    if isinstance(spec, Leaf):
+        return "a number" if spec.number else "an orientation" if spec.orientation else "a value"
+    if isinstance(spec, KeyGroup):
+        keys = list(spec.keys)
+        return f"a group of keys ({', '.join(keys[:4])}{', …' if len(keys) > 4 else ''})"
+    return "a list" if isinstance(spec, ListOf) else "a group of names"
+
+
+def _example(node: Node, spec: Spec) -> str:
+    own = "" if re.fullmatch(r"\d*", node.name) else f"{node.name}: "
+    return f"Write {own}{spec.example}" if spec.example else ""
+
+
+def _count(number: int) -> str:
+    return f"{number} entry" if number == 1 else f"{number or 'no'} entries"
+
+
+def _walk(spec: Spec, path: str = "") -> Iterator[tuple[str, str]]:
+    """Every known key with the path it stands under; free names as <name>."""
+    if isinstance(spec, KeyGroup):
+        for key, below in spec.keys.items():
+            yield key, path
+            yield from _walk(below, f"{path}.{key}" if path else key)
+    elif isinstance(spec, Named):
+        yield from _walk(spec.of, f"{path}.<name>")
+    elif isinstance(spec, ListOf):
+        yield from _walk(spec.of, path)
+    elif isinstance(spec, AnyOf):
+        for one in spec.of:
+            yield from _walk(one, path)
+
+
+def _paths_of(key: str, spec: Spec) -> list[str]:
+    return list(dict.fromkeys(path for known, path in _walk(spec) if known == key))
+
+
+def _all_keys(spec: Spec) -> list[str]:
+    return list(dict.fromkeys(key for key, _ in _walk(spec)))

@@ -1,0 +1,1 @@
+"""Values that scatter: their distributions, and how they go together."""

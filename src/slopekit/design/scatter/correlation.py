@@ -1,0 +1,204 @@
+"""The rank correlation between what scatters, as a design file gives it: `correlation: {J1.phi/J2.phi: 0.8}`."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from slopekit.core.errors import Fault, Faults, did_you_mean
+from slopekit.core.orientation import number
+from slopekit.design.common import Pair
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.structure import ANGLES
+from slopekit.design.scatter.copula import EIGENVALUE_TOLERANCE, nearest_ranks, smallest_eigenvalue
+from slopekit.design.scatter.distributions import Fisher, Variable, number_of
+
+#: What a name stands for: a coordinate, or a whole orientation.
+Named: TypeAlias = str | Variable
+_SHOWN_NAMES = 12
+
+
+def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pair, ...], list[Fault]]:
+    """The rank correlations of a design, and what is wrong with them.
+
+    Parameters
+    ----------
+    node : mapping of A/B to a coefficient
+    names : what may be named, and what that is
+
+    Returns
+    -------
+    pairs of coordinates with their coefficient (two orientations give two pairs), and faults: E105 to E108 for a
+    coefficient, E144 no mapping, E167 a key that is no pair, E168 an unknown name, E180 a coefficient beyond -1 to 1,
+    E181 a pair twice, E182 a value with itself, E183 coefficients that contradict each other, E283 an orientation with
+    a number.
+
+    >>> from slopekit.design.reading.nodes import document_from
+    >>> node = document_from({"J1.phi/J2.phi": 0.8}).root
+    >>> check_correlation(node, {"J1.phi": "strength.rough.phi", "J2.phi": "strength.clay.phi"})
+    ((('strength.rough.phi', 'strength.clay.phi', 0.8),), [])
+    """
+    if not node.is_mapping and node.value is not None:
+        advice = "Write correlation: {J1.phi/J2.phi: 0.8}"
+        return (), [Fault("E144", "correlation is not a group of pairs", str(node.place), advice)]
+    faults = Faults()
+    pairs: dict[frozenset[str], Pair] = {}
+    keys: dict[frozenset[str], str] = {}
+    for key, given in node.items():
+        parts = tuple(part.strip() for part in key.split("/"))
+        where = str(given.key_place)
+        if len(parts) != 2 or not all(parts):
+            faults.append(Fault("E167", f"{key} is not a pair of two names", where, "A pair is written J1.phi/J2.phi."))
+            continue
+        unknown = [_unknown_name(name, names, where) for name in dict.fromkeys(parts) if name not in names]
+        coordinates = [] if unknown else _coordinates(parts[0], parts[1], names, where, faults)
+        twice = next((keys[frozenset(pair)] for pair in coordinates if frozenset(pair) in keys), None)
+        if twice is not None:
+            message = f"{'/'.join(parts)} is the same pair as {twice}"
+            faults.append(Fault("E181", message, where, "Leave one of them out."))
+        faults += unknown
+        value = _coefficient(given, key, faults)
+        if value is not None and twice is None:
+            pairs |= {frozenset(pair): (*pair, value) for pair in coordinates}
+            keys |= dict.fromkeys(map(frozenset, coordinates), key)
+    found_pairs = tuple(pairs.values())
+    if not faults:
+        faults += contradictions(found_pairs, [keys[frozenset(pair[:2])] for pair in found_pairs], str(node.key_place))
+    return found_pairs, faults
+
+
+def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str, faults: list[Fault]) -> list[tuple[str, str]]:
+    """The pairs of coordinates that a pair of names is; none where a fault stands for it."""
+    one, other = names[a], names[b]
+    if one == other:
+        shown = one if isinstance(one, str) else one.path
+        message = (
+            f"{a} is correlated with itself, that is always 1" if a == b else f"{a} and {b} are one value, {shown}"
+        )
+        advice = "Leave it out." if a == b else "Leave it out, or give each its own: two strengths, two planes."
+        faults.append(Fault("E182", message, where, advice))
+        return []
+    if isinstance(one, str) and isinstance(other, str):
+        if any(isinstance(own.distribution, Fisher) and {one, other} == {*own.angles} for own in _orientations(names)):
+            message = f"{a} and {b} are of one Fisher distribution, which scatters alike to all sides"
+            advice = "To correlate them write plane: {dip: {dist: …}, dip_direction: {dist: …}}."
+            faults.append(Fault("E283", message, where, advice))
+            return []
+        return [(one, other)]
+    if isinstance(one, Variable) and isinstance(other, Variable):
+        angle_pairs = [
+            (first, second) for first, second in zip(one.angles, other.angles, strict=True) if first and second
+        ]
+        if not angle_pairs:
+            message = f"of {a} and {b} no angle scatters in both"
+            advice = f"There are: {', '.join((*one.coordinates, *other.coordinates))}."
+            faults.append(Fault("E283", message, where, advice))
+        return angle_pairs
+    whole, plain, turned = (a, b, one) if isinstance(one, Variable) else (b, a, other)
+    assert isinstance(turned, Variable)
+    choice = " or ".join(f"{whole}.{angle.rpartition('.')[2]}/{plain}" for angle in turned.coordinates)
+    message = f"{whole} is an orientation, {plain} is not: {a}/{b} does not say which angle"
+    faults.append(Fault("E283", message, where, f"Write {choice}."))
+    return []
+
+
+def _orientations(names: Mapping[str, Named]) -> Iterable[Variable]:
+    return (own for own in names.values() if isinstance(own, Variable))
+
+
+def _coefficient(node: Node, key: str, faults: Faults) -> float | None:
+    value = faults.of(number_of, node, "ratio", f"correlation {key}")
+    if value is not None and not -1.0 <= value <= 1.0:
+        message = f"correlation {key} is {number(value)}, it lies between -1 and 1"
+        faults.append(Fault("E180", message, str(node.key_place)))
+        return None
+    return value
+
+
+def _unknown_name(name: str, names: Mapping[str, Named], where: str) -> Fault:
+    scattering = f"These scatter: {', '.join(list(names)[:_SHOWN_NAMES])}."
+    advice = did_you_mean(name, names, scattering if names else "Nothing in this design is a distribution.")
+    return Fault("E168", f"{name} is not a value that scatters in this design", where, advice)
+
+
+# -- coefficients that contradict each other --------------------------------------------------------------------------
+
+
+def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> Iterator[Fault]:
+    """E183 for each group of values whose coefficients cannot stand together, with the nearest that can.
+
+    Parameters
+    ----------
+    pairs : of coordinates
+    keys : what the user wrote for each
+
+    >>> given = [("a", "b", 0.9), ("b", "c", 0.9), ("a", "c", -0.9)]
+    >>> print(*contradictions(given, ["a/b", "b/c", "a/c"], ""))
+    E183 the correlations of a, b, c contradict each other: their matrix has the eigenvalue -0.816, none may be negative
+         The nearest that can be: correlation: {a/b: 0.482, b/c: 0.482, a/c: -0.482}
+    """
+    for group in _groups(pairs):
+        names = list(dict.fromkeys(name for k in group for name in pairs[k][:2]))
+        place = {name: i for i, name in enumerate(names)}
+        at = [(place[pairs[k][0]], place[pairs[k][1]]) for k in group]
+        matrix, is_given = np.eye(len(names)), np.eye(len(names), dtype=bool)
+        for k, (i, j) in zip(group, at, strict=True):
+            matrix[i, j] = matrix[j, i] = pairs[k][2]
+            is_given[i, j] = is_given[j, i] = True
+        smallest = smallest_eigenvalue(matrix)
+        if smallest >= -EIGENVALUE_TOLERANCE:
+            continue
+        nearest = nearest_ranks(matrix, is_given)
+        coefficients = _as_written(
+            [(keys[k], pairs[k], float(nearest[i, j])) for k, (i, j) in zip(group, at, strict=True)]
+        )
+        shown = ", ".join(_written(names, pairs, keys))
+        message = f"the correlations of {shown} contradict each other: their matrix has the eigenvalue {smallest:.3g}"
+        message += ", none may be negative"
+        rest = "" if is_given.all() else " Pairs that are not given count as 0: give those too."
+        yield Fault("E183", message, where, f"The nearest that can be: correlation: {{{coefficients}}}{rest}")
+
+
+def _groups(pairs: Sequence[Pair]) -> list[list[int]]:
+    """The pairs that hang together, by their index."""
+    groups: list[tuple[set[str], list[int]]] = []
+    for k, (a, b, _) in enumerate(pairs):
+        joined: tuple[set[str], list[int]] = ({a, b}, [k])
+        for names, indices in [group for group in groups if {a, b} & group[0]]:
+            joined = (joined[0] | names, indices + joined[1])
+            groups.remove((names, indices))
+        groups.append(joined)
+    return [sorted(indices) for _, indices in groups]
+
+
+def _written(names: Sequence[str], pairs: Sequence[Pair], keys: Sequence[str]) -> list[str]:
+    """The names as the user wrote them; of an orientation written as a whole the angle too."""
+    spelled: dict[str, str] = {}
+    for (a, b, _), key in zip(pairs, keys, strict=True):
+        for coordinate, part in zip((a, b), key.split("/"), strict=True):
+            spelled.setdefault(coordinate, _with_angle(part.strip(), coordinate))
+    return [spelled[name] for name in names]
+
+
+def _with_angle(name: str, coordinate: str) -> str:
+    """`J1.plane` for its dip: J1.plane.dip; any other name as it is.
+
+    >>> _with_angle("J1.plane", "joints.J1.plane.dip"), _with_angle("J1.phi", "strength.weak.phi")
+    ('J1.plane.dip', 'J1.phi')
+    """
+    above, _, angle = coordinate.rpartition(".")
+    is_whole = angle in sum(ANGLES.values(), ()) and name.rpartition(".")[2] == above.rpartition(".")[2]
+    return f"{name}.{angle}" if is_whole else name
+
+
+def _as_written(coefficients: Sequence[tuple[str, Pair, float]]) -> str:
+    """Coefficients under the keys of the file; two orientations under their angles where these differ."""
+    values: dict[str, set[float]] = {}
+    for key, _, value in coefficients:
+        values.setdefault(key, set()).add(value)
+    entries = {}
+    for key, (a, b, _), value in coefficients:
+        one, other = (part.strip() for part in key.split("/"))
+        shown = key if len(values[key]) == 1 else f"{_with_angle(one, a)}/{_with_angle(other, b)}"
+        entries[shown] = number(value)
+    return ", ".join(f"{key}: {value}" for key, value in entries.items())

@@ -1,0 +1,325 @@
+"""Numbers and orientations that scatter: `{dist: normal, mean: 20, sd: 2}`, `{dist: fisher, mean: 45/115, k: 100}`."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+from typing import Literal, TypeAlias, cast
+
+from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
+from slopekit.core.orientation import Line, Plane, number, parse_plane
+from slopekit.core.records import dataclass
+from slopekit.core.units import quantity
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.structure import ANGLES, WRITTEN, OrientationKind, is_distribution
+from slopekit.design.words import line_of_words
+
+Scatter: TypeAlias = "Distribution | Fisher | Angles"
+Name = Literal["normal", "lognormal", "uniform", "triangular"]
+#: Needed and further parameters of each distribution, in the order in which they are written.
+PARAMETERS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "normal": (("mean", "sd"), ("min", "max")),
+    "lognormal": (("mean", "sd"), ("min", "max")),
+    "uniform": (("min", "max"), ()),
+    "triangular": (("min", "mode", "max"), ()),
+    "fisher": (("mean", "k"), ()),
+}
+_EXAMPLES = {
+    "normal": "{dist: normal, mean: 20, sd: 2}",
+    "lognormal": "{dist: lognormal, mean: 20, sd: 5}",
+    "uniform": "{dist: uniform, min: 10, max: 30}",
+    "triangular": "{dist: triangular, min: 10, mode: 20, max: 30}",
+    "fisher": "{dist: fisher, mean: 45/115, k: 100}",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Distribution:
+    """A number that scatters: normal or lognormal (with `min` and `max`: truncated), uniform, triangular.
+
+    `parameters` are in the unit of bare numbers of `kind` (kPa for a pressure). Mean and standard deviation are
+    those of the value itself before truncation, also for the lognormal.
+    """
+
+    name: Name
+    parameters: Mapping[str, float]
+    kind: str
+
+    @property
+    def centre(self) -> float:
+        """The value that a single run takes: the mean (of a truncated normal: the one given).
+
+        >>> Distribution("triangular", {"min": 10.0, "mode": 20.0, "max": 36.0}, "angle").centre
+        22.0
+        """
+        if "mean" in self.parameters:
+            return self.parameters["mean"]
+        return sum(self.parameters.values()) / len(self.parameters)
+
+
+@dataclass(frozen=True, slots=True)
+class Fisher:
+    """An orientation that scatters about a mean; `k` is Fisher's concentration (Fisher 1953)."""
+
+    mean: Plane | Line
+    k: float
+
+    @property
+    def centre(self) -> Plane | Line:
+        """The orientation that a single run takes: the mean."""
+        return self.mean
+
+
+@dataclass(frozen=True, slots=True)
+class Angles:
+    """An orientation whose dip and dip direction (plunge and trend of a line) scatter as numbers, or one of the two.
+
+    >>> dip = Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle")
+    >>> print(Angles("plane", dip, 115.0).centre)
+    45/115
+    """
+
+    of: OrientationKind
+    steep: Distribution | float
+    direction: Distribution | float
+
+    @property
+    def centre(self) -> Plane | Line:
+        """The orientation that a single run takes; a mean direction beyond the circle is turned back into it."""
+        steep = self.steep if isinstance(self.steep, float) else self.steep.centre
+        direction = self.direction if isinstance(self.direction, float) else self.direction.centre
+        if not 0.0 <= direction <= 360.0 and not isinstance(self.direction, float):
+            direction %= 360.0
+        return Plane(steep, direction) if self.of == "plane" else Line(direction, steep)
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A value of a design that scatters: its dotted path in the file, how it scatters, and where that stands.
+
+    >>> plane = Variable("joints.J1.plane", Fisher(Plane(45.0, 115.0), 100.0))
+    >>> plane.columns, plane.coordinates
+    (('joints.J1.plane.dip', 'joints.J1.plane.dip_direction'), ('joints.J1.plane.dip', 'joints.J1.plane.dip_direction'))
+    """
+
+    path: str
+    distribution: Scatter
+    where: str = field(default="", compare=False)
+
+    @property
+    def of(self) -> OrientationKind | None:
+        """What an orientation is one of; None for a number."""
+        if isinstance(self.distribution, Distribution):
+            return None
+        if isinstance(self.distribution, Angles):
+            return self.distribution.of
+        return "plane" if isinstance(self.distribution.mean, Plane) else "line"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The numbers that a sample has of it: one, or the two angles of an orientation as they are written."""
+        if self.of is None:
+            return (self.path,)
+        first, second = (f"{self.path}.{angle}" for angle in WRITTEN[self.of])
+        return first, second
+
+    @property
+    def angles(self) -> tuple[str, str]:
+        """Of an orientation: the names of what scatters of the steep angle and of the direction, empty where fixed."""
+        if self.of is None:
+            return ("", "")
+        steep, direction = (f"{self.path}.{angle}" for angle in ANGLES[self.of])
+        if isinstance(self.distribution, Angles):
+            steep = "" if isinstance(self.distribution.steep, float) else steep
+            direction = "" if isinstance(self.distribution.direction, float) else direction
+        return steep, direction
+
+    def assumed(self) -> list[tuple[str, str]]:
+        """What a single run takes, by path; of an orientation by its angles only the angle that scatters."""
+        centre = self.distribution.centre
+        if not isinstance(self.distribution, Angles):
+            return [(self.path, number(centre) if isinstance(centre, float) else str(centre))]
+        assert not isinstance(centre, float)
+        if isinstance(centre, Plane):
+            middle = (centre.dip_deg, centre.dip_direction_deg)
+        else:
+            middle = (centre.plunge_deg, centre.trend_deg)
+        return [(name, number(angle)) for name, angle in zip(self.angles, middle, strict=True) if name]
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """What scatters on its own account, and so what correlations are between."""
+        return (self.path,) if self.of is None else tuple(name for name in self.angles if name)
+
+
+def read_distribution(node: Node, kind: str, name: str) -> Distribution:
+    """The distribution of a number.
+
+    Parameters
+    ----------
+    node : a mapping with the key dist
+    kind : the kind of quantity, as `slopekit.core.units.quantity` takes it
+    name : what it is, for the messages
+
+    Raises
+    ------
+    DesignError
+        E105 to E108 for a parameter, E165 unknown distribution, E184 parameter missing, E185 parameter that it does
+        not have, E186 sd below 0, E187 min not below max, E188 centre outside its bounds, E189 lognormal with a mean
+        not above 0, E166 fisher for a number.
+
+    >>> from slopekit.design.reading.nodes import document_from
+    >>> node = document_from({"c": {"dist": "uniform", "min": "10 kPa", "max": "0.03 MPa"}}).root.get("c")
+    >>> read_distribution(node, "pressure", "c of weak").centre
+    20.0
+    """
+    dist = _dist(node, name)
+    if dist == "fisher":
+        advice = f"A number takes {_EXAMPLES['normal']}."
+        raise DesignError([Fault("E166", f"{name} is a number, fisher is for orientations", str(node.place), advice)])
+    faults = Faults(_wrong_parameters(node, dist, name))
+    values: dict[str, float] = {}
+    for key in sum(PARAMETERS[dist], ()):
+        given = node.get(key)
+        if given is None:
+            continue
+        value = faults.of(number_of, given, kind, f"{key} of {name}")
+        if value is not None:
+            values[key] = value
+    faults += _impossible(node, dist, values, name)
+    faults.refuse()
+    return Distribution(cast(Name, dist), values, kind)
+
+
+def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fisher:
+    """The Fisher distribution of a plane or a line.
+
+    Raises
+    ------
+    DesignError
+        E101 to E105 for the mean, E165, E184 and E185 as for numbers, E166 another distribution or k not above 0.
+
+    >>> from slopekit.design.reading.nodes import document_from
+    >>> node = document_from({"plane": {"dist": "fisher", "mean": "45/115", "k": 100}}).root.get("plane")
+    >>> print(read_orientation(node, "J1").centre)
+    45/115
+    """
+    dist = _dist(node, name)
+    if dist != "fisher":
+        advice = f"An orientation takes {_EXAMPLES['fisher']}."
+        raise DesignError([Fault("E166", f"{name} is an orientation, {dist} is for numbers", str(node.place), advice)])
+    faults = Faults(_wrong_parameters(node, dist, name))
+    mean: Plane | Line | None = None
+    k: float | None = None
+    given = node.get("mean")
+    if given is not None:
+        mean = faults.of(_orientation, given, f"mean of {name}", of)
+    concentration = node.get("k")
+    if concentration is not None:
+        where = str(concentration.key_place)
+        k = faults.of(number_of, concentration, "ratio", f"k of {name}")
+        if k is not None and k <= 0.0:
+            advice = "Joint sets have 10 (scattered) to 500 (tight)."
+            faults.append(Fault("E166", f"k of {name} is {number(k)}, it must be more than 0", where, advice))
+    if faults or mean is None or k is None:
+        raise DesignError(faults)
+    return Fisher(mean, k)
+
+
+def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
+    """An orientation by its two angles, each a number or a distribution.
+
+    Raises
+    ------
+    DesignError
+        E105 to E108 for an angle that is no number, and what `read_distribution` raises.
+
+    >>> from slopekit.design.reading.nodes import document_from
+    >>> dip = {"dist": "normal", "mean": 45, "sd": 3}
+    >>> node = document_from({"plane": {"dip": dip, "dip_direction": 115}}).root.get("plane")
+    >>> print(read_angles(node, "J1").centre)
+    45/115
+    """
+    faults = Faults()
+    angles: list[Distribution | float | None] = []
+    for angle in ANGLES[of]:
+        given = node.get(angle)
+        if given is None or given.value is None:
+            angles.append(None)  # the checker of the structure says so
+        elif is_distribution(given):
+            angles.append(faults.of(read_distribution, given, "angle", f"{angle} of {name}"))
+        else:
+            angles.append(faults.of(number_of, given, "angle", f"{angle} of {name}"))
+    if faults or len(angles) != 2 or angles[0] is None or angles[1] is None:
+        raise DesignError(faults)
+    return Angles(of, angles[0], angles[1])
+
+
+def _dist(node: Node, name: str) -> str:
+    given = node.get("dist")
+    text = (given.text or "").strip() if given is not None else ""
+    if text.lower() in PARAMETERS:
+        return text.lower()
+    where = str(given.key_place if given is not None else node.place)
+    advice = did_you_mean(text.lower(), PARAMETERS, f"Known: {', '.join(PARAMETERS)}.")
+    shown = repr(text) if text else "not named"
+    raise DesignError([Fault("E165", f"the distribution of {name} is {shown}, which is not known", where, advice)])
+
+
+def _wrong_parameters(node: Node, dist: str, name: str) -> Iterator[Fault]:
+    needed, further = PARAMETERS[dist]
+    for key, given in node.items():
+        if key in (*needed, *further, "dist"):
+            continue
+        advice = did_you_mean(key, (*needed, *further), f"Write {_EXAMPLES[dist]}.")
+        if dist == "normal" and key == "mode":
+            advice = f"A mode belongs to {_EXAMPLES['triangular']}."
+        yield Fault("E185", f"{dist} has no {key} ({name})", str(given.key_place), advice)
+    for key in needed:
+        if node.get(key) is None:
+            message = f"{key} of {name} is missing, {dist} needs {', '.join(needed)}"
+            yield Fault("E184", message, str(node.place), f"Write {_EXAMPLES[dist]}.")
+
+
+def _impossible(node: Node, dist: str, values: Mapping[str, float], name: str) -> list[Fault]:
+    """Parameters that each are numbers but cannot stand together."""
+    faults: list[Fault] = []
+
+    def fault(code: str, key: str, message: str, advice: str = "") -> None:
+        given = node.get(key) or node
+        faults.append(Fault(code, message, str(given.key_place), advice))
+
+    low, high = values.get("min"), values.get("max")
+    if values.get("sd", 0.0) < 0.0:
+        fault("E186", "sd", f"sd of {name} is {number(values['sd'])}, a standard deviation is never negative")
+    if low is not None and high is not None and low >= high:
+        fault("E187", "min", f"min of {name} is {number(low)}, it must be less than max, {number(high)}")
+    else:
+        for key in ("mean", "mode"):
+            centre = values.get(key)
+            if centre is None or ((low is None or low <= centre) and (high is None or centre <= high)):
+                continue
+            bound, side = ("max", high) if high is not None and centre > high else ("min", low)
+            message = f"{key} of {name} is {number(centre)}, {'beyond' if bound == 'max' else 'below'} its {bound}"
+            fault("E188", key, f"{message}, {number(side or 0.0)}", f"Move the {key} or the {bound}.")
+    if dist == "lognormal" and values.get("mean", 1.0) <= 0.0:
+        message = f"mean of {name} is {number(values['mean'])}, a lognormal value is always more than 0"
+        fault("E189", "mean", message, "Give the mean of the value itself, not of its logarithm.")
+    return faults
+
+
+def _value(node: Node) -> object:
+    """What `quantity` and `parse_plane` read: a text, or what their message shall show."""
+    if isinstance(node.value, dict):
+        return "a group of keys"
+    return [part.text for part in node.elements] if isinstance(node.value, list) else node.value
+
+
+def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
+    where = str(node.key_place)
+    if of == "plane":
+        return parse_plane(_value(node), name, where)
+    return line_of_words(_value(node), name, "E166", where)
+
+
+def number_of(node: Node, kind: str, name: str) -> float:
+    """The number of a node. Raises DesignError where it is none."""
+    return quantity(_value(node), kind, name, str(node.key_place))

@@ -1,0 +1,327 @@
+"""A bench cut into blocks by joint sets, and the contact patches between them.
+
+How many blocks there will be is counted before; cells too small to be blocks are joined to their neighbours.
+"""
+
+import math
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
+from slopekit.geometry.patches import Assembly, Patches
+from slopekit.geometry.rock.bench import ConvexBody
+from slopekit.geometry.rock.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
+from slopekit.geometry.rock.joint_sets import SetPlanes
+from slopekit.geometry.rock.plane_stacks import PlaneStack, Soup, ascending, cut_with_stacks, stacks_of_planes
+from slopekit.geometry.tolerances import CUT_BALANCE, INSIDE, NO_AREA, NUMERICAL_SLIVER, OFF_PLANE, PARALLEL, STRAIGHT
+
+_CLEARLY = 1.5  # planes through one line or point cut fewer cells than are counted: refuse before cutting above this
+_ENOUGH = 50  # times max_blocks: stop counting
+
+
+def refuse_too_many(
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], max_blocks: int
+) -> None:
+    """Refuse planes that cut many more blocks than allowed.
+
+    Parameters
+    ----------
+    normals (p, 3), offsets (p,) : of the planes; stacks : those that do not meet within the body
+    faces : normals (k, 3) and offsets (k,) of the body, `normal · x <= offset`
+
+    Raises
+    ------
+    GeometryError
+        E220 more blocks than `max_blocks`.
+    """
+    if math.prod(len(stack.planes) + 1 for stack in stacks) <= max_blocks:
+        return
+    count = count_cells(normals, offsets, faces, stacks, _ENOUGH * max_blocks)
+    if count > _CLEARLY * max_blocks:
+        raise too_many(count, max_blocks, "more than " if count > _ENOUGH * max_blocks else "about ")
+
+
+def too_many(count: int, max_blocks: int, about: str = "") -> GeometryError:
+    """The refusal, with what to change."""
+    message = f"the joint sets cut the bench into {about}{count:,} blocks, more than max_blocks = {max_blocks:,}"
+    factor = math.ceil(100.0 * (count / max_blocks) ** (1.0 / 3.0)) / 100.0
+    advice = f"Take all spacings {factor:.3g} times as large, a smaller bench, or raise max_blocks."
+    return GeometryError([Fault("E220", message, "", advice)])
+
+
+def count_cells(
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], enough: int = 2**62
+) -> int:
+    """Cells of a convex body cut by planes: 1 + planes + lines + points in which they meet within the body.
+
+    Exact for planes in general position (Zaslavsky 1975); an upper bound where more planes share a line or a point.
+    Counting stops when there are more than `enough`.
+    """
+    order = np.concatenate([*(stack.planes for stack in stacks), np.zeros(0, dtype=np.int64)]).astype(np.int64)
+    stack = np.repeat(np.arange(len(stacks)), [len(part.planes) for part in stacks])
+    normals, offsets = normals[order], offsets[order]
+    total = 1 + len(order)
+    for i in range(len(order)):
+        rest = int(np.searchsorted(stack, stack[i], side="right"))  # planes of its own stack do not meet it
+        across = np.cross(normals[i], normals[rest:])
+        squared = (across * across).sum(axis=1)
+        meets = squared > PARALLEL**2
+        j, across, squared = rest + np.flatnonzero(meets), across[meets], squared[meets, None]
+        point = (offsets[i] * np.cross(normals[j], across) + offsets[j, None] * np.cross(across, normals[i])) / squared
+        along = across / np.sqrt(squared)
+        low, high = _clip(point, along, *faces)
+        hit = high - low > INSIDE
+        j, point, along, low, high = j[hit], point[hit], along[hit], low[hit], high[hit]
+        total += len(j)
+        if len(j):
+            rate = along @ normals[rest:].T
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at = (offsets[rest:] - point @ normals[rest:].T) / rate
+            third = (np.abs(rate) > PARALLEL) & (stack[rest:] > stack[j, None])
+            total += int((third & (at > low[:, None] + INSIDE) & (at < high[:, None] - INSIDE)).sum())
+        if total > enough:
+            break
+    return total
+
+
+def _clip(point: Floats, along: Floats, normals: Floats, offsets: Floats) -> tuple[Floats, Floats]:
+    """Where lines enter and leave a convex body; they leave before they enter where they miss it."""
+    low, high = np.full(len(point), -math.inf), np.full(len(point), math.inf)
+    for normal, offset in zip(normals, offsets, strict=True):
+        rate, room = along @ normal, offset - point @ normal
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = room / rate
+        high = np.where(rate > PARALLEL, np.minimum(high, at), high)
+        low = np.where(rate < -PARALLEL, np.maximum(low, at), low)
+        high = np.where((np.abs(rate) <= PARALLEL) & (room < INSIDE), -math.inf, high)
+    return low, high
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Which block each cell belongs to.
+
+    Attributes
+    ----------
+    block : (n,) of each cell, -1 where it is left out
+    fixed : (count,) blocks; count, joined : how many blocks there are and how many slivers were joined to others
+    """
+
+    block: Ints
+    fixed: Bools
+    count: int
+    joined: int
+
+
+def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas: Floats, least: float) -> Joined:
+    """Join every cell with less than the `least` volume to the neighbour that shares most area with it.
+
+    Slivers that choose each other become one cell and choose again, until all are large enough or have no neighbour.
+    A fixed sliver goes to a fixed neighbour where it has one. What they make is fixed if its largest cell is.
+
+    Parameters
+    ----------
+    volumes, fixed : (n,) of the cells
+    first, second, areas : (k,) the cells on the two sides of each patch, and its area
+
+    Examples
+    --------
+    >>> cells = np.array([1.0, 1e-12, 1.0])
+    >>> join_slivers(cells, cells < 0, np.array([0, 1]), np.array([1, 2]), np.array([1.0, 2.0]), 1e-9).block.tolist()
+    [0, 1, 1]
+    """
+    count = len(volumes)
+    root = np.arange(count)
+    volume = volumes.copy()
+    small = volume < least
+    while small.any():
+        best = _best_neighbour(root[first], root[second], areas, small, fixed)
+        going = np.flatnonzero(best >= 0)
+        if len(going) == 0:
+            break
+        root, volume = _merged(root, volume, volumes, going, best[going])
+        small = (volume < least) & (root == np.arange(count))
+    left_out = small[root]
+    hosts, block = np.unique(root[~left_out], return_inverse=True)
+    of_cell = np.full(count, -1, dtype=np.int64)
+    of_cell[~left_out] = block
+    return Joined(of_cell, fixed[hosts], len(hosts), count - len(hosts) - int(left_out.sum()))
+
+
+def _best_neighbour(first: Ints, second: Ints, areas: Floats, small: Bools, fixed: Bools) -> Ints:
+    """For each small cell the neighbour to join, -1 for all others."""
+    count = len(small)
+    here, there = np.concatenate([first, second]), np.concatenate([second, first])
+    wanted = small[here] & (here != there)
+    keys, at = np.unique(here[wanted] * count + there[wanted], return_inverse=True)
+    shared = np.bincount(at.reshape(-1), np.concatenate([areas, areas])[wanted], len(keys))
+    here, there = keys // count, keys % count
+    order = np.lexsort((shared, fixed[here] & fixed[there], here))
+    best = np.full(count, -1, dtype=np.int64)
+    best[here[order]] = there[order]  # the last one of each cell stays
+    return best
+
+
+def _merged(root: Ints, volume: Floats, cells: Floats, going: Ints, to: Ints) -> tuple[Ints, Floats]:
+    """Roots and volumes after the cells `going` have been joined to the cells `to`; the largest cell is the root."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = len(root)
+    graph = coo_array((np.ones(len(going), dtype=np.bool_), (going, to)), shape=(count, count))
+    parts, part = connected_components(graph, directed=False)
+    order = np.lexsort((cells, part[root]))
+    host = np.zeros(parts, dtype=np.int64)
+    host[part[root[order]]] = order  # the last, the largest of each part, stays
+    new_root: Ints = host[part[root]]
+    total = np.bincount(new_root, cells, count)
+    return new_root, np.where(new_root == np.arange(count), total, volume)
+
+
+@dataclass(frozen=True, slots=True)
+class BenchCut:
+    """A body cut into blocks, with the evidence that nothing is lost.
+
+    Attributes
+    ----------
+    assembly : the blocks; those at the far faces of the body are `fixed`
+    body_volume, blocks_volume : m³
+    volume_error : |blocks + left out - body| / body
+    area_error : sum over all joint faces of |area - area of the face on its other side|, in parts of their sum; faces
+        without another side count in full
+    plane_error : how far corners are at most from the planes that made their faces, m
+    joint_area : half the sum of all joint faces before slivers were joined, m²
+    blocks, fixed : how many
+    slivers_joined : cells smaller than `min_volume` joined to a neighbour
+    slivers_left_out, volume_left_out : cells without a neighbour, m³
+    planes_merged, planes_on_body_faces : see `SetPlanes`
+    min_volume : m³
+    """
+
+    assembly: Assembly
+    body_volume: float
+    blocks_volume: float
+    volume_error: float
+    area_error: float
+    plane_error: float
+    joint_area: float
+    blocks: int
+    fixed: int
+    slivers_joined: int
+    slivers_left_out: int
+    volume_left_out: float
+    planes_merged: int
+    planes_on_body_faces: int
+    min_volume: float
+
+
+def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_volume: float = 0.0) -> BenchCut:
+    """Cut a convex body into blocks along planes that all go through it.
+
+    Cells smaller than `min_volume` (m³; at least 1e-9 of the body) are joined to the neighbour with which they share
+    the largest patch; cells at the far faces rather to one that is there too. A block is fixed where it (not a sliver
+    joined to it) has a face on a far face of the body.
+
+    Raises
+    ------
+    GeometryError
+        E220 more blocks than `max_blocks`; E224 volumes or areas do not add up; E225 the body is below `min_volume`.
+
+    Examples
+    --------
+    >>> from slopekit.geometry.rock.bench import bench_body
+    >>> from slopekit.geometry.rock.joint_sets import JointSet, planes_of_sets
+    >>> body = bench_body(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 9.0, 9.0, 9.0)
+    >>> sets = [JointSet(np.eye(3)[axis], spacing=3.0, offset=1.5 * (axis == 0)) for axis in range(3)]
+    >>> cut = cut_bench(body, planes_of_sets(sets, body, np.random.default_rng(0)))
+    >>> cut.blocks, cut.fixed, len(cut.assembly.patches)
+    (27, 23, 54)
+    """
+    lowest, highest = body.corners.min(axis=0), body.corners.max(axis=0)
+    middle, half = (lowest + highest) / 2.0, body.size / 2.0
+    corners = (body.corners - middle) / half
+    normals, offsets = ascending(planes.normals, (planes.offsets - planes.normals @ middle) / half, planes.joint)
+    faces_at = (body.offsets - body.normals @ middle) / half
+    stacks = stacks_of_planes(normals, offsets, planes.joint, corners)
+    refuse_too_many(normals, offsets, (body.normals, faces_at), stacks, max_blocks)
+
+    whole, soup = cut_with_stacks((body.normals, faces_at), normals, offsets, stacks, corners)
+    cells = cells_of(soup, normals, offsets, stacks)
+    faces = faces_of(soup, cells.of_triangle, normals)
+    other = facing(cells, faces, len(offsets))
+    body_volume = float(whole.volume())
+
+    is_inner = faces.plane < len(offsets)
+    joint_area = float(faces.areas[is_inner].sum()) / 2.0
+    differences = np.where(other >= 0, np.abs(faces.areas - faces.areas[other]), faces.areas)[is_inner]
+    area_error = float(differences.sum()) / (2.0 * joint_area) if joint_area else 0.0
+    volume_error = abs(float(cells.volumes.sum()) - body_volume) / body_volume
+    away = plane_error(soup, normals, offsets)
+    if max(volume_error, area_error) > CUT_BALANCE or away > OFF_PLANE:
+        message = (
+            f"the blocks do not add up to the bench (volume to {volume_error:.2g}, joints to {area_error:.2g}, "
+            f"corners {away * half:.2g} m off their planes)"
+        )
+        raise GeometryError([Fault("E224", message, "", "Please report it; another offset of a set may help.")])
+
+    at_far = np.zeros(len(cells.volumes), dtype=np.bool_)
+    is_far = np.concatenate([np.zeros(len(offsets), dtype=np.bool_), body.is_far])
+    at_far[faces.cell[is_far[faces.plane] & (faces.areas > NO_AREA)]] = True
+    below = np.flatnonzero(faces.is_below & (other >= 0))
+    least = max(min_volume / half**3, NUMERICAL_SLIVER * body_volume)
+    sides = faces.cell[below], faces.cell[other[below]]
+    joined = join_slivers(cells.volumes, at_far, *sides, faces.areas[below], least)
+    if joined.count > max_blocks:
+        raise too_many(joined.count, max_blocks)
+    if joined.count == 0:
+        message = f"the bench has {body_volume * half**3:.4g} m³, less than min_volume = {min_volume:.4g} m³"
+        raise GeometryError([Fault("E225", message)])
+    where = (middle, half)
+    patches = _patches(soup, faces, below, other[below], joined.block, planes.joint, normals, where)
+    assembly = _assembly(soup, cells, faces, other, joined, patches, where)
+    left_out = float(cells.volumes[joined.block < 0].sum()) * half**3
+    return BenchCut(
+        assembly, body_volume * half**3, float(assembly.volumes.sum()), volume_error, area_error,
+        away * half, joint_area * half**2, joined.count, int(joined.fixed.sum()), joined.joined,
+        int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,
+    )  # fmt: skip
+
+
+def _patches(
+    soup: Soup, faces: Faces, below: Ints, above: Ints, block: Ints, joint: Ints, normals: Floats,
+    where: tuple[Floats, float],
+) -> Patches:  # fmt: skip
+    """The patches between different blocks; `below`, `above` are the faces on the two sides of each."""
+    minus, plus = block[faces.cell[below]], block[faces.cell[above]]
+    kept = (minus != plus) & (minus >= 0) & (plus >= 0) & (faces.areas[below] > NO_AREA)
+    below = below[kept]
+    corners, first = corners_of_faces(soup, faces.of_triangle, below, STRAIGHT)
+    middle, half = where
+    plane = faces.plane[below]
+    return Patches(
+        plus[kept], minus[kept], joint[plane], frozen(normals[plane]), frozen(faces.areas[below] * half**2),
+        frozen(faces.centroids[below] * half + middle), frozen(corners * half + middle), first,
+    )  # fmt: skip
+
+
+def _assembly(
+    soup: Soup, cells: Cells, faces: Faces, other: Ints, joined: Joined, patches: Patches, where: tuple[Floats, float]
+) -> Assembly:
+    middle, half = where
+    in_block = joined.block >= 0
+    block, count = joined.block[in_block], joined.count
+    weights = cells.volumes[in_block]
+    volumes = np.bincount(block, weights, count)
+    moments = [np.bincount(block, weights * cells.centroids[in_block, k], count) for k in range(3)]
+    centroids = np.stack(moments, axis=1) / volumes[:, None]
+    # faces between cells of one block are within it
+    of_face = joined.block[faces.cell]
+    outer = (of_face >= 0) & ((other < 0) | (of_face[other] != of_face))
+    on_surface = outer[faces.of_triangle]
+    return Assembly(
+        frozen(volumes * half**3), frozen(centroids * half + middle), joined.fixed, patches, False,
+        frozen(soup.vertices * half + middle), soup.triangles[on_surface],
+        joined.block[cells.of_triangle[on_surface]],
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Blocks of a vertical section: polygons, columns, where they touch."""

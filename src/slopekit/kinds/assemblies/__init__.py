@@ -1,0 +1,1 @@
+"""What the kinds of many blocks share: scene, limit, states, notices."""

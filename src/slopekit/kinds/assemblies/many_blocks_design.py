@@ -1,0 +1,248 @@
+"""What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, ClassVar
+
+from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
+from slopekit.design import words
+from slopekit.design.common import Design
+from slopekit.design.fields import Field, count, fields_of, group
+from slopekit.design.fields import number as number_field
+from slopekit.design.ground_water import TABLE, TablePlane, ground_in_words, pond, table_plane, table_points
+from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
+from slopekit.design.reading.nodes import Node
+from slopekit.design.reading.reader import Reader
+from slopekit.design.reading.structure import Leaf
+from slopekit.design.sections import read_common, read_strength
+
+Point2 = tuple[float, float]
+MOST_BLOCKS = 200_000
+_MOST_NAMED = 6  # surcharges that the sheet prints
+_SECTION_TRENDS = (90.0, 270.0)
+_TREND_TOLERANCE = 1e-6
+_OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of toward: 270/00
+_PRESSURE = Field("pressures", "pressure", 0.0, code="E119")
+
+
+def water_by(*pressures: Field) -> Any:
+    """Water of blocks, by its pressures; mode and fill are known so that the reader can say why they are not taken."""
+    also = (
+        Field("mode", "text", example="dry", is_refused=True),
+        Field("fill", "ratio", 0.0, 1.0, is_refused=True),
+        *pressures,
+    )
+    keys = type("WaterOfBlocks", (_Keys,), {"ALSO": also})
+    return group("water", keys, default=Water(), forms=(Leaf(example="dry"),))
+
+
+@dataclass(frozen=True, slots=True)
+class _Keys:
+    """Keys that are read into attributes of another record."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssemblyDesign(Design):
+    """What designs of many blocks share, a water table and a pond that may wet them among it.
+
+    Attributes
+    ----------
+    strengths : by name, in the order of the file
+    mechanisms : how many successive mechanisms are wanted: what fails first is taken away, and so on
+    seed : of all random numbers
+    table_points_m : places from the toe, or x, and elevations
+    """
+
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_points_m", "table_plane", "pond_m")
+
+    strengths: tuple[tuple[str, Strength], ...]
+    forces: tuple[Force, ...] = forces_without()
+    bolts: tuple[Bolt, ...] = bolts_without()
+    water_unit_weight_kn_m3: float = 9.81
+    factors: tuple[float, ...] = ()
+    mechanisms: int = count(
+        "analysis.mechanisms",
+        1,
+        1000,
+        default=1,
+        doc="successive mechanisms: what fails first is taken away, and so on",
+    )
+    seed: int = 0
+    table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
+    table_plane: TablePlane | None = table_plane("the origin")
+    pond_m: float | None = pond()
+
+    def strength(self, name: str) -> Strength:
+        """A strength by its name."""
+        return dict(self.strengths)[name]
+
+    @property
+    def has_table(self) -> bool:
+        """Whether it has one, or a pond."""
+        return any(one is not None for one in (self.table_points_m, self.table_plane, self.pond_m))
+
+    def ground_in_words(self) -> list[str]:
+        """Table, pond and surcharge as the sheet prints them."""
+        return list(ground_in_words(self))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedDesign(AssemblyDesign):
+    """Blocks with names: a surcharge stands on those that it names."""
+
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharges_kpa": "surcharge"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("surcharges_kpa",)
+
+    surcharges_kpa: tuple[tuple[str, float], ...] = number_field(
+        "loads.surcharge", "pressure", default=(), least=0.0, code="E458", many="names", axis="surcharge",
+        says="a surcharge presses: it is never negative", example="{B1: 20 kPa}", left_out="none",
+        doc="by block: downward per plan area, on what of it looks up and touches no other",
+    )  # fmt: skip
+
+    def ground_in_words(self) -> list[str]:
+        """Table, pond and surcharges as the sheet prints them."""
+        listed = [f"{number(value)} kPa on {name}" for name, value in self.surcharges_kpa]
+        more = [f"{len(listed) - _MOST_NAMED} more"] if len(listed) > _MOST_NAMED else []
+        load = ["surcharge " + ", ".join([*listed[:_MOST_NAMED], *more])] if listed else []
+        return [*AssemblyDesign.ground_in_words(self), *load]
+
+
+def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tuple[str, float]]:
+    """Surcharges by the names of blocks; E460 on a block that is not there or fixed.
+
+    Parameters
+    ----------
+    blocks : whether each moves, by name
+    """
+    field, node = fields_of(NamedDesign)["surcharges_kpa"], reader.at("loads.surcharge")
+    for name, below in node.items() if node is not None and node.is_mapping else ():
+        if not blocks.get(name, False):
+            message = (
+                f"a surcharge stands on {name}, {'which is fixed' if name in blocks else 'there is no such block'}"
+            )
+            moving = [one for one, moves in blocks.items() if moves]
+            reader.fault("E460", message, below, reader.nearest(name, moving))
+        elif below.value is not None and (value := reader.number(field, below, f"surcharge on {name}")):
+            yield name, value
+
+
+def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
+    """Every strength by its name."""
+    read = [(name, read_strength(reader, node, name)) for name, node in reader.names("strength")]
+    return tuple((name, strength) for name, strength in read if strength is not None)
+
+
+def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
+    """Mean water pressures as the file names them; E179 for water said in another way, E119 below 0."""
+    node = reader.at("water")
+    if node is None or node.value is None:
+        return []
+    mode = node.get("mode") if node.is_mapping else None
+    if mode is not None and mode.text == TABLE:
+        return []  # which `read_ground_water` reads
+    said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
+    other = node if not node.is_mapping else node.get(said[0]) if said and said[0] != "pressures" else None
+    if other is not None and (other.name == "fill" or other.text not in ("dry", None)):
+        message = f"water is {other.text}: in a {reader.kind} design it is dry, or given by its pressures"
+        reader.fault("E179", message, other, f"Write water: {{pressures: {example}}}.")
+    if len(said) > 1:
+        message = f"water has {' and '.join(said)}: they exclude each other"
+        reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
+    given = node.get("pressures")
+    mean_pressures = []
+    for name, below in given.items() if given is not None else ():
+        if below.value is not None:
+            value = reader.number(_PRESSURE, below, f"water pressure on {name}")
+            if value is not None:
+                mean_pressures.append((name, below, value))
+    return mean_pressures
+
+
+def named_pressures(reader: Reader, known: Sequence[str], example: str) -> dict[str, float]:
+    """Pressures on interfaces of these names; E197 on others."""
+    mean_pressures = pressures(reader, example)
+    for name, node, _ in mean_pressures:
+        if name not in known:
+            message = f"water pressure on {name}: there is no such interface"
+            reader.fault("E197", message, node, reader.nearest(name, known))
+    return {name: value for name, _, value in mean_pressures}
+
+
+def common(
+    reader: Reader, blocks: Mapping[str, bool] | None, in_section: bool, toward: float | None, water: Sequence[float]
+) -> dict[str, Any]:
+    """What every design of many blocks takes, by attribute; call it last.
+
+    Parameters
+    ----------
+    blocks : whether each moves, by name; None where they are not cut yet
+    toward : what a seismic load acts toward where the file does not say
+    water : pressures in the order of the interfaces
+    """
+    strengths = named_strengths(reader)
+    attributes = read_common(reader, on_blocks=True)
+    attributes["seismic"] = _seismic(reader, attributes["seismic"], in_section, toward)
+    attributes["forces"] = tuple(_on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section))
+    attributes["bolts"] = tuple(_on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section))
+    attributes["strengths"] = strengths
+    attributes["water"] = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
+    return attributes
+
+
+def _seismic(reader: Reader, seismic: Seismic, in_section: bool, toward: float | None) -> Seismic:
+    """The seismic load with its direction; E253 where that is missing or leaves the section."""
+    trend = toward if seismic.trend_deg is None else seismic.trend_deg
+    node = reader.at("loads.seismic")
+    if not seismic.coefficient or node is None:
+        return seismic
+    if trend is None:
+        message = "the seismic load has no direction, and the blocks do not say which way the slope falls"
+        advice = "Write seismic: {k: 0.1, toward: 270}, or add --set loads.seismic.toward=270."
+        reader.fault("E253", message, node, advice)
+    elif in_section and min(abs(trend - known) for known in _SECTION_TRENDS) > _TREND_TOLERANCE:
+        message = f"the seismic load acts toward {number(trend)}, in a section it acts toward 090 or 270"
+        reader.fault("E253", message, node.get("toward") or node, "x is east (090), -x west (270).")
+    return replace(seismic, trend_deg=trend)
+
+
+def _on_blocks(
+    reader: Reader, path: str, what: str, read: Callable[[Any, str], Any], blocks: Mapping[str, bool] | None,
+    in_section: bool,
+) -> Iterator[Any]:  # fmt: skip
+    """Forces or bolts with the blocks they act on; E252 for one that leaves the section."""
+    for node in reader.items(path):
+        value = reader.value(node)
+        bare = {key: part for key, part in value.items() if key != "block"} if isinstance(value, dict) else value
+        load = None if value is None else reader.kept(read, bare, str(node.place))
+        block = _block_of(reader, node, what, blocks) if value is not None else None
+        if load is None:
+            continue
+        vector = load.components_kn if isinstance(load, Force) else tuple(load.toward.vector().tolist())
+        if in_section and abs(vector[1]) > _OFF_SECTION * sum(part * part for part in vector) ** 0.5:
+            message = f"a {what} leaves the section: x is east, z is up, and nothing acts along y"
+            advice = "Point it toward 090 or 270 (any plunge), or give [x, 0, z]."
+            reader.fault("E252", message, node.get("toward") or node, advice)
+        yield replace(load, block=block)
+
+
+def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] | None) -> str | None:
+    """The block of a load: the one it names, or the only one that moves; E250, E251."""
+    named = node.get("block")
+    moving = [name for name, moves in (blocks or {}).items() if moves]
+    if named is not None and named.text is not None:
+        if blocks and not blocks.get(named.text, False):
+            is_fixed = named.text in blocks
+            message = f"a {what} acts on {named.text}, {'which is fixed' if is_fixed else 'there is no such block'}"
+            reader.fault("E250", message, named, reader.nearest(named.text, moving))
+        return named.text
+    if len(moving) == 1:
+        return moving[0]
+    at = "head" if what == "bolt" else "at"
+    if blocks is None and node.get(at) is None:
+        message = f"a {what} does not say where it acts: the bench has many blocks"
+        reader.fault("E251", message, node, f"Add {at}: a point in its block (or block: its name).")
+    elif blocks is not None and moving:
+        advice = f"Add block: {moving[0]}." if node.is_mapping else f"Write {{force: …, block: {moving[0]}}}."
+        reader.fault("E251", f"a {what} names no block, and {len(moving)} can move", node, advice)
+    return None

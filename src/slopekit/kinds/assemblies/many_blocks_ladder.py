@@ -1,0 +1,81 @@
+"""The ladder of many blocks: the blocks that fail first on other elastic joints, on finer pairs, at other strengths."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+
+from threadpoolctl import threadpool_limits
+
+from slopekit.core.onlooker import say
+from slopekit.kinds.assemblies.many_blocks import SolvedAssembly, all_pairs_of, balance_of, search_of_all_pairs
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
+from slopekit.kinds.solver_inputs import joint_strength
+from slopekit.preie.many_blocks.blocks import limit_of_blocks
+from slopekit.preie.many_blocks.ravelling import component_limit, finer_model
+
+_MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
+_RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
+
+
+def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder:
+    """The result with its all-pairs factor, the rungs, the limit at other strengths."""
+    result = solution.result
+    few = result.model.moving_blocks <= _MOST_SEARCHED
+    if few and result.fos.limit and result.all_pairs is None:
+        say("all pairs", head=True)
+        search = search_of_all_pairs(design, solution.scene, solution.loads, result.fos.limit)
+        if search is not None:
+            fos = replace(result.fos, all_pairs_failed=search.factor)
+            result = replace(result, fos=fos, all_pairs=all_pairs_of(search))
+    unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
+    with threadpool_limits(1):  # as the analysis: bands are narrow
+        rungs = tuple(_rungs(solution))
+    parts = solution.ravelling.parts
+    rest = balance_of(parts, at_rest=True) if any(part.limit.width for part in parts) else None
+    return Ladder(result, rungs, _others(solution), unrefined, rest=rest)
+
+
+def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:
+    """The same F of the blocks that fail first, with their strength divided."""
+    failures = solution.ravelling.failures
+    if not failures or not failures[0].limit.factor:
+        return ()
+    model, factors = failures[0].parts[0].model, []
+    with threadpool_limits(1):
+        for k in (OTHER_STRENGTH, failures[0].limit.factor):
+            say("other strengths", head=True)
+            other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
+            limit = limit_of_blocks(other, ranged=False)
+            factors.append(k * limit.factor if limit.factor else None)
+    return tuple(factors)
+
+
+def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
+    """Rungs of the blocks that fail first; those that were held stay so."""
+    result, scene, failures = solution.result, solution.scene, solution.ravelling.failures
+    if result.agree is not None and result.fos.closed_form is not None:
+        taken = result.timing_s["closed_form"]
+        yield Rung("closed form", "closed form", None, None, result.fos.closed_form, taken)
+    if not failures or not failures[0].limit.factor:
+        return
+    part = failures[0].parts[0]
+    for ratio in _RATIOS:
+        say(f"ladder, k_t/k_n {ratio:g}", head=True)
+        limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
+        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
+    for level in range(3 if _refines(solution) else 1):
+        model = part.model
+        if level:
+            model = finer_model(scene.assembly, solution.loads, joint_strength(scene.strengths), part, level)
+        if level and len(model.control_area) > MOST_PAIRS:
+            break
+        say(f"ladder, parts split {often(level)}", head=True)
+        (_, limit), seconds = timed(partial(component_limit, model))
+        setting = f"parts split {often(level)}" if _refines(solution) else "as analysed"
+        yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
+
+
+def _refines(solution: SolvedAssembly) -> bool:
+    """Whether finer node pairs mean anything: in a section a flat contact slips as one, and its ends turn it."""
+    return not solution.scene.assembly.in_section

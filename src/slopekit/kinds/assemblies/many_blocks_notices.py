@@ -1,0 +1,205 @@
+"""What a reader must know of many blocks: notices of their limit, of how it was found and of what it leaves out."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from slopekit.core.errors import Notice
+from slopekit.findings import Mechanism
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.solver_inputs import joint_strength
+from slopekit.kinds.words import many_times
+from slopekit.notices import (
+    SQUARE,
+    Bonds,
+    bond_notices,
+    common_notices,
+    headless_notices,
+    mesh_notices,
+    undrawn_notice,
+)
+from slopekit.preie.elastic_path.loads_last import STRONGER
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
+from slopekit.preie.many_blocks.key_blocks import slide_alone
+from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.tolerances import SAME_FACTOR
+
+_ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
+_FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
+
+
+def notices_of(
+    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
+    straight: float | None,
+) -> Iterator[Notice]:  # fmt: skip
+    """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on.
+
+    Parameters
+    ----------
+    straight : the factor of its block `without_turning`
+    """
+    yield from scene.notices
+    yield from common_notices(design, scene.strengths)
+    if not mechanisms:
+        return
+    first, limit = mechanisms[0], ravelling.failures[0].limit
+    yield from headless_notices(design)
+    if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
+        yield undrawn_notice()
+    if limit.outcome is Outcome.NO_STRENGTH:
+        yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
+    yield from mesh_notices(max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0))
+    if limit.basis is Basis.PEAK and first.fos:
+        yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
+                     "rest, the peak of the elastic path, on the way to it that holds least; where limits of random "
+                     "sections were found they lay up to 4 % below their peaks, which bounds none")  # fmt: skip
+    if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
+        yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
+                     f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
+    if limit.rounding and first.fos:
+        yield Notice("W502", "no rest of so many blocks was found with the sharp law of their joints: at the factor "
+                     "all forces balance within strength, and what joints give, open and slip fits them but for "
+                     f"{limit.rounding * 100.0:.1g} % of the elastic energy")  # fmt: skip
+    if limit.loads_last and first.fos:
+        yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
+                     "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
+    if limit.begun and first.fos and first.static_bound:
+        yield Notice("W482", "with all loads on at once the blocks come to rest at "
+                     f"{first.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
+                     "twice; those that came on after the weight led to no limit state")  # fmt: skip
+    if limit.outcome is Outcome.NO_REST:
+        yield _without_rest(limit, design.seismic.coefficient)
+    if limit.spent:
+        yield _unsettled(limit)
+    elif limit.outcome is Outcome.NOT_CONVERGED:
+        yield _given_up(limit)
+    if first.fos and first.static_bound is None:
+        yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
+                     "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
+    if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
+        times = many_times(first.static_bound / first.fos)
+        more = f"{times} as much" if times else f"{(first.static_bound / first.fos - 1.0) * 100.0:.0f} % more"
+        yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
+                     "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
+    if straight is not None:
+        yield Notice("W479", f"{first.blocks[0].name} turns as it goes, which raises its factor: without turning, as "
+                     f"closed forms count, it is {straight:.4f}; of a wedge (kind: wedge) no credit is taken for "
+                     "that")  # fmt: skip
+    yield from said_of_bonds(ravelling.failures[0])
+
+
+def without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
+    """The factor at which a block would slide without turning, where that is lower than the limit of its motion.
+
+    Asked of one block in space that no other presses on, without dilation, passive bolts or curved strength: else
+    forces alone have no one factor.
+    """
+    part, limit, assembly = failure.parts[0], failure.limit, scene.assembly
+    if assembly.in_section or not limit.factor or len(failure.blocks) > 1 or len(part.model.bolts):
+        return None
+    if any(strength.law or strength.dilation_deg for strength in scene.strengths):
+        return None
+    block, patches = int(failure.blocks[0]), assembly.patches
+    pressed = np.bincount(part.model.pair_contact, limit.normal_force, len(part.model.plus))[: len(part.patch)] > 0.0
+    touching = np.stack([patches.plus[part.patch[pressed]], patches.minus[part.patch[pressed]]])
+    others = touching[(touching != block) & (touching >= 0) & (touching == block).any(axis=0)]
+    if not assembly.fixed[others].all():
+        return None
+    none = np.zeros(len(assembly), dtype=bool)
+    _, factors = slide_alone(
+        assembly, scene_loads(scene), joint_strength(scene.strengths), none, np.array([block], dtype=np.int64)
+    )
+    lower = factors[factors < limit.factor * (1.0 - SAME_FACTOR)]
+    return float(lower[0]) if len(lower) else None
+
+
+def said_of_bonds(failure: Failure) -> Iterator[Notice]:
+    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W493 to W496."""
+    yield from bond_notices(bonds_of(failure), "{:.4f}".format, "factor of safety")
+
+
+def bonds_of(failure: Failure) -> Bonds:
+    """What the limit of a mechanism says of cohesion; without a factor what is lost alone."""
+    limit, joints = failure.limit, failure.parts[0].model.joint_pairs
+    lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
+    if not limit.factor:
+        return Bonds(lost, limit.bonded, entire=limit.entire)
+    return Bonds(
+        lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
+        limit.finer, limit.finer_is_less, limit.unrefined, limit.entire,
+    )  # fmt: skip
+
+
+def _unsettled(limit: BlocksLimit) -> Notice:
+    """What is known of blocks whose limit takes more work than an analysis does."""
+    rests = "no rest of all blocks that would say anything was seen"
+    if limit.rested is not None:
+        rests = (
+            f"all blocks were last at rest with their strength divided by {limit.rested:.4g} (limits of random "
+            "sections lay up to 4 % below such a rest)"
+        )
+    above = ", and no static bound was found"
+    if limit.static_bound is not None:
+        above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
+    alone = ""
+    if limit.held is not None:
+        factor, count = limit.held
+        few = "one block has its" if count == 1 else f"{count} blocks have their"
+        alone = (
+            f"; with all others held where they are {few} limit at {factor:.4g}, no number of all: theirs may be lower"
+        )
+    return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
+                  f"counted, not timed: every machine ends here): {rests}{above}{alone}")  # fmt: skip
+
+
+def _given_up(limit: BlocksLimit) -> Notice:
+    """Why a search ended without a limit although work was left."""
+    why = "the motion that was followed led to no state whose forces balance within strength"
+    if limit.by_turns is not None:
+        low, high = limit.by_turns
+        fit = f"fit on and do not by turns with the strength divided by {low:.4g} to {high:.4g}"
+        if high <= low * (1.0 + _ONE_PLACE):
+            fit = f"just all fit on with the strength divided by {low:.4g}"
+        why = f"the loads beside weight and water, coming on last, {fit}, and no rest under all of them was found there"
+    above = "" if limit.static_bound is None else f"; the static bound is {limit.static_bound:.4g}"
+    return Notice("W371", f"the search for the limit of these blocks gave up: {why}{above}")
+
+
+def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
+    """Why blocks that forces could balance have no factor, with what was tried; `seismic`: the coefficient, or 0."""
+
+    def earthquake(part: float) -> str:
+        return f" (k {part * seismic:.4g})" if seismic else ""
+
+    most = f"{STRONGER[-1]:g} times the strength of the static bound"
+    if limit.loads_last and limit.carried is not None and limit.carried < 1.0:
+        tried = f"up to {most}" if limit.static_bound else "at any strength that was tried"
+        tips = ""
+        if limit.tips is not None:
+            part, factor = limit.tips
+            tips = (
+                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of "
+                f"them{earthquake(part)} in a motion that slips nowhere: they tip, and no friction or cohesion hinders "
+                "it: a wider base or bolts would"
+            )
+        return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight "
+                      f"and water{earthquake(limit.carried)}, and {tried} they did not carry all of them: no factor of "
+                      f"safety is given{tips}")  # fmt: skip
+    exist = (
+        ""
+        if limit.static_bound is None
+        else "; the static bound says that forces in balance exist, not that they arise"
+    )
+    bonds, tip = "without the cohesion that is lost, ", ""
+    if not limit.bonded:
+        bonds, tip = "", " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
+    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
+                  f"{tip}: no factor of safety is given{exist}")  # fmt: skip
+
+
+def _drawn_out(part: Part) -> bool:
+    """Whether a mechanism draws out a passive bolt."""
+    _, slip = part.model.opening_and_slip(part.limit.velocity)
+    return bool((slip[part.model.bolted, 0] < -SQUARE).any())

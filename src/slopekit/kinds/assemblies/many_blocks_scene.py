@@ -1,0 +1,199 @@
+"""Many blocks in arrays: the blocks, their contacts and strengths, the loads on them."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field, replace
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.orientation import Line
+from slopekit.core.records import dataclass
+from slopekit.design.parts import Bolt, Force, Strength
+from slopekit.geometry.patches import BEDROCK, Assembly
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
+from slopekit.kinds.sizes import Crest
+from slopekit.kinds.solver_inputs import point_force
+from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
+
+
+@dataclass(frozen=True, slots=True)
+class AssemblyScene:
+    """An assembly with everything that the analysis needs, in the design's coordinates less `origin`.
+
+    Attributes
+    ----------
+    names : (n,); joints : names by joint index, strengths : their strengths
+    unit_weights : (n,) kN/m³; pressures : (k,) mean kPa on each patch, water_points : (k, 3) where they
+        act, None in the middle of each
+    seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
+    bolts : the passive ones, bolt_names : as the design numbers them
+    pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
+    outlines : x, z of the blocks of a section by name
+    checks : figures of what was checked; left_out : in words
+    crest : of the slope, None where it is not known; crest_x : of columns that were made from a slope, m
+    """
+
+    assembly: Assembly
+    names: tuple[str, ...]
+    joints: tuple[str, ...]
+    strengths: tuple[Strength, ...]
+    unit_weights: Floats
+    pressures: Floats
+    outlines: Mapping[str, Floats]
+    checks: Mapping[str, float]
+    left_out: tuple[str, ...]
+    notices: tuple[Notice, ...]
+    thickness: float | None = None
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
+    seismic: Floats = field(default_factory=lambda: np.zeros(3))
+    pushes: tuple[tuple[int, PointForce], ...] = ()
+    bolts: PassiveBolts = NO_BOLTS
+    bolt_names: tuple[str, ...] = ()
+    water_points: Floats | None = None
+    pond: tuple[tuple[int, PointForce], ...] = ()
+    surcharge: tuple[tuple[int, PointForce], ...] = ()
+    crest: Crest | None = None
+    crest_x: float | None = None
+
+    @property
+    def height_m(self) -> float:
+        """Of all blocks, bedrock that is one of them too: from their lowest to their highest point."""
+        if self.outlines:
+            return float(np.ptp(np.concatenate([outline[:, 1] for outline in self.outlines.values()])))
+        return float(np.ptp(self.assembly.vertices[self.assembly.triangles.ravel(), 2]))
+
+
+def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:
+    """A scene with what acts on its blocks.
+
+    Parameters
+    ----------
+    toward_deg : the way a seismic load acts without a trend; advice : where no block can move
+
+    Raises
+    ------
+    GeometryError
+        E256 where none of the blocks can move.
+    DesignError
+        E250, E251 for loads on blocks that are not there, E212 for passive bolts that end in their own block.
+    """
+    if scene.assembly.fixed.all():
+        message = f"none of the {len(scene.assembly)} blocks can move: each reaches bedrock's side of the model"
+        raise GeometryError([Fault("E256", message, "", advice)])
+    given = design.seismic
+    trend = toward_deg if given.trend_deg is None else given.trend_deg
+    seismic = given.coefficient * Line(trend, 0.0).vector() if given.coefficient else np.zeros(3)
+    pushes, bolts, names = _pushes(design, scene)
+    return replace(scene, pushes=pushes, bolts=bolts, bolt_names=names, seismic=seismic)
+
+
+def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
+    """A scene of blocks with names with its ground water, distances along x, and its surcharges. Raises E456, E461."""
+    if not (design.has_table or design.surcharges_kpa):
+        return scene
+    from slopekit.kinds.assemblies.table_on_patches import with_surcharges, with_water
+
+    return with_surcharges(design, with_water(design, scene, np.array([1.0, 0.0, 0.0])))
+
+
+def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
+    """All loads on the blocks of a scene."""
+    return assembly_loads(
+        scene.assembly,
+        scene.unit_weights,
+        scene.seismic,
+        scene.pressures,
+        (*scene.pushes, *scene.surcharge),
+        scene.bolts,
+        scene.water_points,
+        scene.pond,
+    )
+
+
+def _pushes(
+    design: AssemblyDesign, scene: AssemblyScene
+) -> tuple[tuple[tuple[int, PointForce], ...], PassiveBolts, tuple[str, ...]]:
+    """Forces and active bolts with the index of the block that each acts on, and passive bolts with their names."""
+    pushes, faults = [], []
+    passive: list[tuple[int, int, PointForce]] = []
+    names: list[str] = []
+    finder = _finder(scene)
+    loads: list[tuple[str, Force | Bolt, PointForce]] = []
+    for k, force in enumerate(design.forces, 1):
+        loads.append((f"force {k}", force, point_force(force, scene.origin)))
+    for k, bolt in enumerate(design.bolts, 1):
+        head = None if bolt.head_m is None else np.array(bolt.head_m) - scene.origin
+        loads.append((f"bolt {k}", bolt, PointForce(bolt.force_kn * bolt.toward.vector(), head)))
+    for name, given, push in loads:
+        block = finder(given.block, push.at)
+        if block is None:
+            where = f"there is no block {given.block}" if given.block is not None else "its point lies in no block"
+            faults.append(Fault("E250", f"{name} acts on no block: {where}"))
+        elif scene.assembly.fixed[block]:
+            faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock"))
+        elif isinstance(given, Force) or given.acts == "active":
+            pushes.append((block, push))
+        else:
+            toe = _toe(scene, given, block, finder)
+            if toe == block:
+                advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
+                message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
+                faults.append(Fault("E212", message, "", advice))
+            passive.append((block, toe, push))
+            names.append(name)
+    if faults:
+        raise DesignError(faults)
+    return tuple(pushes), _passive(scene, passive), tuple(names)
+
+
+def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | None, Floats | None], int | None]) -> int:
+    """The block in which a bolt ends, -1 for bedrock: all that is none of the blocks, and where no length is given."""
+    if bolt.head_m is None or bolt.length_m is None:
+        return BEDROCK
+    end = np.array(bolt.head_m) + bolt.length_m * bolt.toward.vector() - scene.origin
+    toe = finder(None, end)
+    if scene.assembly.in_section:
+        shown = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
+        inside = [k for k, outline in enumerate(shown) if _holds(outline, end[[0, 2]])]
+        toe = inside[0] + head // len(shown) * len(shown) if inside else None  # of its own row of columns
+    return BEDROCK if toe is None or scene.assembly.fixed[toe] else toe
+
+
+def _holds(outline: Floats, point: Floats) -> bool:
+    """Whether a polygon (k, 2) holds a point (2,): a ray from it crosses the outline an odd number of times."""
+    (x0, z0), (x1, z1) = outline.T, np.roll(outline, -1, axis=0).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = x0 + (point[1] - z0) * (x1 - x0) / (z1 - z0)
+    return bool(np.count_nonzero(((z0 > point[1]) != (z1 > point[1])) & (crossing > point[0])) % 2)
+
+
+def _passive(scene: AssemblyScene, bolts: Sequence[tuple[int, int, PointForce]]) -> PassiveBolts:
+    """Passive bolts of blocks of their heads and toes, capacities and points; without a point through the centroid."""
+    if not bolts:
+        return NO_BOLTS
+    points = [scene.assembly.centroids[head] if push.at is None else push.at for head, _, push in bolts]
+    return PassiveBolts(
+        np.array([head for head, _, _ in bolts]), np.array([toe for _, toe, _ in bolts]),
+        frozen(np.array([push.force for _, _, push in bolts])), frozen(np.array(points)),
+    )  # fmt: skip
+
+
+def _finder(scene: AssemblyScene) -> Callable[[str | None, Floats | None], int | None]:
+    index = {name: k for k, name in enumerate(scene.names)}
+    assembly = scene.assembly
+
+    def find(name: str | None, at: Floats | None) -> int | None:
+        if name is not None:
+            return index.get(name)
+        if at is None or len(assembly.triangles) == 0:
+            return None
+        a, b, c = (assembly.vertices[assembly.triangles[:, k]] for k in range(3))
+        outward = np.cross(b - a, c - a)
+        beyond = ((at - a) * outward).sum(axis=1)
+        inside = np.full(len(assembly), -np.inf)
+        np.maximum.at(inside, assembly.triangle_block, beyond / np.maximum(np.abs(outward).max(axis=1), 1e-300))
+        nearest = int(np.argmin(inside))
+        return nearest if inside[nearest] <= 1e-6 * float(np.cbrt(assembly.volumes[nearest])) else None
+
+    return find

@@ -1,0 +1,334 @@
+"""The limit state of many blocks: how each moves, which interfaces govern, contact modes, loads as arrows, sizes."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, BlockSizes, NodePairState
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.evidence import AtFactorOne, Movement
+from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
+from slopekit.kinds.single_block.one_block_states import CLOSED, SLIPS
+from slopekit.kinds.sizes import Crest, extents_of, on_plane
+from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
+from slopekit.loads import AssemblyLoads, line_of_action
+from slopekit.preie.many_blocks.blocks_limit import Basis
+from slopekit.preie.many_blocks.ravelling import Failure, Part
+from slopekit.preie.motion.settlement import settlement
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.solvers.effort import MOST, EffortSpentError, allowed
+from slopekit.preie.system.components import block_sizes, whole_model
+from slopekit.preie.tolerances import OPENS_IN_PASSES
+from slopekit.strength.mohr_coulomb import line
+
+_TURNS = 0.05  # rotation beyond this part of a block's motion counts
+_OPENS = 1e-5  # an interface of which more than this part of the area opens
+_MOST_INTERFACES = 12
+_MOST_SETTLED = 2000  # moving blocks: beyond that the elastic bed would take minutes
+
+
+def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
+    """Which node pairs are open, which slip, and the slip of each friction force's contact (g,)."""
+    model, limit = part.model, part.limit
+    opening, slip = model.opening_and_slip(limit.velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
+    opened = opening - (model.tan_dilation * size)[model.group_of_pair] > OPENS_IN_PASSES * fastest
+    opened |= limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
+    slips = (size > SLIPS * fastest)[model.group_of_pair] & ~opened
+    return opened, slips, size
+
+
+def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
+    """A failure in words: status, factor, blocks and governing interfaces."""
+    limit = failure.limit
+    size = block_sizes(scene.assembly)
+    blocks = []
+    for block, motion in zip(failure.blocks.tolist(), failure.motion, strict=True):
+        how = _how(motion, float(size[block]), limit.outcome)
+        blocks.append(BlockMotion(scene.names[block], how, motion[:3], motion[3:]))
+    blocks.sort(key=lambda block: -float(np.abs(block.displacement).max()))
+    ways = {block.how for block in blocks}
+    if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in failure.parts):
+        status = "not_converged"
+    elif limit.outcome in (Outcome.LIFTED, Outcome.NO_REST):
+        status = next((way for word, way in _WITHOUT if word in ways), "falls")
+    elif "topples" in ways:
+        status = "topples"
+    elif "rotates" in ways:
+        status = "rotates"
+    else:
+        upward = all(motion[2] > _TURNS for motion in failure.motion)
+        status = "slides_up" if upward else "slides"
+    counts: dict[str, int] = {"stick": 0, "slip": 0, "open": 0}
+    interfaces: list[GoverningInterface] = []
+    total = 0.0
+    for part in failure.parts:
+        for mode, count in _modes(part).items():
+            counts[mode] += count
+        losing, lost = _interfaces(part, scene)
+        interfaces, total = interfaces + losing, total + lost
+    interfaces.sort(key=lambda interface: -interface.share)
+    governing = tuple(
+        GoverningInterface(
+            losing.name, losing.joint, losing.mode, losing.share / max(total, 1e-300), losing.normal_kn, losing.area_m2
+        )
+        for losing in interfaces[:_MOST_INTERFACES]
+    )  # fmt: skip
+    return Mechanism(
+        status,
+        limit.factor,
+        limit.static_bound,
+        max(part.limit.change for part in failure.parts),
+        tuple(blocks),
+        governing,
+        counts,
+        max((part.limit.basis for part in failure.parts), key=_SUREST.index).name.lower(),
+    )
+
+
+_SUREST = (Basis.LIMIT, Basis.SETTLED, Basis.PEAK, Basis.NONE)  # the surest first
+_WITHOUT = (("topples", "topples"), ("rotates", "topples"), ("lifts", "lifted"), ("falls", "falls"))
+
+
+def _how(motion: Floats, size: float, outcome: Outcome) -> str:
+    """How a block moves: its top goes ahead where it topples, its bottom where it turns back under itself."""
+    moved, turned = motion[:3], motion[3:] * size
+    speed, spin = float(np.sqrt(moved @ moved)), float(np.sqrt(turned @ turned))
+    if spin > _TURNS * max(speed, spin):
+        up = np.array([0.0, 0.0, 1.0])
+        top, bottom = moved + np.cross(turned, up), moved - np.cross(turned, up)
+        flat = top[:2] @ top[:2] - bottom[:2] @ bottom[:2]
+        return "topples" if flat > 0.0 else "rotates"
+    if outcome in (Outcome.LIFTED, Outcome.NO_REST):
+        return "lifts" if moved[2] > 0.0 else "falls"
+    return "slides"
+
+
+def _modes(part: Part) -> dict[str, int]:
+    if len(part.model.control_area) == 0:
+        return {}
+    opened, slips = (state[part.model.joint_pairs] for state in states_of_part(part)[:2])
+    return {"stick": int((~opened & ~slips).sum()), "slip": int(slips.sum()), "open": int(opened.sum())}
+
+
+def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterface], float]:
+    """Interfaces between two blocks, and bolts, that lose work in the mechanism, with the work, and all work."""
+    model, limit = part.model, part.limit
+    if len(model.control_area) == 0 or limit.factor is None:
+        return [], 0.0
+    opened, _, size = states_of_part(part)
+    carried = line(model.by_group(model.cohesion * limit.bond), model.tan_friction, model.by_group(limit.normal_force))
+    carried = np.where(model.bolted, limit.friction[:, 0] * limit.factor, carried)
+    lost = carried * size
+    work = np.bincount(model.group_contact, lost, len(model.plus))
+    normal = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) * model.force_scale
+    area = np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale
+    open_area = np.bincount(model.pair_contact, model.control_area * opened, len(model.plus)) * model.area_scale
+    chosen = np.argsort(-work, kind="stable")[: 4 * _MOST_INTERFACES]
+    sums: dict[tuple[str, str], list[float]] = {}
+    patches = scene.assembly.patches
+    bolts: list[GoverningInterface] = []
+    for k in chosen[work[chosen] > 1e-6 * work.max(initial=0.0)].tolist():
+        if k >= len(part.patch):
+            bolt = int(model.bolts[k - len(part.patch)])
+            pull = float(limit.friction[k - len(model.plus), 0]) * model.force_scale
+            head = scene.names[int(scene.bolts.head[bolt])]
+            bolts.append(GoverningInterface(scene.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
+            continue
+        patch = int(part.patch[k])
+        name = _pair_name(scene, int(patches.plus[patch]), int(patches.minus[patch]))
+        entry = sums.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
+        for at, value in enumerate((work[k], normal[k], area[k], open_area[k])):
+            entry[at] += float(value)
+    return [
+        GoverningInterface(name, joint, "open" if gone > _OPENS * area_ else "slip", share, force, area_)
+        for (name, joint), (share, force, area_, gone) in sums.items()
+    ] + bolts, float(work.sum())
+
+
+def _pair_name(scene: AssemblyScene, plus: int, minus: int) -> str:
+    names = [scene.names[side] if side >= 0 else "bedrock" for side in (plus, minus)]
+    return "/".join(names)
+
+
+def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
+    """The node pairs of the parts that were solved, each at the limit of its part."""
+    states = [_of_part(scene, part) for part in parts if len(part.model.control_area)]
+    whole, none = np.zeros((0, 3)), np.zeros(0)
+    empty = NodePairState(whole, _whole(none), none, whole, _whole(none), _whole(none), none, whole, _whole(none))
+    every = [empty, *states]
+    return NodePairState(*(
+        np.concatenate([getattr(state, name) for state in every]) for name in NodePairState.__dataclass_fields__
+    ))  # fmt: skip
+
+
+def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
+    model, limit, patches = part.model, part.limit, scene.assembly.patches
+    real = model.joint_pairs
+    contact = model.pair_contact[real]
+    opened, slips, _ = states_of_part(part)
+    if scene.assembly.in_section:
+        normals, tangents = np.zeros((len(model.plus), 3)), np.zeros((len(model.plus), 1, 3))
+        normals[:, [0, 2]] = model.plus_motion[:, 0, :2]
+        tangents[:, 0, [0, 2]] = model.plus_motion[:, 1, :2]
+    else:
+        normals, tangents = model.plus_motion[:, 0, :3], model.plus_motion[:, 1:3, :3]
+    # the pairs of a flat contact in a section share one friction force: each has its part of the strength
+    capacity = line(model.cohesion * limit.bond, model.tan_friction[model.group_of_pair], limit.normal_force)
+    whole = model.by_group(capacity)[model.group_of_pair]
+    share = np.divide(capacity, whole, out=np.zeros_like(whole), where=whole > 0.0)
+    forces = np.einsum("gt,gtx->gx", limit.friction, tangents[model.group_contact])
+    moving = np.append(model.moving, -1)
+    plus, minus = model.plus[: len(part.patch)], model.minus[: len(part.patch)]
+    return NodePairState(
+        frozen(model.points[real] + scene.origin), _whole(patches.joint[part.patch][contact]),
+        frozen(model.control_area[real] * model.area_scale), frozen(normals[contact]), moving[plus][contact],
+        np.where(minus < 0, _rock(scene, part, plus), moving[minus])[contact],
+        frozen(limit.normal_force[real] * model.force_scale),
+        frozen((forces[model.group_of_pair] * share[:, None])[real] * model.force_scale),
+        np.where(opened, OPEN, np.where(slips, SLIP, STICK))[real],
+    )  # fmt: skip
+
+
+def _rock(scene: AssemblyScene, part: Part, plus: Ints) -> Ints:
+    """The held or fixed block on the other side of each contact, -1 for bedrock that is none of the blocks."""
+    patches = scene.assembly.patches
+    first, second = patches.plus[part.patch], patches.minus[part.patch]
+    own = part.model.moving[plus]
+    return np.where(first == own, second, first)
+
+
+def _whole(values: "Ints | Floats") -> Ints:
+    return np.asarray(values, dtype=np.int64)
+
+
+def bolt_pulls(scene: AssemblyScene, parts: Sequence[Part]) -> Floats:
+    """What each passive bolt pulls at the limit, (b,) kN; nan where there is no limit."""
+    pulls = np.full(len(scene.bolts.head), np.nan)
+    for part in parts:
+        if part.limit.factor is not None:
+            bolted = part.model.bolted
+            pulls[part.model.bolts] = np.maximum(part.limit.friction[bolted, 0], 0.0) * part.model.force_scale
+    return pulls
+
+
+def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence[Part]) -> Arrows:
+    """The loads on the blocks that are not bedrock: weight, seismic load, water on each contact, forces and bolts.
+
+    Passive bolts pull as at the limit of their part; where it has none their full capacity is given.
+    """
+    assembly = scene.assembly
+    free = np.flatnonzero(~assembly.fixed)
+    parts: list[tuple[str, Ints, Floats, Floats]] = []
+
+    def add(name: str, blocks: Ints, forces: Floats, at: Floats) -> None:
+        if len(blocks) and forces.any():
+            parts.append((name, blocks, forces, at))
+
+    middle, weights = assembly.centroids[free], loads.weights[free, None]
+    add("weight", free, weights * np.array([0.0, 0.0, -1.0]), middle)
+    add("seismic", free, weights * scene.seismic, middle)
+    patches = assembly.patches
+    for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
+        wet = np.flatnonzero((side >= 0) & (loads.water != 0.0))
+        wet = wet[~assembly.fixed[side[wet]]]
+        add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], loads.water_at(assembly)[wet])
+    for block, push in scene.pond:
+        at = assembly.centroids[block] + line_of_action(push)
+        add("water", np.array([block]), push.force[None, :], at[None, :])
+    for block, push in scene.surcharge:
+        assert push.at is not None
+        add("surcharge", np.array([block]), push.force[None, :], push.at[None, :])
+    for k, (block, push) in enumerate(scene.pushes, 1):
+        at = assembly.centroids[block] if push.at is None else push.at
+        add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])
+    bolts = scene.bolts
+    for k, pull in enumerate(bolt_pulls(scene, solved).tolist()):
+        name, part_of_it = f"passive bolt {k + 1}", pull / float(np.linalg.norm(bolts.forces[k]))
+        if np.isnan(pull):
+            name, part_of_it = f"{name}, full capacity", 1.0
+        ends = np.array([end for end in (bolts.head[k], bolts.toe[k]) if end >= 0])
+        signs = np.where(ends == bolts.head[k], part_of_it, -part_of_it)
+        at = np.repeat(bolts.points[k : k + 1], len(ends), axis=0)
+        parts.append((name, ends, signs[:, None] * bolts.forces[k], at))  # also where it does not pull
+    names = tuple(dict.fromkeys(name for name, *_ in parts))
+    return Arrows(
+        names, np.concatenate([np.zeros(0), *(np.full(len(own), names.index(name)) for name, own, *_ in parts)]).astype(
+            np.int64
+        ),
+        _whole(np.concatenate([np.zeros(0), *(own for _, own, *_ in parts)])),
+        frozen(np.concatenate([np.zeros((0, 3)), *(force for *_, force, _ in parts)])),
+        frozen(np.concatenate([np.zeros((0, 3)), *(at for *_, at in parts)]) + scene.origin),
+    )  # fmt: skip
+
+
+def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> AtFactorOne | None:
+    """Where the blocks come to rest on their elastic contacts; None where they do not, or are too many."""
+    assembly = scene.assembly
+    if int((~assembly.fixed).sum()) > _MOST_SETTLED:
+        return None
+    model = whole_model(assembly, loads, joint_strength(scene.strengths))
+    if model is None:
+        return None
+    settled = None
+    with threadpool_limits(1), suppress(EffortSpentError), allowed(MOST):
+        settled = settlement(model, joint_stiffness(design))
+    if settled is None:
+        return None
+    every = np.zeros((len(assembly), 6))
+    every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = settled.displacement
+    size = np.sqrt((every[:, :3] ** 2).sum(axis=1))
+    most = int(np.argmax(size))
+    movement = Movement(frozen(every[most, :3]), frozen(every[most, 3:]))
+    return AtFactorOne(movement, settled.failed_pairs, settled.residual, scene.names[most], frozen(every))
+
+
+# -- how large it is ---------------------------------------------------------------------------------------------------
+
+
+def with_sizes(mechanisms: Iterable[Mechanism], scene: AssemblyScene, gravity_m_s2: float) -> Iterator[Mechanism]:
+    """The mechanisms with the sizes of the blocks that move in each."""
+    index = {name: k for k, name in enumerate(scene.names)}
+    for one in mechanisms:
+        blocks = np.array([index[block.name] for block in one.blocks], dtype=np.int64)
+        yield replace(one, size=_sizes_of_blocks(blocks, scene, gravity_m_s2)) if len(blocks) else one
+
+
+def _sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) -> BlockSizes:
+    assembly = scene.assembly
+    volumes = assembly.volumes[blocks]
+    volume, mass = float(volumes.sum()), float(volumes @ scene.unit_weights[blocks]) / gravity_m_s2
+    if scene.outlines:
+        own = [outline for name, outline in scene.outlines.items() if name != "bedrock" or name in scene.names]
+        heights = np.concatenate([own[k % len(own)][:, 1] for k in blocks.tolist()])
+        setback = None
+        if scene.crest_x is not None:  # to the back of the last column, at its top: the third corner of an outline
+            setback = max(0.0, max(float(own[k % len(own)][2, 0]) for k in blocks.tolist()) - scene.crest_x)
+        return BlockSizes(volume, mass, float(np.ptp(heights)), None, setback, {})
+    moves = np.zeros(len(assembly) + 1, dtype=bool)
+    moves[blocks] = True
+    corners = assembly.vertices[assembly.triangles[moves[assembly.triangle_block]].ravel()]
+    if scene.crest is None:
+        return BlockSizes(volume, mass, float(np.ptp(corners[:, 2])), None, None, {})
+    extents = extents_of(corners, scene.crest)
+    traces = _traces(moves, scene, scene.crest)
+    return BlockSizes(volume, mass, extents.height_m, extents.face_width_m, extents.setback_m, traces)
+
+
+def _traces(moves: Bools, scene: AssemblyScene, crest: Crest) -> dict[str, dict[str, float]]:
+    """How long the edge of what moves (n + 1,) is on the face and on the upper slope, by joint."""
+    patches = scene.assembly.patches
+    traces: dict[str, dict[str, float]] = {}
+    for k in np.flatnonzero(moves[patches.plus] != moves[patches.minus]).tolist():
+        polygon = patches.corners[patches.first[k] : patches.first[k + 1]]
+        of_joint = traces.setdefault(scene.joints[patches.joint[k]], {})
+        for short, normal in (("face", crest.face), ("upper", crest.upper)):
+            if length := on_plane(polygon, normal, crest.point):
+                of_joint[short] = of_joint.get(short, 0.0) + length
+    return {name: traces[name] for name in scene.joints if name in traces}

@@ -1,0 +1,275 @@
+"""A water table, a pond and surcharges on many blocks: on each contact, and on what of a block touches no other.
+
+Free faces need no outlines of their own: they are the whole surface of a block less its contacts. The pond presses on
+the whole of a closed surface with γ_w times what lies under water, upward.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
+from slopekit.core.errors import Fault, MisfitError, Notice
+from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
+from slopekit.geometry.patches import Assembly
+from slopekit.geometry.pressure import Height, Pressure
+from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
+from slopekit.kinds.single_block.ground_water import heights_of, pressure, refuse_above
+from slopekit.loads import PointForce
+
+_NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
+_IN_PLANE = 1e-6  # of the size of a block: its faces nearer than that lie in the upper slope
+_OPEN = 1e-2  # of the water that a block displaces: what presses by less is a table drawn along a face
+_SLOPING = 1e-9  # of an area: a smaller plan is that of an upright face
+
+
+@dataclass(frozen=True, slots=True)
+class Outside:
+    """The ground over many blocks that were cut from a slope.
+
+    Attributes
+    ----------
+    faces : polygons (k, 3) of face and upper slope, that one last
+    normals, offsets : of these, outward; table : where it lies, of one by its depth
+    """
+
+    faces: tuple[Floats, Floats]
+    normals: Floats
+    offsets: Floats
+    table: tuple[Height, ...] = ()
+
+
+def with_water(
+    design: AssemblyDesign, scene: AssemblyScene, into: Floats, outside: Outside | None = None
+) -> AssemblyScene:
+    """The scene with the water of a table and a pond on its contacts and free faces, where the design has them.
+
+    Parameters
+    ----------
+    into : (3,) level unit vector that the distances of points count along, from the origin
+    outside : the ground; None: all that is known of it is that the highest block bears no water
+
+    Raises
+    ------
+    GeometryError
+        E456 the table lies above the ground.
+    """
+    table = () if outside is None else outside.table
+    if not (design.has_table or table):
+        return scene
+    level, assembly = float(scene.origin[2]), scene.assembly
+    table = table or heights_of(design, np.eye(3), into, level, assembly.in_section)
+    water = pressure(design, table, level)
+    if outside is not None:
+        highest = max(float(np.ptp(polygon[:, 2])) for polygon in outside.faces)
+        refuse_above(water, outside.faces, highest, np.eye(3))
+    elif table:
+        _refuse_over_highest(replace(water, pond=None), scene)
+    means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))
+    notices = scene.notices
+    if outside is None and table:
+        notices = (*notices, *_open_water(water, scene, means))
+    pond = () if water.pond is None else tuple(_on_free_faces(Pressure((), water.pond, water.unit_weight), scene))
+    if water.pond is not None and not pond:
+        told = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
+        notices = (*notices, Notice("W419", told))
+    return replace(scene, pressures=frozen(means), water_points=frozen(points), notices=notices, pond=pond)
+
+
+def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
+    corners = scene.assembly.vertices
+    if scene.assembly.in_section:
+        corners = np.concatenate([np.insert(outline, 1, 0.0, axis=1) for outline in scene.outlines.values()])
+    highest = corners[int(corners[:, 2].argmax())]
+    head = float(water.at((highest - [0.0, 0.0, 1e-6])[None, :])[0])
+    if head > 1e-4:
+        message = f"the water table lies {head / water.unit_weight:.4g} m above the highest block"
+        raise MisfitError([Fault("E456", message, "", "Give a table at or below the ground.")])
+
+
+def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterator[Notice]:
+    """W499 where a table stands above faces of moving blocks that touch nothing: it presses on contacts alone.
+
+    Parameters
+    ----------
+    means : (k,) kPa on the patches
+    """
+    assembly = scene.assembly
+    patches, pond = assembly.patches, Pressure((), water.pond, water.unit_weight)
+    worst, left = -1, _OPEN * water.unit_weight
+    for block in np.flatnonzero(~assembly.fixed).tolist():
+        whole = sum(water.on(polygon)[0] - pond.on(polygon)[0] for polygon, _ in _surface(scene, block))
+        touching = [k for k, _ in _of_block(assembly, block)]
+        if whole <= left * float(assembly.volumes[block]):
+            continue
+        polygons = _polygons(assembly, touching)
+        of_contacts = sum(
+            means[k] * patches.areas[k] - pond.on(polygon)[0] for k, polygon in zip(touching, polygons, strict=True)
+        )
+        over = (whole - of_contacts) / float(assembly.volumes[block])
+        if over > left:
+            worst, left = block, over
+    if worst >= 0:
+        push = left * float(assembly.volumes[worst])
+        yield Notice("W499", f"the water table stands above faces of {scene.names[worst]} that touch nothing, where "
+                     f"{push:.4g} kN of water would press: a table presses on contacts alone, open water is a pond",
+                     )  # fmt: skip
+
+
+def _polygons(assembly: Assembly, wanted: Iterable[int]) -> Iterator[Floats]:
+    """The patches with those numbers; of a section the length of each, square to it the thickness."""
+    patches = assembly.patches
+    for k in wanted:
+        polygon = patches.corners[patches.first[k] : patches.first[k + 1]]
+        if len(polygon) == 2:
+            polygon = _wide(polygon[0], polygon[1], patches.areas[k] / float(np.linalg.norm(polygon[1] - polygon[0])))
+        yield polygon
+
+
+def _on_patches(water: Pressure, assembly: Assembly, wanted: Bools) -> tuple[Floats, Floats]:
+    """Mean pressures (k,) kPa and the points (k, 3) they act through, of the patches that are wanted (k,)."""
+    patches = assembly.patches
+    means, points = np.zeros(len(patches)), patches.centroids.copy()
+    those = np.flatnonzero(wanted).tolist()
+    for k, polygon in zip(those, _polygons(assembly, those), strict=True):
+        thrust, at = water.on(polygon)
+        if thrust:
+            means[k], points[k] = thrust / patches.areas[k], at
+    return means, points
+
+
+def _wide(start: Floats, end: Floats, thickness: float) -> Floats:
+    """The rectangle (4, 3) of a line in a section."""
+    half = np.array([0.0, thickness / 2.0, 0.0])
+    return np.array([start - half, end - half, end + half, start + half])
+
+
+def _surface(scene: AssemblyScene, block: int) -> Iterator[tuple[Floats, Floats]]:
+    """The flat pieces of the surface of a block with their outward unit normals; of a section without its two sides."""
+    assembly = scene.assembly
+    if not assembly.in_section:
+        for corners in assembly.vertices[assembly.triangles[assembly.triangle_block == block]]:
+            whole = cross(corners[1] - corners[0], corners[2] - corners[0])
+            if size := float(np.sqrt(whole @ whole)):
+                yield corners, whole / size
+        return
+    names = [name for name in scene.outlines if name != "bedrock"]
+    outline = scene.outlines[names[block % len(names)]]  # of its own row of columns
+    x, z = outline.T
+    turned = np.sign(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
+    y = float(assembly.centroids[block, 1])
+    for k in range(len(outline)):
+        start, end = np.array([x[k - 1], y, z[k - 1]]), np.array([x[k], y, z[k]])
+        run = end - start
+        if size := float(np.sqrt(run @ run)):
+            yield _wide(start, end, scene.thickness or 1.0), turned * np.array([run[2], 0.0, -run[0]]) / size
+
+
+def _of_block(assembly: Assembly, block: int) -> Iterator[tuple[int, Floats]]:
+    """The patches of a block with their normals out of it."""
+    patches = assembly.patches
+    for side, sign in ((patches.plus, -1.0), (patches.minus, 1.0)):
+        for k in np.flatnonzero(side == block).tolist():
+            yield k, sign * patches.normals[k]
+
+
+def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, PointForce]]:
+    """What a pond does to blocks that can move, on all of their surface that is no contact."""
+    assembly = scene.assembly
+    patches = assembly.patches
+    level = pond.pond
+    assert level is not None
+    moving = np.flatnonzero(~assembly.fixed)
+    wet = [(k, corners) for k, corners in _corners_of(scene, moving) if float(corners[:, 2].min()) < level]
+    is_wet = np.zeros(len(assembly) + 1, dtype=bool)
+    is_wet[[k for k, _ in wet]] = True
+    means, points = _on_patches(pond, assembly, is_wet[patches.plus] | is_wet[patches.minus])
+    for block, corners in wet:
+        displaced = pond.unit_weight * float(assembly.volumes[block])
+        centre = assembly.centroids[block]
+        force, couple = np.zeros(3), np.zeros(3)
+        if float(corners[:, 2].max()) <= level:
+            force[2] = displaced
+        else:
+            for polygon, outward in _surface(scene, block):
+                thrust, at = pond.on(polygon)
+                force -= thrust * outward
+                couple -= thrust * cross(at - centre, outward)
+        for k, outward in _of_block(assembly, block):
+            push = means[k] * patches.areas[k] * outward
+            force += push
+            couple += cross(points[k] - centre, push)
+        if float(np.sqrt(force @ force)) > _NOTHING * displaced:
+            yield block, PointForce(force, None, couple)
+
+
+def _corners_of(scene: AssemblyScene, blocks: Ints) -> Iterator[tuple[int, Floats]]:
+    """The corners of blocks, (k, 3)."""
+    assembly = scene.assembly
+    if assembly.in_section:
+        for block in blocks.tolist():
+            yield block, np.concatenate([polygon for polygon, _ in _surface(scene, block)])
+        return
+    order = np.argsort(assembly.triangle_block, kind="stable")
+    first = np.searchsorted(assembly.triangle_block[order], np.arange(len(assembly) + 1))
+    for block in blocks.tolist():
+        own = order[first[block] : first[block + 1]]
+        yield block, assembly.vertices[assembly.triangles[own].ravel()]
+
+
+def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: Outside) -> AssemblyScene:
+    """The scene with a surcharge on what of its blocks lies in the upper slope."""
+    if not pressure_kpa:
+        return scene
+    assembly = scene.assembly
+    normal, offset = outside.normals[1], float(outside.offsets[1])
+    corners = assembly.vertices[assembly.triangles]
+    size = np.ptp(corners.reshape(-1, 3), axis=0).max()
+    on_top = (np.abs(corners @ normal - offset) <= _IN_PLANE * size).all(axis=1)
+    plan = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2.0 * on_top
+    loaded = []
+    for block in np.unique(assembly.triangle_block[plan > 0.0]).tolist():
+        if not assembly.fixed[block]:
+            own = (assembly.triangle_block == block) & (plan > 0.0)
+            loaded.append((block, _pressed(pressure_kpa, plan[own], corners[own].mean(axis=1))))
+    return replace(scene, surcharge=tuple(loaded))
+
+
+def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
+    """The scene with surcharges on what of the named blocks looks up and touches no other.
+
+    Raises
+    ------
+    GeometryError
+        E461 nothing of the block does.
+    """
+    assembly, given = scene.assembly, dict(design.surcharges_kpa)
+    loaded = []
+    for block, name in enumerate(scene.names):
+        if not given.get(name):
+            continue
+        plans, middles = [], []
+        for polygon, outward in _surface(scene, block):
+            if outward[2] > _SLOPING:
+                a, b, c = polygon[:1], polygon[1:-1], polygon[2:]
+                plans += (np.sqrt((cross(b - a, c - a) ** 2).sum(axis=1)) / 2.0 * outward[2]).tolist()
+                middles += list((a + b + c) / 3.0)
+        whole = sum(plans)
+        for k, outward in _of_block(assembly, block):
+            if outward[2] > _SLOPING:
+                plans.append(-float(assembly.patches.areas[k] * outward[2]))
+                middles.append(assembly.patches.centroids[k])
+        if not sum(plans) > _IN_PLANE * whole:
+            message = f"the surcharge on {name} has nothing to stand on: no part of it looks up and touches no other"
+            raise MisfitError([Fault("E461", message, "", "Name the block on top, or give a force.")])
+        loaded.append((block, _pressed(given[name], np.array(plans), np.array(middles))))
+    return replace(scene, surcharge=tuple(loaded))
+
+
+def _pressed(pressure_kpa: float, plans: Floats, middles: Floats) -> PointForce:
+    """A pressure on plan areas (k,) about their middles (k, 3)."""
+    total = float(plans.sum())
+    return PointForce(np.array([0.0, 0.0, -pressure_kpa * total]), plans @ middles / total)

@@ -1,0 +1,159 @@
+"""What designs give to a closed form over arrays, and what it says of them."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Generic, TypeAlias
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, NDArray
+from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
+from slopekit.design.common import Design
+from slopekit.design.parts import Strength
+from slopekit.kinds.protocol import ClosedForm, D, one_or_error
+from slopekit.kinds.single_block.held_bolts import Bounds
+from slopekit.kinds.single_block.secants import on_secants
+
+#: The arguments of a closed form by name; None for what a design does not have.
+Arguments: TypeAlias = dict[str, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedForms:
+    """A closed form of n designs.
+
+    Attributes
+    ----------
+    names : of outcomes; outcome : the number of each design's (n,); factor : (n,) or nan
+    normal_kn, areas_m2 : of each joint (n,): the effective normal force and the area it acts on; none where no strength
+        of the kind can be curved
+    """
+
+    names: tuple[str, ...]
+    outcome: NDArray[np.int8]
+    factor: Floats
+    normal_kn: Sequence[Floats] = ()
+    areas_m2: Sequence[Floats] = ()
+
+    def of(self, design: int = 0) -> ClosedForm:
+        """One of them.
+
+        Raises
+        ------
+        GeometryError
+            Its planes cut no block.
+        """
+        name, factor = self.names[self.outcome[design]], float(self.factor[design])
+        if name.startswith("E"):
+            what = "the crack or its water does not fit the block" if name == "E207" else "the planes enclose no block"
+            raise GeometryError([Fault(name, what)])
+        return ClosedForm(None if math.isnan(factor) else factor, name)
+
+    def tractions_kpa(self) -> list[float]:
+        """The mean effective normal traction on each joint of the first of them."""
+        return [float(normal[0] / area[0]) for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class SizesOfMany:
+    """Sizes of the blocks of n designs, nan where there is none.
+
+    Attributes
+    ----------
+    columns : (n,) each, by key with its unit (`setback_m`); `scale` of lengths where limits of size make blocks smaller
+    names : what may make one smaller; by : index into them (n,); why : above 0 where a limit leaves it out (n,)
+    """
+
+    columns: Mapping[str, Floats]
+    names: Sequence[str]
+    by: NDArray[np.int8]
+    why: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True)
+class OnArrays(Generic[D]):
+    """A closed form that takes many designs in one call.
+
+    Attributes
+    ----------
+    arguments : of a design, but for its passive bolts; bolts : these, at full capacity
+    strengths : of its joints; of_strengths : the arguments that hold their cohesion and friction
+    closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
+        of them or an array
+    bounds : the planes that bound the blocks of a design, whose numbers may be arrays
+    sizes : of the blocks of a design, whose numbers may be arrays; None where it has none, or they are not known
+    crack_reach_m : how far the place of a crack may lie, of a design whose numbers may be arrays; not a number where
+        the planes make no block; None where a design is asked one by one
+    """
+
+    arguments: Callable[[D], Arguments]
+    bolts: Callable[[D], Sequence[Sequence[float]]]
+    strengths: Callable[[D], Sequence[Strength]]
+    of_strengths: Callable[[Sequence[Strength]], Arguments]
+    closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[float]]], ClosedForms]
+    bounds: Callable[[D], Bounds]
+    sizes: Callable[[D], SizesOfMany | None] | None = None
+    crack_reach_m: Callable[[D], Floats | None] | None = None
+
+    def of(self, design: D) -> ClosedForm:
+        """One design, on the secants of its strengths where these are curved.
+
+        Raises
+        ------
+        GeometryError
+            Its planes cut no block.
+        """
+        arguments, bolts, strengths = self.arguments(design), self.bolts(design), self.strengths(design)
+        if not any(strength.law for strength in strengths):
+            return self.closed_forms(arguments, bolts).of()
+
+        def on_lines(lines: Sequence[Strength]) -> tuple[ClosedForm, list[float]]:
+            forms = self.closed_forms(arguments | self.of_strengths(lines), bolts)
+            return forms.of(), forms.tractions_kpa()
+
+        (form, _), _ = on_secants(strengths, on_lines, lambda answer: answer[1])
+        return form
+
+    def answers(self, designs: Sequence[D]) -> list[ClosedForm | GeometryError]:
+        """The closed form of each of several designs, in one call for all that have the same arguments and bolts.
+
+        Designs whose strength is curved, or that are cut for their loads, are asked one by one. The error where planes
+        cut no block.
+        """
+        answer_of: dict[int, ClosedForm | GeometryError] = {}
+        alike: dict[tuple[tuple[str, ...], tuple[tuple[float, ...], ...]], list[int]] = {}
+        given: dict[int, Arguments] = {}
+        for number, design in enumerate(designs):
+            if design.is_cut_for_loads or any(strength.law for strength in self.strengths(design)):
+                answer_of[number] = one_or_error(self.of, design)
+                continue
+            arguments = given[number] = self.arguments(design)
+            missing = tuple(name for name, value in arguments.items() if value is None)
+            alike.setdefault((missing, tuple(tuple(bolt) for bolt in self.bolts(design))), []).append(number)
+        for (_, bolts), numbers in alike.items():
+            columns: dict[str, Any] = {}
+            for name, first in given[numbers[0]].items():
+                values = [given[number][name] for number in numbers]
+                columns[name] = first if values.count(first) == len(values) else np.array(values)
+            forms = self.closed_forms(columns, bolts)
+            for place, number in enumerate(numbers):
+                answer_of[number] = one_or_error(forms.of, place if forms.outcome.size > 1 else 0)
+        return [answer_of[number] for number in range(len(designs))]
+
+
+def force_on(design: Design) -> Arguments:
+    """The sum of the forces and the active bolts: east, north, up; None without any."""
+    pulls = [*(force.components_kn for force in design.forces), *_bolts(design, "active")]
+    names = ("force_east", "force_north", "force_up")
+    return dict(zip(names, map(sum, zip(*pulls, strict=True)), strict=True)) if pulls else dict.fromkeys(names)
+
+
+def passive_bolts(design: Design) -> list[list[float]]:
+    """East, north and up of each passive bolt at full capacity, kN."""
+    return _bolts(design, "passive")
+
+
+def _bolts(design: Design, acts: str) -> list[list[float]]:
+    bolts = (bolt for bolt in design.bolts if bolt.acts == acts)
+    return [[bolt.force_kn * part for part in bolt.toward.vector().tolist()] for bolt in bolts]

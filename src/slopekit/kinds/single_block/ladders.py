@@ -1,0 +1,215 @@
+"""Convergence ladders: a design with fewer and more passes, looser and tighter tolerances, coarser and finer pairs.
+
+Each rung is one way to a factor of safety with the time that it took. What the rungs are worth, `check` says; which of
+them a kind has, its file.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import field, replace
+from functools import partial
+from typing import Any
+
+from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
+from slopekit.kinds.protocol import ClosedForm, D
+from slopekit.kinds.single_block.one_block import Cut
+from slopekit.kinds.single_block.one_block_states import ContactModel
+from slopekit.preie.motion.balance import Balance
+from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit, limit_analysis, passes_limit
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.programs.mechanism import COLD, Stages
+from slopekit.preie.system.model import Model
+from slopekit.result import Result
+
+#: What rungs vary, in words.
+METHODS = {
+    "closed form": "closed form",
+    "forces alone": "forces alone, no turning",
+    "passes": "plain passes, by their number",
+    "tolerance": "plain passes, by their tolerance",
+    "mesh": "limit, by node pairs",
+    "stiffness": "limit, by the shear stiffness of the elastic joints",
+}
+_PASSES = (1, 2, 3, 4, 6, 10, 16)
+_MOST_REFINED = 4
+MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
+_SETTLED_PASSES = 12
+_STILL = 1e-13
+OTHER_STRENGTH = 0.5  # strength divided by so much, and by the limit itself
+_SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
+_ONCE_S = 5.0  # what is longer is measured once; the first run of the others may load a library
+
+
+@dataclass(frozen=True, slots=True)
+class Rung:
+    """One way to the factor of safety.
+
+    Attributes
+    ----------
+    method : a key of `METHODS`; setting : in words
+    node_pairs : None for a closed form
+    setting_value : passes, tolerance, or level of the mesh (0 the coarsest); None where there is nothing to vary
+    factor : None where there is none; seconds : median of a few runs
+    edge_m : mean edge of the triangles of a curved slip surface, None for what has none
+    """
+
+    method: str
+    setting: str
+    node_pairs: int | None
+    setting_value: float | None = field(metadata={"json": "effort"})
+    factor: float | None = field(metadata={"json": "fos"})
+    seconds: float = field(metadata={"json": None})
+    edge_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NormalsRung:
+    """The limit on a mesh of a curved slip surface whose node pairs have normals of one kind.
+
+    Attributes
+    ----------
+    normals : true (of the surface), smoothed (of a mesh) or facet, on which the mass interlocks like a ratchet: never
+        an answer
+    edge_m : mean edge of the triangles; factor : None where there is none
+    cohesive : factor with every bond kept, of facets only. They open all over as the mass moves on: with the cohesion
+        that is lost there `factor` falls below that of the surface, without the loss this one lies above it
+    """
+
+    normals: str
+    edge_m: float
+    node_pairs: int
+    factor: float | None = field(metadata={"json": "fos"})
+    cohesive: float | None = field(default=None, metadata={"json": "fos_cohesion_kept"})
+
+
+@dataclass(frozen=True, slots=True)
+class Ladder:
+    """What `check` looks at.
+
+    Attributes
+    ----------
+    result : of the design, with the all-pairs factor where it was looked for
+    rungs : empty where there is no factor of safety
+    others : k F of the design with its strength divided by k: the same F again, where the limit is one (STYLE.md §7);
+        None where the weaker or stronger block has no factor
+    unrefined : why there are no finer node pairs, empty where there are
+    normals : of a curved slip surface
+    rest : the forces of all blocks held against the strength at which they last rest, where the limit is that of a
+        group of them; None where all blocks are at theirs
+    """
+
+    result: Result
+    rungs: tuple[Rung, ...] = ()
+    others: tuple[float | None, ...] = ()
+    unrefined: str = ""
+    normals: tuple[NormalsRung, ...] = ()
+    rest: Balance | None = None
+
+
+def timed(work: Callable[[], Any]) -> tuple[Any, float]:
+    """What `work` returns and the seconds it takes: the median of several runs where they are short."""
+    answer: Any = None
+    taken: list[float] = []
+    while not taken or (len(taken) < _REPEATS and min(taken) < _SHORT_S) or (len(taken) < 2 and taken[0] < _ONCE_S):
+        began = time.perf_counter()
+        answer = work()
+        taken.append(time.perf_counter() - began)
+    return answer, sorted(taken)[(len(taken) - 1) // 2]
+
+
+def ladder_of_block(
+    design: D, analyse: Callable[[D], Result], cut: Callable[[D], Cut],
+    finer: Callable[[D, Result, Cut], Iterator[Rung]], closed_form: Callable[[D], ClosedForm] | None = None,
+) -> Ladder:  # fmt: skip
+    """The ladder of a design of one block; times are those of the solvers alone.
+
+    Parameters
+    ----------
+    finer : rungs of coarser and finer node pairs
+    """
+    result = replace(analyse(replace(design, criterion="all-pairs")), design=design)
+    if not result.fos.limit:
+        return Ladder(result)
+    rungs: list[Rung] = []
+    if closed_form is not None and result.agree is not None and result.fos.closed_form is not None:
+        solution, seconds = timed(partial(closed_form, design))
+        rungs.append(Rung("closed form", "closed form", None, None, solution.factor, seconds))
+    made = cut(design)
+    scene = made.scene_at(made.refine)
+    model = scene.model
+    if model.lines is not None:
+        model = made.limit(model).model or model  # on the lines of its limit
+    if made.limit is limit_analysis:
+        alone, seconds = timed(lambda: forces_only_limit(model))
+        rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
+    if not model.dilates:  # plain passes know no dilation
+        rungs += _passes(model)
+    return Ladder(result, (*rungs, *finer(design, result, made)), tuple(_others(result, made)))
+
+
+def _passes(model: Model) -> Iterator[Rung]:
+    """Passes one by one until they stand still, then the tightness of the program that each of them solves."""
+    pairs, before = len(model.control_area), math.inf
+    for count in _PASSES:
+        factor, seconds = timed(partial(_passed, model, count, COLD))
+        yield Rung("passes", _times(count, "pass", "passes"), pairs, count, factor, seconds)
+        if factor is None or abs(factor / before - 1.0) < _STILL:
+            break
+        before = factor
+    for end in range(1, len(COLD) + 1):
+        stages = COLD[:end]
+        factor, seconds = timed(partial(_passed, model, _SETTLED_PASSES, stages))
+        yield Rung("tolerance", f"12 passes, to {1.0 / stages[-1][0]:.0e}", pairs, 1.0 / stages[-1][0], factor,
+                   seconds)  # fmt: skip
+
+
+def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
+    """Flat joints with their parts split further and further."""
+    for level in range(made.refine, max(_MOST_REFINED, result.model.refined + 1) + 1):
+        setting = f"parts split {often(level)}"
+        say(f"ladder, {setting}", head=True)
+        yield limit_rung(made.scene_at(level), made.limit, setting, level)
+
+
+def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:
+    """The limit of a scene, timed."""
+    analysis, seconds = timed(partial(analyse, scene.model))
+    limit = analysis.governing
+    factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
+    return Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
+
+
+def _others(result: Result, made: Cut) -> Iterator[float | None]:
+    model = made.scene_at(max(made.refine, result.model.refined)).model
+    for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
+        say("other strengths, divided by", k, head=True)
+        other = replace(
+            model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k,
+            bolt_capacity=model.bolt_capacity / k, lines=None if model.lines is None else model.lines.reduced(k),
+        )  # fmt: skip
+        limit = made.limit(other).governing
+        yield k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
+
+
+def kept_bonds_factor(model: Model) -> float | None:
+    """The factor by plain passes with every bond kept."""
+    return _passed(model, _SETTLED_PASSES, COLD)
+
+
+def _passed(model: Model, count: int, stages: Stages) -> float | None:
+    try:
+        factor = passes_limit(model, count, stages)
+    except (ZeroDivisionError, FloatingPointError):
+        return None
+    return factor if 0.0 < factor < math.inf else None
+
+
+def often(count: int) -> str:
+    """How often something is done."""
+    return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def _times(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"

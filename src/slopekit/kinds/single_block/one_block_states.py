@@ -1,0 +1,160 @@
+"""One block in arrays: its node pairs with the model made of them, and its answer as results have it.
+
+Contact modes of node pairs, loads as arrows, displacements at strength reduction factors, the mechanism in true
+proportions.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
+from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.records import dataclass
+from slopekit.evidence import Movement, ReductionStep
+from slopekit.geometry.interfaces import NodePairs
+from slopekit.loads import Loads
+from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
+from slopekit.preie.one_block.passes import Limit, Outcome, opens
+from slopekit.preie.system.contact import JointStiffness
+from slopekit.preie.system.model import Model, local_axes
+
+CLOSED = 1e-9  # normal force below this part of the largest is none
+SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
+
+
+@dataclass(frozen=True, slots=True)
+class Bedding:
+    """The flat contacts of a block, for pairs of another kind on them.
+
+    Attributes
+    ----------
+    polygons : interface -> (k, 3) corners in m, or (2, 3) ends of a line in a section; centroid : (3,) of the block
+    model_of : the model on other node pairs
+    """
+
+    polygons: Mapping[int, Floats]
+    centroid: Floats
+    model_of: Callable[[NodePairs], Model]
+
+    def scene(self, pairs: NodePairs) -> "ContactModel":
+        """The scene of node pairs on these contacts."""
+        return ContactModel(pairs, self.model_of(pairs), self)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactModel:
+    """Node pairs and the model made of them; `bedding` where the contacts are flat."""
+
+    pairs: NodePairs
+    model: Model
+    bedding: Bedding | None = None
+
+
+def opening_pairs(limit: Limit, model: Model, velocity: Floats, by_motion: bool = False) -> Bools:
+    """Which node pairs the mechanism opens beyond what dilation opens, or has opened: (n,); `by_motion` the first."""
+    reduced = model.tan_friction / limit.factor if limit.factor else np.zeros_like(model.tan_friction)
+    beyond = opens(model, velocity, np.minimum(model.tan_dilation, reduced))
+    return beyond if by_motion else beyond | (limit.bond == 0.0)
+
+
+def pair_state(
+    pairs: NodePairs, model: Model, limit: Limit, interfaces: Sequence[int], origin: Floats, turn: Floats | None
+) -> NodePairState:
+    """The node pairs of one block at the limit, in the user's axes; without a limit state they carry nothing.
+
+    Parameters
+    ----------
+    interfaces : their ids, in the order of the result's joints
+    origin : (3,) of the local axes; turn : (3, 3) rows are the local axes in those of the user
+    """
+    axes = np.eye(3) if turn is None else turn
+    velocity = limit.velocity_of(model)
+    slip = model.slip(velocity)
+    none = limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
+    opened = (opening_pairs(limit, model, velocity) if velocity.any() else none) | none
+    known = limit.factor is not None or limit.outcome is Outcome.NO_DRIVING_FORCE
+    normal = limit.normal_force * model.force_scale if known else np.zeros(len(pairs))
+    mode = np.where(opened, OPEN, np.where(slip > SLIPS * max(float(slip.max()), 1e-300), SLIP, STICK))
+    shear = np.zeros((len(pairs), 3))
+    if limit.friction is not None:
+        shear = np.einsum("nt,ntx->nx", limit.friction, local_axes(pairs.normals)[:, 1:]) * model.force_scale
+    index = {key: k for k, key in enumerate(interfaces)}
+    return NodePairState(
+        frozen(pairs.points @ axes + origin), np.array([index[key] for key in pairs.interface.tolist()]),
+        pairs.control_areas, frozen(pairs.normals @ axes), pairs.plus, pairs.minus,
+        frozen(normal), frozen(shear @ axes), mode.astype(np.int64),
+    )  # fmt: skip
+
+
+def arrows(
+    loads: Loads, names: Mapping[str, str], origin: Floats, turn: Floats | None, pulls: Floats | None = None
+) -> Arrows:  # fmt: skip
+    """The loads on one block, in the user's axes; `names` are other names for some of them.
+
+    Parameters
+    ----------
+    pulls : (b,) kN of the passive bolts at the limit; None where there is none, and their full capacity is given
+    """
+    axes = np.eye(3) if turn is None else turn
+    acting = [(names.get(name, name), force, at) for name, force, at in loads.acting]
+    first = len(acting) - len(loads.passive_forces)  # passive bolts come last
+    for k, capacity in enumerate(loads.passive_forces):
+        name, _, at = acting[first + k]
+        if pulls is None:
+            acting[first + k] = (f"{name}, full capacity", capacity, at)
+        else:
+            unit = capacity / math.sqrt(float(capacity @ capacity))
+            acting[first + k] = (name, pulls[k] * unit, at)
+    count = len(acting)
+    return Arrows(
+        tuple(name for name, _, _ in acting), np.arange(count), np.zeros(count, dtype=np.int64),
+        frozen(np.reshape([force for _, force, _ in acting], (count, 3)) @ axes),
+        frozen(np.reshape([at for _, _, at in acting], (count, 3)) @ axes + origin),
+    )  # fmt: skip
+
+
+def series_of(
+    model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None
+) -> Iterator[ReductionStep]:
+    """Rest at each factor, from one to the next; above the static bound there is none to look for."""
+    standing: Equilibrium | None = None
+    count = len(model.control_area)
+    for factor in factors:
+        if bound is not None and factor > bound * (1.0 + 1e-7):
+            yield ReductionStep(factor, False, None, count)
+            continue
+        state = equilibrium(model, factor, stiffness, standing)
+        if state.stands:
+            standing = state
+        movement = movement_of(model, state.displacement) if state.stands else None
+        yield ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count)
+
+
+def movement_of(model: Model, displacement: Floats) -> Movement:
+    """A displacement (u,) of the model in m and radians."""
+    translation, rotation = model.moved(displacement)
+    return Movement(frozen(translation), frozen(rotation))
+
+
+def turned_back(movement: Movement, turn: Floats | None) -> Movement:
+    """A movement in the user's axes."""
+    if turn is None:
+        return movement
+    return Movement(frozen(movement.displacement @ turn), frozen(movement.rotation @ turn))
+
+
+def turned(movement: Movement | None, turn: Floats | None) -> Movement | None:
+    """The same, where there is one."""
+    return None if movement is None else turned_back(movement, turn)
+
+
+def mechanism_of(limit: Limit, model: Model) -> Movement | None:
+    """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
+    if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
+        return None
+    displacement, rotation = model.moved(limit.velocity_of(model))
+    rotation = rotation / model.length_scale
+    size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
+    return Movement(frozen(displacement / size), frozen(rotation / size))

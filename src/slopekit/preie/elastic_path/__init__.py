@@ -1,0 +1,1 @@
+"""Elastic joints without tension: rest, flow, and the path on which strength or load change."""

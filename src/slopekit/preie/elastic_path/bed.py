@@ -1,0 +1,570 @@
+"""Many blocks on elastic joints without tension: forces at a displacement, their tangent, and Newton's method.
+
+    N_i = a_i <-B_n u>,    T_g = -k_t A_g s_g cut back to λ r_g,    r_g = Σ c + μ_g Σ N,    R = B_nᵀ N + B_tᵀ T + P
+
+`a` are the control areas (k_n is one in the model's units), k_t = ρ k_n, λ = 1/F. The law is holonomic: what is found
+at a displacement does not depend on the way there. Slip that dilates by tan ψ <= λ μ presses the joint:
+N_i = a_i <-B_n u + tan ψ p>, p the slip beyond the elastic one.
+
+A step of viscous flow adds η K_e (u - u_before) to what the forces have to balance, K_e the stiffness of joints that
+stick and pull; with η large enough it always has one solution.
+
+Passive bolts are friction forces of their own, one-sided: 0 <= T <= λ r, and nothing where the bolt gets shorter.
+"""
+
+import copy
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import SolverError
+from slopekit.core.records import dataclass
+from slopekit.preie.solvers.stiffness import SparseStiffness
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.contact import SHEAR_TO_NORMAL
+from slopekit.preie.system.patterns import ContactPattern
+from slopekit.preie.tolerances import (
+    DIAGONAL_SHIFT,
+    EACH_BALANCED,
+    LIGHTEST_ON_BED,
+    ROUGHLY_SETTLED,
+    SETTLED,
+    SPRING_ROUNDING,
+    TINY,
+)
+from slopekit.strength.mohr_coulomb import line
+
+_DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
+_SHORTEST = 0.02  # step of a line search
+_TRIES = 12  # Newton steps
+_POLISHES = 3  # of a state that is at rest
+_KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node pairs
+
+
+@dataclass(slots=True)
+class BedForces:
+    """What the joints carry at a displacement.
+
+    Attributes
+    ----------
+    normal : (m,); friction : (g, t); strength : (g,) r, before it is reduced
+    touching : (m,); slips : (g,); direction : (g, t) of the slip; slip : (g,) its size
+    unbalanced : (N,) R; largest : of all forces; rounding : unbalanced force that is none
+    """
+
+    normal: Floats
+    friction: Floats
+    strength: Floats
+    touching: Bools
+    slips: Bools
+    direction: Floats
+    slip: Floats
+    unbalanced: Floats
+    largest: float
+    rounding: float
+
+    @property
+    def residual(self) -> float:
+        """Largest unbalanced generalised force."""
+        return float(np.abs(self.unbalanced).max())
+
+    def balanced(self, off: float, part: float = SETTLED) -> bool:
+        """Whether an unbalanced force is as small as it should be."""
+        return off <= max(part * self.largest, self.rounding)
+
+    def same_modes(self, other: "BedForces") -> bool:
+        """Whether the same pairs touch and the same joints slip."""
+        return bool((self.slips == other.slips).all() and (self.touching == other.touching).all())
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What the path changes: the strength (`ramp` None, the parameter is λ), or the load P + parameter x ramp.
+
+    `strength` is the λ that stays while the load changes.
+    """
+
+    load: Floats
+    ramp: Floats | None = None
+    strength: float = 1.0
+
+    @property
+    def working(self) -> Floats:
+        """The load whose work drives, (N,)."""
+        return self.load if self.ramp is None else self.ramp
+
+    def at(self, parameter: float) -> tuple[float, Floats]:
+        """λ and the load (N,)."""
+        if self.ramp is None:
+            return parameter, self.load
+        return self.strength, self.load + parameter * self.ramp
+
+    def harder(self, parameter: float, ratio: float) -> float:
+        """The parameter made worse: `ratio` < 1 times the strength, or the load divided by it."""
+        return parameter * ratio if self.ramp is None else parameter / ratio
+
+    def gap(self, bad: float, good: float) -> float:
+        """How far apart a good and a worse parameter are, 1 where they are the same."""
+        return bad / good if self.ramp is None else good / bad
+
+
+class Bed:
+    """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load.
+
+    `held` (k, u) is the relative motion of contacts by blocks that are held where they are.
+    """
+
+    def __init__(
+        self,
+        model: AssemblyModel,
+        drive: Drive,
+        bond: Floats | None = None,
+        ratio: float | Floats = SHEAR_TO_NORMAL,
+        held: Floats | None = None,
+    ) -> None:
+        self.model, self.drive = model, drive
+        self.ratio = ratio
+        self.bond = np.ones(len(model.control_area)) if bond is None else bond
+        self.held = held
+        if held is not None:
+            of_pairs = (model.normal_rows * held[model.pair_contact]).sum(axis=1)
+            of_groups = np.matmul(model.slip_rows, held[model.group_contact][:, :, None])
+            self._of_held = np.concatenate([of_pairs, of_groups.ravel()])
+        self.pairs, (self.groups, self.tangents) = len(model.control_area), model.slip_rows.shape[:2]
+        self.size = model.load.size
+        self.area = model.control_area
+        self.group_of_pair = model.group_of_pair
+        self.spring = ratio * self._summed(self.area)
+        self.cohesion = self._summed(model.cohesion * self.bond)
+        self.friction = model.tan_friction
+        self.bolted: Bools | None = model.bolted if len(model.bolts) else None
+        self.dilates = bool(model.tan_dilation.any())
+        self.stiffness = SparseStiffness(model, symmetric=held is None)
+        self.contacts = len(model.plus)
+        self._pattern = ContactPattern(model)
+        self._pressing = self.area[:, None] * model.normal_rows
+        self._transposed = np.ascontiguousarray(model.slip_rows.transpose(0, 2, 1))
+        self._group_starts = np.searchsorted(model.group_contact, np.arange(self.contacts))
+        self._one_each = self.groups == self.contacts
+        self._kernels, self._law = self._pattern.kernels, None
+        if self._kernels is not None:
+            given = self.area, self.spring, self.cohesion, self.friction, self.bolted, held
+            self._law = self._kernels.law(self._pattern.contacts, *given)
+        every = np.ones(self.pairs, dtype=bool)
+        sticking = self.spring[:, None, None] * np.eye(self.tangents)
+        self.elastic = self._local(every, sticking)
+        self.evaluations = self.factorisations = 0
+        self.load_size = float(np.abs(drive.load).max())
+        own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
+        own = np.maximum(own, LIGHTEST_ON_BED * float(own.max(initial=0.0)))
+        self.unbalanced_at_most = EACH_BALANCED * np.repeat(own, model.unknowns)
+        self.working = self._working()
+        if held is None:  # of a few blocks hardly anybody asks
+            self._at_first = self._elastic()
+
+    @cached_property
+    def rows(self) -> Any:
+        """B, (m + g t, N)."""
+        dense = math.prod(self.model.kinematics.shape) <= _DENSE
+        return self.model.kinematics.toarray() if dense else self.model.kinematics
+
+    @cached_property
+    def columns(self) -> Any:
+        """Bᵀ."""
+        return np.ascontiguousarray(self.rows.T) if isinstance(self.rows, np.ndarray) else self.model.statics
+
+    @cached_property
+    def _at_first(self) -> tuple[Floats, float]:
+        return self._elastic()
+
+    def _elastic(self) -> tuple[Floats, float]:
+        """Where joints that stick and pull come to rest (N,), and the work that drives them there."""
+        solver = self.factored(self.elastic)  # not kept: of thousands of blocks it is 200 MB
+        rest = solver(self.drive.load)
+        driven = rest if self.drive.ramp is None else solver(self.drive.working)
+        return rest, abs(float(self.working @ driven))
+
+    @property
+    def elastic_displacement(self) -> Floats:
+        """Of joints that stick and pull, (N,)."""
+        return self._at_first[0]
+
+    @property
+    def elastic_work(self) -> float:
+        """What drives does that work there."""
+        return self._at_first[1]
+
+    def _working(self) -> Floats:
+        """What the work of the path is measured with, (N,): the load that drives.
+
+        In space, where a bench holds slivers a millionth of its largest block, each block's in parts of its own: else
+        the smallest would have to slide for kilometres before its work is seen.
+        """
+        working = self.drive.working
+        if self.tangents == 1 or self.drive.ramp is not None:
+            return working
+        of_block = working.reshape(self.model.load.shape)
+        own = np.sqrt((of_block * of_block).sum(axis=1))
+        parts: Floats = of_block / np.maximum(own, 1e-12 * float(own.max()))[:, None]
+        return parts.ravel()
+
+    def _summed(self, of_pairs: Floats) -> Floats:
+        sums: Floats = np.bincount(self.group_of_pair, of_pairs, self.groups).astype(np.float64, copy=False)
+        return sums
+
+    # -- the law ------------------------------------------------------------------------------------------------------
+
+    def forces(
+        self, at: Floats, parameter: float, frozen: Floats | None = None, modes: BedForces | None = None
+    ) -> BedForces:
+        """Forces at the displacement (N,).
+
+        Parameters
+        ----------
+        frozen : (g,) friction has these strengths, already reduced
+        modes : pairs touch and joints slip (in a section) as they do there, whatever the forces: all is linear
+        """
+        self.evaluations += 1
+        reduction, load = self.drive.at(parameter)
+        if self._kernels is not None and modes is None and not self.dilates:
+            return self._compiled_forces(at, reduction, load, frozen)
+        relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
+        opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
+        pressing = -self.area * opening
+        elastic = self.spring[:, None] * slip
+        size = np.abs(elastic[:, 0]) if self.tangents == 1 else np.sqrt((elastic * elastic).sum(axis=1))
+        touching = opening < 0.0 if modes is None else modes.touching
+        normal = np.where(touching, pressing, 0.0)
+        direction = elastic / np.maximum(size, TINY)[:, None] if modes is None else modes.direction
+        cohesion = self.cohesion
+        if self.bolted is not None:
+            slack = self.bolted & (direction[:, 0] > 0.0)
+            cohesion = np.where(slack, 0.0, cohesion)
+            frozen = None if frozen is None else np.where(slack, 0.0, frozen)
+        strength = line(cohesion, self.friction, self._summed(normal))
+        allowed = reduction * strength if frozen is None else frozen
+        if modes is None:
+            slips = size > allowed
+            carried = np.minimum(size, allowed)
+        else:
+            slips = modes.slips
+            size = (elastic * direction).sum(axis=1)
+            carried = np.where(slips, allowed, size)
+        if self.dilates and frozen is None and slips.any():
+            normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes, cohesion)
+            strength = line(cohesion, self.friction, self._summed(normal))
+        friction = -direction * carried[:, None]
+        if modes is not None:
+            friction = np.where(slips[:, None], friction, -elastic)
+        unbalanced = self.columns @ np.concatenate([normal, friction.ravel()]) + load
+        return BedForces(
+            normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
+            max(self.load_size, float(normal.max())),
+            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+        )  # fmt: skip
+
+    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
+        normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
+        friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
+        touching, slips = np.empty(self.pairs, dtype=bool), np.empty(self.groups, dtype=bool)
+        unbalanced = np.empty(self.size)
+        highest, pressed, longest = self._kernels.forces(
+            self._law, np.ascontiguousarray(at), reduction, load, frozen,
+            normal, friction, strength, touching, slips, direction, slip, unbalanced,
+        )  # fmt: skip
+        return BedForces(
+            normal, friction, strength, touching, slips, direction, slip, unbalanced, max(self.load_size, highest),
+            SPRING_ROUNDING * (pressed + longest),
+        )  # fmt: skip
+
+    def _dilation(self, reduction: float) -> Floats:
+        """Tangents of dilation (g,): no joint dilates by more than its reduced friction angle."""
+        return np.minimum(self.model.tan_dilation, reduction * self.friction)
+
+    def _dilated(
+        self, pressing: Floats, size: Floats, reduction: float, touching: Bools, carried: Floats,
+        modes: BedForces | None, cohesion: Floats,
+    ) -> tuple[Floats, Bools, Floats]:  # fmt: skip
+        """Normal forces, touching pairs and friction where slip presses the joints: piecewise linear in p."""
+        dilation, of_pair = self._dilation(reduction), self.group_of_pair
+        pushes = self.area * dilation[of_pair] / self.spring[of_pair]
+        for _ in range(_KINKS):
+            allowed = reduction * line(cohesion, self.friction, self._summed(np.where(touching, pressing, 0.0)))
+            gain = reduction * self.friction * self._summed(np.where(touching, pushes, 0.0))
+            beyond = (size - allowed) / (1.0 + gain)  # k_t A p
+            beyond = np.maximum(beyond, 0.0) if modes is None else np.where(modes.slips, beyond, 0.0)
+            now = pressing + pushes * beyond[of_pair] > 0.0 if modes is None else touching
+            if (now == touching).all():
+                break
+            touching = now
+        normal = np.where(touching, pressing + pushes * beyond[of_pair], 0.0)
+        return normal, touching, np.where(beyond != 0.0, size - beyond, carried)
+
+    def _local(self, touching: Bools | Floats, tangent: Floats) -> Floats:
+        """Stiffness (k, u, u) of the contacts: pairs that touch, and tangent stiffnesses (g, t, t)."""
+        return self._pattern.stiffness(self.area * touching, tangent)
+
+    def _by_contact(self, of_groups: Floats) -> Floats:
+        if self._one_each:
+            return of_groups
+        sums: Floats = np.add.reduceat(of_groups, self._group_starts)
+        return sums
+
+    def tangent(
+        self, there: BedForces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
+    ) -> Floats:
+        """Stiffness (k, u, u) of the contacts at some forces.
+
+        Parameters
+        ----------
+        coupled : friction follows the normal forces; turning : and, in space, the direction of slip
+        """
+        if self._kernels is not None and not self.dilates:
+            local = np.empty_like(self.elastic)
+            reduction, _ = self.drive.at(parameter)
+            self._kernels.tangent(
+                self._law, reduction, viscosity, coupled, turning, there.touching, there.slips, there.direction,
+                there.friction, there.slip, self.elastic, local,
+            )  # fmt: skip
+            return local
+        carried = np.sqrt((there.friction * there.friction).sum(axis=1))
+        sideways = self.spring.copy()
+        if turning:
+            np.divide(carried, there.slip, out=sideways, where=there.slips & (there.slip > 0.0))
+        else:
+            sideways[there.slips] = 0.0
+        e = there.direction
+        tangent = sideways[:, None, None] * np.eye(self.tangents)
+        along = np.where(there.slips, sideways, 0.0)
+        tangent -= along[:, None, None] * e[:, :, None] * e[:, None, :]
+        local = self._local(there.touching, tangent)
+        if coupled and there.slips.any():
+            reduction, _ = self.drive.at(parameter)
+            pressing = np.add.reduceat(self._pressing * there.touching[:, None], self.model.group_first)
+            slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
+            gain = np.where(there.slips, reduction * self.friction, 0.0)
+            if not self.dilates:
+                local -= self._by_contact(slipping[:, :, None] * (gain[:, None] * pressing)[:, None, :])
+            else:
+                dilation = np.where(there.slips, self._dilation(reduction), 0.0)
+                stiff = self.spring + gain * dilation * self._summed(np.where(there.touching, self.area, 0.0))
+                beyond = (self.spring[:, None] * slipping + gain[:, None] * pressing) / stiff[:, None]
+                carries = np.where(there.slips, self.spring, 0.0)[:, None] * (slipping - beyond)
+                local += self._by_contact(slipping[:, :, None] * carries[:, None, :])
+                local -= self._by_contact((dilation[:, None] * pressing)[:, :, None] * beyond[:, None, :])
+        return local + viscosity * self.elastic if viscosity else local
+
+    def mixed(self, springs: Floats, tangent: Floats, by_strength: Floats, follows: Floats) -> Floats:
+        """Stiffness (k, u, u) of contacts with given springs.
+
+        Parameters
+        ----------
+        springs : (m,) of the pairs; tangent : (g, t, t) how friction changes with slip
+        by_strength : (g, t) how it changes with what it may carry; follows : (g,) how that follows the normal forces
+        """
+        touching = springs / self.area
+        pressing = np.add.reduceat(self._pressing * touching[:, None], self.model.group_first)
+        dragged = np.matmul(self._transposed, by_strength[:, :, None])[:, :, 0]
+        coupled = self._by_contact(dragged[:, :, None] * (follows[:, None] * pressing)[:, None, :])
+        return self._local(touching, -tangent) + coupled
+
+    def by_parameter(self, there: BedForces, parameter: float) -> Floats:
+        """How the unbalanced force changes with the parameter, (N,)."""
+        if self.drive.ramp is not None:
+            return self.drive.ramp
+        weaker = np.where(there.slips, there.strength, 0.0)
+        normal = np.zeros(self.pairs)
+        if self.dilates:
+            dilation = np.where(there.slips, self._dilation(parameter), 0.0)
+            pushed = self._summed(np.where(there.touching, self.area, 0.0))
+            stiff = self.spring + parameter * self.friction * dilation * pushed
+            # where the joint dilates by all of its reduced friction angle that angle falls too
+            steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)
+            carried = np.sqrt((there.friction * there.friction).sum(axis=1))
+            pressed = np.where(there.slips, steeper * (there.slip - carried / self.spring), 0.0)
+            beyond = -(weaker + parameter * self.friction * pushed * pressed) / stiff
+            weaker = -self.spring * beyond
+            normal = np.where(there.touching, self.area, 0.0) * (dilation * beyond + pressed)[self.group_of_pair]
+        changed: Floats = self.columns @ np.concatenate([normal, (-there.direction * weaker[:, None]).ravel()])
+        return changed
+
+    def factored(self, local: Floats, symmetric: bool = False) -> Callable[[Floats], Floats]:
+        """A solver of the stiffness.
+
+        Raises
+        ------
+        SolverError
+            E505 it is singular.
+        """
+        self.factorisations += 1
+        return self.stiffness.factored(local, DIAGONAL_SHIFT, symmetric)
+
+    def motion(self, velocity: Floats, parameter: float) -> tuple[Floats, Floats]:
+        """Opening (m,) beyond what slip opens by itself, and slip (g, t), of a motion (N,)."""
+        relative = self.rows @ velocity
+        opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
+        if self.dilates:
+            reduction, _ = self.drive.at(parameter)
+            size = np.sqrt((slip * slip).sum(axis=1))
+            opening = opening - (self._dilation(reduction) * size)[self.group_of_pair]
+        return opening, slip
+
+    def turned(self, modes: BedForces, velocity: Floats) -> BedForces:
+        """The modes with the directions of slip of a motion (N,), where it slips."""
+        _, slip = self.motion(velocity, 1.0)
+        size = np.sqrt((slip * slip).sum(axis=1))
+        clear = modes.slips & (size > 1e-6 * float(size.max()))
+        direction = np.where(clear[:, None], slip / np.maximum(size, TINY)[:, None], modes.direction)
+        return replace(modes, direction=direction)
+
+    def viscous(self, moved: Floats) -> Floats:
+        """K_e times a displacement, (N,)."""
+        if self._kernels is not None:
+            pushed = np.zeros(self.size)
+            self._kernels.add_viscous(self._law, np.ascontiguousarray(moved), 1.0, pushed)
+            return pushed
+        relative = self.rows @ moved
+        springs = np.concatenate([self.area, np.repeat(self.spring, self.tangents)])
+        force: Floats = self.columns @ (springs * relative)
+        return force
+
+    # -- Newton's method ----------------------------------------------------------------------------------------------
+
+    def among(self, blocks: Ints, at: Floats) -> "Bed":
+        """The elastic joints of some blocks (b,), ascending, with all others held at the displacement (N,)."""
+        u = self.model.unknowns
+        those = (blocks[:, None] * u + np.arange(u)).ravel()
+        model, contacts, pairs, groups = self.model.among(blocks)
+        others = at.reshape(-1, u).copy()
+        others[blocks] = 0.0
+        plus, minus = self.model.plus[contacts], self.model.minus[contacts]
+        held = np.matmul(self.model.plus_motion[contacts], others[plus][:, :, None])
+        held += np.matmul(self.model.minus_motion[contacts], others[minus][:, :, None])
+        ramp = None if self.drive.ramp is None else self.drive.ramp[those]
+        drive = replace(self.drive, load=self.drive.load[those], ramp=ramp)
+        ratio = self.ratio[groups] if isinstance(self.ratio, np.ndarray) else self.ratio
+        few = Bed(model, drive, self.bond[pairs], ratio, held[:, :, 0])
+        few.unbalanced_at_most = self.unbalanced_at_most[those]
+        return few
+
+    def with_bonds(self, bond: Floats) -> "Bed":
+        """The same joints with cohesion where `bond` (m,) is 1."""
+        other = copy.copy(self)
+        other.bond, other.cohesion = bond, self._summed(self.model.cohesion * bond)
+        if self._kernels is not None:
+            given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
+            other._law = self._kernels.law(self._pattern.contacts, *given)
+        return other
+
+    def dilating(self, part: float, parameter: float) -> "Bed":
+        """The same blocks on joints that dilate by a part of their friction angle (its tangent) at a strength λ."""
+        other = copy.copy(self)
+        reduction, _ = self.drive.at(parameter)
+        other.model = replace(self.model, tan_dilation=part * reduction * self.friction)
+        other.dilates = True
+        return other
+
+    def polished(self, at: Floats, parameter: float) -> tuple[Floats, BedForces]:
+        """A state at rest nearer to balance, so that slivers are too, and its forces."""
+        there = self.forces(at, parameter)
+        for _ in range(_POLISHES):
+            try:
+                trial = at + self.factored(self.tangent(there, parameter))(there.unbalanced)
+            except SolverError:
+                break
+            seen = self.forces(trial, parameter)
+            if not seen.residual < 0.5 * there.residual:
+                break
+            at, there = trial, seen
+        return at, there
+
+    def onward(self, step: "NewtonStep") -> Floats | None:
+        """How the blocks go on from a state at rest as work is done, (N,) per unit of work; None where they do not."""
+        try:
+            solver = self.factored(self.tangent(step.forces, step.parameter))
+        except SolverError:
+            return None
+        motion = solver(self.by_parameter(step.forces, step.parameter))
+        gained = float(self.working @ motion)
+        return motion / gained if np.isfinite(motion).all() and gained != 0.0 else None
+
+    def _each_balanced(self, off: Floats) -> bool:
+        """Whether, in space, where there are slivers, forces (N,) are small in parts of the load of each block."""
+        return self.tangents == 1 or bool((np.abs(off) < self.unbalanced_at_most).all())
+
+    def unbalanced_parts(
+        self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
+    ) -> tuple[BedForces, Floats]:
+        there = self.forces(at, parameter, frozen)
+        if not viscosity:
+            return there, there.unbalanced
+        return there, there.unbalanced - viscosity * self.viscous(at - before)
+
+    def newton(
+        self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
+    ) -> "NewtonStep":
+        working = self.working
+        there, off = self.unbalanced_parts(at, before, parameter, viscosity)
+        size = best = float(np.abs(off).max())
+        stalled = 0
+
+        def worked(at: Floats, part: float) -> bool:
+            return work is None or abs(work - float(working @ at)) < part * abs(work)
+
+        for taken in range(_TRIES + 1):
+            if there.balanced(size) and self._each_balanced(off) and worked(at, 1e-9):
+                return NewtonStep(at, parameter, there, True, taken)
+            if taken == _TRIES or not np.isfinite(size):
+                break
+            try:
+                solver = self.factored(self.tangent(there, parameter, viscosity))
+            except SolverError:
+                break
+            if work is None:
+                way, change = solver(off), 0.0
+            else:
+                both = solver(np.stack([off, self.by_parameter(there, parameter)], axis=1))
+                gained = float(working @ both[:, 1])
+                if gained == 0.0:
+                    break
+                change = (work - float(working @ (at + both[:, 0]))) / gained
+                way = both[:, 0] + change * both[:, 1]
+            if not np.isfinite(way).all():
+                break
+            length = 1.0 if abs(change) <= 0.5 * abs(parameter) else 0.5 * abs(parameter) / abs(change)
+            nearest: tuple[float, Floats, float, BedForces, Floats] | None = None
+            while True:
+                trial, tried = at + length * way, parameter + length * change
+                seen, left = self.unbalanced_parts(trial, before, tried, viscosity)
+                now = float(np.abs(left).max())
+                if nearest is None or now < nearest[0]:
+                    nearest = now, trial, tried, seen, left
+                least = size if work is None else max(size, 1e-9 * self.load_size)
+                if not downhill or now < (1.0 - 0.1 * length) * least or length < _SHORTEST:
+                    break
+                length *= 0.5
+            stalled = stalled + 1 if nearest[0] > 0.75 * size and nearest[0] > 1e-8 * self.load_size else 0
+            size, at, parameter, there, off = nearest
+            if downhill and stalled >= 3:
+                break
+            if not downhill and size > 1e4 * best:
+                break
+            best = min(best, size)
+        good = there.balanced(size, ROUGHLY_SETTLED) and self._each_balanced(off) and worked(at, 1e-6)
+        return NewtonStep(at, parameter, there, good, _TRIES)
+
+
+@dataclass(slots=True)
+class NewtonStep:
+    """Where Newton's method ended: displacement (N,), parameter, forces, whether they balance, steps taken."""
+
+    at: Floats
+    parameter: float
+    forces: BedForces
+    settled: bool
+    taken: int

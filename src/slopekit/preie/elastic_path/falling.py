@@ -1,0 +1,121 @@
+"""The limit of the motion with which cohesive blocks run whose strength falls.
+
+Gravity comes on while the joints stick. The strength falls, the blocks come to rest again each time, and a contact that
+no node pair presses then has lost its cohesion from there on; they come to rest once more without it, or run. The same
+with a load that grows.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed
+from slopekit.preie.elastic_path.path import Ran, at_rest_first, at_rest_next, follow
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
+from slopekit.preie.tolerances import FARTHEST, LIMIT_BALANCED, RUNS
+
+_STUCK = 32.0  # times the strength of a path's start: there hardly anything slips, and more of it changes nothing
+_STRIDE = 0.05  # of ln λ, a step: in longer ones contacts open and touch again
+NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
+_STANDS = 1e-5  # of the strength to begin with: what stands at it stands without any
+_DROPS = 0.1  # from there to the limit of the motion in space
+_MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
+
+
+def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
+    """The limit of the path with the bonds that are left where the blocks run: no farther than there.
+
+    Parameters
+    ----------
+    start, brief : of the path (`preie.path.follow`), which is followed without a history where none begins
+
+    Raises
+    ------
+    EffortSpentError
+        The work that is allowed is done.
+    """
+    if brief and at_rest_first(bed, start, 0)[1].ended != "rest":
+        return follow(bed, start, brief)
+    fallen = _fallen(bed, start * _STUCK if bed.drive.ramp is None else start)
+    if fallen is None:
+        return follow(bed, start, brief)
+    left, ran, snaps = fallen
+    if ran.flow.ended == "rest":
+        stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
+        return replace(stands, started=start)
+    ended = follow(left, start, brief or bed.size > _MANY, ran)
+    bed.factorisations = left.factorisations
+    if ended.found and not _is_there(left, ran, ended, snaps):
+        moved = ran.flow.at - ran.flow.before
+        peak = ran.parameter, ran.bad
+        ended = result_of(left, PathOutcome.BRACKET, ran.parameter, peak, ran.rest.at, moved, ran.rest.forces)
+    return replace(ended, started=start)
+
+
+def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
+    """Whether a limit is no farther than where the blocks run, and needs no pair that pulls.
+
+    Nor nearer, where bonds broke as they ran (`snaps`): without those the blocks would have run before. Nor far nearer
+    in space, where a flow that goes on leads to another motion, as that of blocks without any cohesion.
+    """
+    assert ended.parameter is not None
+    off = bed.model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
+    past = bed.drive.gap(ended.parameter, ran.bad) - 1.0
+    drops = NEAR_RUNNING if snaps else _DROPS if bed.tangents > 1 else math.inf
+    return -NEAR_RUNNING <= past <= drops and float(np.abs(off).max()) < LIMIT_BALANCED
+
+
+def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran, bool] | None:
+    """The joints as they are where the blocks run, or stand without strength, and whether bonds broke as they ran.
+
+    None where they rest nowhere.
+    """
+    parameter, flow = at_rest_first(bed, start, 0)
+    bed, flow = _broken(bed, flow, parameter)
+    if flow.ended != "rest":
+        return None
+    stride = _STRIDE
+    while True:
+        trial = bed.drive.harder(parameter, math.exp(-stride))
+        left, found = _broken(bed, _next(bed, flow, trial), trial)
+        if found.ended != "rest":
+            if stride <= NEAR_RUNNING:
+                return left, Ran(parameter, flow, trial, found), left is not bed
+            stride *= 0.5
+            continue
+        parameter, flow, bed = trial, found, left
+        if parameter < _STANDS * start if bed.drive.ramp is None else parameter > FARTHEST:
+            return bed, Ran(parameter, flow, parameter, flow), False
+
+
+def open_all_over(bed: Bed, flow: Flow) -> Floats | None:
+    """The bonds (m,) that are left at a rest, where those of contacts that no pair presses go; None where none do."""
+    contact = bed.model.pair_contact
+    opens = _bonded(bed) & (np.bincount(contact, flow.forces.touching, bed.contacts) == 0)
+    return np.where(opens[contact], 0.0, bed.bond) if (opens[contact] & (bed.bond > 0.0)).any() else None
+
+
+def _bonded(bed: Bed) -> Bools:
+    """Contacts (k,) that can lose their bond; a bolt has no pair that could be pressed."""
+    joints = bed.model.joint_pairs
+    bonded: Bools = np.bincount(bed.model.pair_contact[joints], bed.model.cohesion[joints], bed.contacts) > 0.0
+    return bonded
+
+
+def _broken(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
+    """From a rest to one that leaves no bond on contacts that are open all over, or running."""
+    while flow.ended == "rest" and (left := open_all_over(bed, flow)) is not None:
+        bed = bed.with_bonds(left)
+        flow = _next(bed, flow, parameter)
+    return bed, flow
+
+
+def _next(bed: Bed, flow: Flow, parameter: float) -> Flow:
+    """From a rest on, until the blocks rest or run."""
+    tried = at_rest_next(bed, flow.at, parameter)
+    if tried.ended in ("rest", "runs"):
+        return tried
+    return relaxed(bed, tried.at, parameter, max(tried.viscosity, THICK), runs_at=RUNS)

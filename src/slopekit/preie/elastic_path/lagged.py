@@ -1,0 +1,223 @@
+"""Thousands of blocks in space at rest on elastic joints but for a rounding, where Newton's method finds no rest.
+
+The law of the joints at one strength λ, as an interior-point method has it, each pair with its own friction:
+
+    N / a = -B_n u + G + λ μ (z - ẑ),    T / (k_t A) = -B_t u + Z,    |T| <= λ (c A + μ N),    N G = b,  (z, Z) ∘ Q = b
+
+G is how far a pair is open, Z its slip and z the size of that, Q = (λ r, T), b a barrier that goes to nothing. With ẑ
+nothing slip would dilate by all of its friction angle: the equations of a convex program. With ẑ = z it dilates not at
+all. ẑ is the z of the step before (fixed point of Acary, Cadoux, Lemaréchal & Malick 2011, ZAMM 91, 155): every step is
+one of a convex program, with one symmetric factorisation. Where blocks rest z - ẑ goes to nothing; where they do not it
+grows from step to step, as their slip does.
+
+What is left of N G and of z - ẑ, in parts of the elastic energy, is the rounding of the law. Forces balance, and are
+within their strength, as in any rest.
+"""
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import SolverError
+from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
+from slopekit.preie.elastic_path.bed import Bed, BedForces
+from slopekit.preie.elastic_path.flow import Flow
+from slopekit.preie.kernels import compiled
+from slopekit.preie.programs.cone_steps import PAIR
+from slopekit.preie.programs.cones import determinant
+from slopekit.preie.programs.program import LEAST_PRODUCT
+from slopekit.preie.solvers.fronts import Solver
+from slopekit.preie.tolerances import DIAGONAL_SHIFT, LAGGED_ROUNDING, SPRING_ROUNDING, TINY
+from slopekit.strength.mohr_coulomb import line
+
+#: To begin with: the least normal force in parts of the lighter block's load, the barrier in parts of the mean energy
+#: of a pair, friction in parts of what it may be.
+_LIFTED, _BARRIER, _HALF = 0.3, 0.3, 0.5
+_MOST, _TO_BOUNDARY = 250, 0.99  # steps; part of the way to where a force or gap is nothing
+#: What the barrier falls to in a step, by how long the last one was; it stays above a part of what ẑ lags by.
+_FALLS, _LAGS = ((0.5, 0.25), (0.1, 0.5), (0.0, 0.8)), 0.1
+_CORRECTIONS, _LONG, _FARTHER, _WORTH = 2, 0.95, 0.3, 0.03  # as in `programs.program`
+_RUNS, _SURE = 10.0, 30  # what ẑ lags by grows to so many times its least, after so many steps: they do not rest
+
+
+@dataclass(slots=True)
+class _Point:
+    """A point of the method: u (N,), N (m,), T (m, 2), G (m,), cones (m, 3) and their multipliers (m, 3)."""
+
+    moved: Floats
+    normal: Floats
+    friction: Floats
+    gap: Floats
+    cone: Floats
+    slip: Floats
+
+    def taken(self, step: "_Point", length: float) -> "_Point":
+        """The point after so much of a step."""
+        return _Point(
+            self.moved + length * step.moved, self.normal + length * step.normal,
+            self.friction + length * step.friction, self.gap + length * step.gap, self.cone + length * step.cone,
+            self.slip + length * step.slip,
+        )  # fmt: skip
+
+
+def lagged_rest(bed: Bed, parameter: float) -> Flow | None:
+    """All blocks at rest at one strength λ, the law of their joints rounded by what the flow says.
+
+    None where they do not come to rest this way. Only of joints that do not dilate, without bolts, and with compiled
+    kernels: they have the steps.
+    """
+    if compiled() is None or bed.dilates or bed.bolted is not None or bed.tangents == 1:
+        return None
+    say("rest of all blocks but for a rounding, strength divided by", 1.0 / parameter)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return _run(_Law(bed, parameter))
+
+
+class _Law:
+    """The joints of a bed at one strength."""
+
+    def __init__(self, bed: Bed, parameter: float) -> None:
+        self.bed, self.contacts = bed, bed.stiffness.contacts
+        self.give, self.soft = 1.0 / bed.area, 1.0 / bed.spring
+        self.friction, self.cohesion = parameter * bed.friction, parameter * bed.cohesion
+        self.none = np.zeros(bed.pairs)
+        _, self.load = bed.drive.at(parameter)
+
+    def begun(self) -> _Point:
+        """Joints that stick, their normal forces kept above nothing."""
+        bed, model = self.bed, self.bed.model
+        opening, slip = model.opening_and_slip(bed.elastic_displacement)
+        own = bed.unbalanced_at_most[:: model.unknowns] / float(bed.unbalanced_at_most.max())
+        own *= float(np.sqrt((model.load * model.load).sum(axis=1)).max())
+        lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))[model.pair_contact]
+        normal = np.maximum(-bed.area * opening, _LIFTED * lighter)
+        friction = -bed.spring[:, None] * slip
+        room = line(self.cohesion, self.friction, normal)
+        size = np.sqrt((friction * friction).sum(axis=1))
+        friction *= np.minimum(1.0, _HALF * room / np.maximum(size, TINY))[:, None]
+        barrier = _BARRIER * float((self.give * normal * normal).mean())
+        cone = np.hstack([room[:, None], friction])
+        slips = barrier * cone / determinant(cone)[:, None]
+        slips[:, 1:] *= -1.0
+        return _Point(bed.elastic_displacement.copy(), normal, friction, barrier / normal, cone, slips)
+
+
+@dataclass(slots=True)
+class _Residuals:
+    """What is off at a point: (m,), (m, 2), (m, 3), (N,); what is left of the products, what ẑ lags by, the energy."""
+
+    normal: Floats
+    slip: Floats
+    cone: Floats
+    balance: Floats
+    left: float
+    lags: float
+    energy: float
+
+    @classmethod
+    def of(cls, law: _Law, at: _Point) -> "_Residuals":
+        normal, slip, cone = np.empty_like(at.normal), np.empty_like(at.friction), np.empty_like(at.cone)
+        balance = law.load.copy()
+        _, left, _ = compiled().cone_residuals(
+            law.contacts, law.give, law.soft, law.friction, law.none, law.cohesion, at.normal, at.friction, at.gap,
+            at.cone, at.slip, at.moved, 0.0, normal, slip, cone, balance,
+        )  # fmt: skip
+        normal += law.friction * at.slip[:, 0]  # ẑ is what z was before this step
+        lags = float(np.abs(normal * at.normal).sum() + np.abs(slip * at.friction).sum())
+        energy = float((law.give * at.normal**2).sum() + (law.soft[:, None] * at.friction**2).sum())
+        return cls(normal, slip, cone, balance, left, lags, energy)
+
+    @property
+    def rounding(self) -> float:
+        """What the law is rounded by, in parts of the elastic energy."""
+        return max(self.left, self.lags) / self.energy
+
+
+def _run(law: _Law) -> Flow | None:
+    bed, at = law.bed, law.begun()
+    length, least = 1.0, np.inf
+    for taken in range(_MOST):
+        off = _Residuals.of(law, at)
+        balanced = bool((np.abs(off.balance) < bed.unbalanced_at_most).all())
+        if balanced and off.rounding < LAGGED_ROUNDING:
+            return Flow(at.moved, _forces(law, at, off), "rest", at.moved, 0.0, off.rounding)
+        least = min(least, off.lags)
+        if not np.isfinite(off.left) or (taken > _SURE and off.lags > _RUNS * least):
+            break
+        falls = next(falls for at_least, falls in _FALLS if length >= at_least)
+        aim = max(falls * off.left, _LAGS * min(off.lags, _RUNS * off.left))
+        try:
+            step, length = _Equations(law, at, off).step(aim / (2.0 * bed.pairs))
+        except SolverError:
+            break
+        at = at.taken(step, length)
+    return None
+
+
+class _Equations:
+    """Newton's equations at a point, factorised: those of a convex program, after Nesterov & Todd."""
+
+    def __init__(self, law: _Law, at: _Point, off: _Residuals) -> None:
+        bed, kernels = law.bed, compiled()
+        self.law, self.at, self.off = law, at, off
+        self.pairs, local, border = np.empty((bed.pairs, PAIR)), np.empty_like(bed.elastic), np.zeros(bed.size)
+        kernels.cone_springs(
+            law.contacts, law.give, law.soft, law.friction, law.none, at.normal, at.gap, at.cone, at.slip, self.pairs,
+            local, border,
+        )  # fmt: skip
+        bed.factorisations += 1
+        self.solver: Solver = bed.stiffness.factored(local, DIAGONAL_SHIFT, True)
+
+    def step(self, barrier: float) -> tuple[_Point, float]:
+        """Towards a barrier, with corrections of the products that would go astray (Gondzio 1996); and its length."""
+        at, kernels = self.at, compiled()
+        middle, of_normal = np.empty_like(at.slip), np.empty_like(at.normal)
+        target, to_cone = np.empty_like(at.slip), np.empty_like(at.slip)
+        kernels.cone_middle(self.pairs, at.slip, middle)
+        low, high = LEAST_PRODUCT * barrier, barrier / LEAST_PRODUCT
+
+        def aim(step: _Point, length: float) -> None:
+            kernels.cone_targets(
+                self.pairs, at.cone, at.slip, step.normal, step.gap, step.cone, step.slip, middle, barrier, length, low,
+                high, of_normal, target, to_cone,
+            )  # fmt: skip
+
+        none = np.zeros_like(at.cone)
+        aim(_Point(at.moved, self.law.none, none, self.law.none, none, none), -1.0)
+        step, length = self._direction(of_normal, to_cone)
+        for _ in range(_CORRECTIONS):
+            if length > _LONG:
+                break
+            aim(step, min(1.0, length + _FARTHER))
+            corrected, now = self._direction(of_normal, to_cone)
+            before = length
+            if now > before:
+                step, length = corrected, now
+            if now < before + _WORTH:
+                break
+        return step, length
+
+    def _direction(self, to_normal: Floats, to_cone: Floats) -> tuple[_Point, float]:
+        at, off, kernels, contacts = self.at, self.off, compiled(), self.law.contacts
+        normal, friction, gap = np.empty_like(at.normal), np.empty_like(at.friction), np.empty_like(at.gap)
+        cone, slip, forces = np.empty_like(at.cone), np.empty_like(at.slip), off.balance.copy()
+        offs = off.normal, off.slip, off.cone
+        kernels.cone_sources(contacts, self.pairs, to_normal, to_cone, *offs, normal, friction, forces)
+        moved = self.solver(forces)
+        most = kernels.cone_step(
+            contacts, self.pairs, moved, 0.0, float(at.normal.mean() / at.gap.mean()), to_normal, to_cone, *offs,
+            at.cone, at.slip, normal, friction, cone, gap, slip,
+        )  # fmt: skip
+        return _Point(moved, normal, friction, gap, cone, slip), min(1.0, _TO_BOUNDARY * most)
+
+
+def _forces(law: _Law, at: _Point, off: _Residuals) -> BedForces:
+    """The forces of a point that is at rest."""
+    bed = law.bed
+    size = np.sqrt((at.friction * at.friction).sum(axis=1))
+    slips = at.slip[:, 0] > law.soft * size  # more than it gives
+    return BedForces(
+        at.normal, at.friction, line(bed.cohesion, bed.friction, at.normal), at.normal > law.none, slips,
+        -at.friction / np.maximum(size, TINY)[:, None], law.soft * size + at.slip[:, 0], off.balance,
+        max(bed.load_size, float(at.normal.max())), SPRING_ROUNDING * float(at.normal.max()),
+    )  # fmt: skip

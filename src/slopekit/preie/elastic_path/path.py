@@ -1,0 +1,282 @@
+"""The limit of the elastic path: the factor of safety of many blocks (METHOD-3.md §13).
+
+Joints are elastic without tension (`elastic_path.bed`). Gravity comes on at a strength well above the static bound,
+then
+
+    R   in a section of many blocks first: joints with rounded corners, whose path is one curve, made sharp far down it;
+    A   the strength goes down, λ x 0.85 a step, until the blocks run: implicit viscous flow shows that they do;
+    C   while they run, viscosity is taken away and λ set free, the work of the load prescribed and raised;
+    L   once the modes of the contacts have settled, Newton on them and λ: the limit state, exact.
+
+That limit is the factor. Where C or L do not get there the path starts again nearer to the last state at rest; where
+nothing helps the elastic peak, the factor at which the blocks were last at rest, stands for it, and says so.
+With the load instead of the strength as what changes (`Drive.ramp`) the same gives a load multiplier. There a peak is
+passed where blocks that flow slowly from the last state at rest come to another: a sliver has snapped, nothing failed.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
+from slopekit.preie.elastic_path.bed import Bed, BedForces
+from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, stepped
+from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.elastic_path.traced import traced, traced_in_section
+from slopekit.preie.programs.bounds import held_by_normals
+from slopekit.preie.solvers.effort import EffortSpentError
+from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, STEADY, VISCOUS_LEFT, VISCOUS_LEFT_IN_SPACE
+
+_STRIDE = 0.85  # of the strength, a step of stage A
+_BRACKET = 2e-2  # how near A comes to the strength at which they run
+_NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
+_OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
+_PATIENCE = 60  # factorisations in which a step of A should be at rest or run
+ROUGHER = 7  # doublings of the strength to start from
+_FAILS = 7
+_BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
+_CHEAPLY = 100  # and up to which it is tried with the same modes again
+_SNAPS, _FARTHER, _SLOWLY = (
+    20,
+    1e3,
+    4000,
+)  # of a path in the load; work at which they run; factorisations
+_MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
+_BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """Blocks that were at rest at a parameter, and how they ran at the next one, `bad`."""
+
+    parameter: float
+    rest: Flow
+    bad: float
+    flow: Flow
+
+
+def follow(bed: Bed, start: float, brief: bool = False, ran: Ran | None = None) -> PathLimit:
+    """The limit of one bed.
+
+    Parameters
+    ----------
+    start : strength (λ) at which gravity comes on, or the first load multiplier
+    brief : gives up where gravity does not come to rest there, and after the first bracket that does not settle
+    ran : stage A, where it was gone through already
+
+    Raises
+    ------
+    EffortSpentError
+        The work that is allowed is done.
+    """
+    rested: list[float] = []
+    try:
+        ended = _followed(bed, start, brief, rested, ran)
+    except EffortSpentError:
+        raise EffortSpentError(1.0 / rested[-1] if rested and bed.drive.ramp is None else None) from None
+    if ended.found or ended.outcome is PathOutcome.STANDS or bed.drive.ramp is not None:
+        return ended
+    normal = held_by_normals(bed.model, bed.drive.load)
+    if normal is None:
+        return ended
+    # a wedge in a slot settles so far on elastic joints that it seemed to run
+    friction, still = np.zeros_like(ended.friction), np.zeros_like(ended.motion)
+    return replace(
+        ended, outcome=PathOutcome.STANDS, parameter=None, peak=None, motion=still, normal=normal, friction=friction
+    )
+
+
+def _followed(bed: Bed, start: float, brief: bool, rested: list[float], ran: Ran | None) -> PathLimit:
+    """The limit; `rested` gets the parameters at which the blocks are at rest on the way."""
+    strength = bed.drive.ramp is None
+    if ran is None:
+        parameter, flow = at_rest_first(bed, start, 0 if brief else ROUGHER)
+    else:
+        parameter, flow = ran.parameter, ran.rest
+    if flow.ended != "rest":
+        without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
+        return result_of(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
+    at, forces, begun, first = flow.at, flow.forces, parameter, flow.at
+    rested.append(parameter)
+    # parameters at which nothing was found at rest, the worst first
+    runs: list[tuple[float, Flow]] = [] if ran is None else [(ran.bad, ran.flow)]
+    failed: Flow | None = None  # the last flow whose forces did not settle
+    ratio = _STRIDE
+    brackets = (_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2])
+    nearest, snaps = iter(brackets), 0 if strength else _SNAPS
+    near = next(nearest)
+    traces = strength and bed.tangents > 1 and not bed.dilates
+    smooth = strength and bed.tangents == 1 and not bed.dilates and bed.bolted is None
+    if smooth and bed.size > _MANY and ran is None:
+        ended = traced_in_section(bed, at, parameter, _BROADLY)
+        if ended is not None:
+            return replace(ended, started=begun)
+        smooth = False
+    while True:
+        if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
+            bad, flow = runs.pop()
+            if flow.ended != "runs":
+                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), runs_at=RUNS)
+            if flow.ended != "rest":
+                ended = None if flow is failed else _run(bed, flow, bad)
+                failed = flow  # the same again ends the same
+                if ended is None and traces:
+                    ended, traces = traced(bed, (first, begun), (at, parameter), bad), False
+                if ended is not None:
+                    return replace(ended, peak=(parameter, bad), started=begun)
+                runs.append((bad, flow))
+                near = next(nearest, 0.0)
+                if near:
+                    continue
+                slow = relaxed(bed, at, bad, THICK, runs_at=_FARTHER, patience=_SLOWLY) if snaps else flow
+                if slow.ended != "rest":
+                    break
+                flow = slow
+                snaps, nearest, ratio = snaps - 1, iter(brackets), _STRIDE  # they only snapped, to another rest
+                near = next(nearest)
+                runs.clear()
+            parameter, at, forces = bad, flow.at, flow.forces
+        if runs:
+            ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))
+        trial = bed.drive.harder(parameter, ratio)
+        say("path, strength divided by" if strength else "path, load times", 1.0 / trial if strength else trial)
+        tried = at_rest_next(bed, at, trial)
+        if tried.ended != "rest":
+            runs.append((trial, tried))
+            continue
+        parameter, at, forces = trial, tried.at, tried.forces
+        rested.append(parameter)
+        if (parameter < LEAST_STRENGTH * start) if strength else (parameter > FARTHEST):
+            return result_of(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
+        if not runs:
+            ratio = max(ratio * _STRIDE, 0.5)
+    if smooth and not brief:
+        ended = traced_in_section(bed, first, begun, _FINELY)
+        if ended is not None and (ended.parameter or 0.0) >= bad:
+            return replace(ended, peak=(parameter, bad), started=begun)
+    peak = result_of(bed, PathOutcome.BRACKET, parameter, (parameter, bad), at, flow.at - flow.before, forces)
+    return replace(peak, started=begun)
+
+
+def first_peak(bed: Bed, peak: PathLimit) -> PathLimit:
+    """Of the peaks that the path comes to in other steps, and the one found, that of the most strength.
+
+    Where blocks snap from rest to rest the step decides which rest they come to, and so where they are last at rest.
+    """
+    ways = [peak]
+    parameter, flow = at_rest_first(bed, peak.started, 0)
+    for ratio in _OTHER_WAYS if flow.ended == "rest" else ():
+        good, rest, bad = parameter, flow, None
+        while bad is None or 1.0 - bed.drive.gap(bad, good) > _NEARER[1]:
+            trial = bed.drive.harder(good, ratio if bad is None else math.sqrt(bed.drive.gap(bad, good)))
+            if trial < LEAST_STRENGTH * parameter:
+                break
+            tried = at_rest_next(bed, rest.at, trial)
+            if tried.ended not in ("rest", "runs"):
+                tried = relaxed(bed, tried.at, trial, max(tried.viscosity, THICK), runs_at=RUNS)
+            if tried.ended == "rest":
+                good, rest = trial, tried
+            elif tried.ended == "runs":
+                bad = trial
+            else:  # this way says nothing
+                bad = None
+                break
+        if bad is not None:
+            forces = bed.forces(rest.at, good)
+            ways.append(result_of(bed, PathOutcome.BRACKET, good, (good, bad), rest.at, peak.motion, forces))
+    ways.sort(key=lambda way: way.parameter or 0.0)
+    return replace(
+        ways[-1], started=peak.started, motion=peak.motion, reached=ways[0].parameter,
+        factorisations=bed.factorisations,
+    )  # fmt: skip
+
+
+def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
+    """Gravity on at a strength that holds the blocks, or the load before it is raised."""
+    none = np.zeros(bed.size)
+    if bed.drive.ramp is not None:
+        step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
+        flow = Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
+        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, runs_at=1e9)
+    parameter = start
+    flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
+    for _ in range(rougher + 1):
+        step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
+        if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
+            return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
+        flow = relaxed(bed, none, parameter, 1.0, runs_at=3e2)
+        if flow.ended == "rest":
+            return parameter, flow
+        parameter *= 2.0
+    return parameter, flow
+
+
+def at_rest_next(bed: Bed, at: Floats, parameter: float) -> Flow:
+    """From one state at rest to a worse parameter."""
+    flow = relaxed(bed, at, parameter, 0.0, runs_at=RUNS, patience=_PATIENCE)
+    if flow.ended == "rest" and flow.viscosity == 0.0:
+        working = bed.working
+        if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
+            return relaxed(bed, at, parameter, 0.3, runs_at=RUNS, patience=_PATIENCE)  # Newton jumped to a far state
+    return flow
+
+
+def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
+    """The limit of the motion that runs; None where its forces do not settle."""
+    if flow.ended != "runs":
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), runs_at=RUNS)
+    runs_at = RUNS
+    for again in range(3 if bed.tangents == 1 else 1):
+        limit = _eased(bed, flow, parameter)
+        if limit is not None or again == 2 or bed.tangents > 1:
+            return limit
+        runs_at *= 20.0
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, runs_at=runs_at)
+        if flow.ended != "runs":
+            return _eased(bed, flow, parameter)
+    return None
+
+
+def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
+    """Stage C: viscosity goes, the parameter is free, the work grows."""
+    working = bed.working
+    at, forces, viscosity = flow.at, bed.forces(flow.at, parameter), flow.viscosity
+    work = float(working @ at)
+    moved, gained = at - flow.before, work - float(working @ flow.before)
+    if gained == 0.0 or work == 0.0:
+        return None
+    eases, grows, steps, fails = EASES, 1.5, 0, 0
+    failed: BedForces | None = None  # the modes that stage L was tried with last
+    while steps < 60 and fails < _FAILS:
+        more = work * (grows - 1.0)
+        thinner = eases * viscosity * gained / more
+        step = stepped(bed, at + moved * (more / gained), at, parameter, thinner, work + more)
+        if not step.settled or not 0.3 < step.parameter / parameter < 3.0:
+            eases, grows, fails = min(math.sqrt(eases), 0.98), max(grows**0.6, 1.003), fails + 1
+            continue
+        steps, fails = steps + 1, 0
+        same, changed = step.forces.same_modes(forces), abs(step.parameter / parameter - 1.0)
+        moved, gained, viscosity = step.at - at, more, thinner
+        at, parameter, forces, work = step.at, step.parameter, step.forces, work + more
+        viscous = forces.residual / bed.load_size
+        if step.taken <= 4:
+            grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
+        far = work > 1e3 * bed.elastic_work
+        settled = same and viscous < STEADY and (changed < 1e-2 * STEADY or (changed < STEADY and far))
+        small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
+        tries = small and viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE)
+        if failed is not None and forces.same_modes(failed):
+            tries = tries and (bed.tangents == 1 or bed.size <= _CHEAPLY)
+        if tries or (settled and bed.size <= BORDERED):
+            exact = limit_state(bed, at, moved, parameter)
+            if exact is not None:
+                return exact
+            failed = forces
+        if settled:
+            return result_of(bed, PathOutcome.SETTLED, parameter, None, at, moved, forces)
+        if work > FARTHEST * bed.elastic_work:
+            break
+    return None

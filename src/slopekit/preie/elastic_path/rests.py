@@ -1,0 +1,148 @@
+"""Whether all blocks come to rest just before a factor, and whether they are at their limit there.
+
+What was found another way than along the path, by a group or by rounded joints, is held against this.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed, stepped
+from slopekit.preie.elastic_path.lagged import lagged_rest
+from slopekit.preie.elastic_path.path_limit import PathLimit
+from slopekit.preie.elastic_path.undilated import rest_from, rest_of_hundreds, rest_without_dilation
+from slopekit.preie.solvers.effort import EffortSpentError, part
+from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
+
+_FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
+_LEAP, _LEAP_OF_HUNDREDS, _CLOSER = (
+    0.1,
+    0.01,
+    0.5,
+)  # from one to the next in parts of it, and where they come to rest at none so near
+_HUNDREDS = 600  # unknowns in space from which on that first rest is looked for with a viscosity of each block, ...
+_THOUSANDS = 4000  # ... and, where it is not found, by way of joints that dilate
+#: Unknowns from which, and up to which, the last rest is looked for at once: of 1,987 blocks that takes half as long as
+#: the first rest and a leap from it, of 939 hardly less; of 7,251 it is not found so.
+_AT_ONCE, _MOST_AT_ONCE = 6000, 24000
+_OF_AT_ONCE = 0.4  # of the work that is left, for that
+_OF_NEAR = 0.8  # of how near a rest has to be to be an answer, where one of its own is looked for
+_FAR = 5.0  # times the work: another rest is far away
+_CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
+_OF_LEFT = 0.7  # of the work that is left
+_TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
+
+
+def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:
+    """All blocks towards a factor from the strong side.
+
+    Parameters
+    ----------
+    near : a rest that is nearer in parts of the factor is an answer where slivers do not settle any nearer
+
+    Returns
+    -------
+    their rest just before it, or the flow that shows who moves; how near to the factor it is, in parts of it
+
+    Raises
+    ------
+    EffortSpentError
+        Most of the work that is left was done, and no rest is so near.
+    """
+    known: tuple[Flow, float] | None = None
+    try:
+        with part(_OF_LEFT):
+            for known in _nearer_rests(bed, factor, near):  # noqa: B007
+                pass
+    except EffortSpentError:
+        if known is None or known[1] > near:
+            raise EffortSpentError(None if known is None else factor * (1.0 - known[1])) from None
+    assert known is not None
+    return known
+
+
+def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, float]]:
+    """The last rest each time, and how near to the factor it is; at the end what `rests_before` returns."""
+    gap = _FIRST
+    strong = 1.0 / (factor * (1.0 - gap))
+    many = bed.size > _THOUSANDS
+    hundreds = bed.tangents > 1 and bed.size > _HUNDREDS
+    last = _last_at_once(bed, factor) if hundreds and _AT_ONCE < bed.size < _MOST_AT_ONCE else None
+    if last is not None:
+        yield last, JUST
+        return
+    if hundreds and bed.size >= _MOST_AT_ONCE:  # Newton's method finds none of so many
+        nearly = lagged_rest(bed, 1.0 / (factor * (1.0 - near)))
+        if nearly is not None:
+            yield nearly, near
+            return
+    at_once = rest_of_hundreds(bed, bed.elastic_displacement, strong) if hundreds else None
+    at_once = at_once or (rest_without_dilation(bed, strong) if many else None)
+    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
+    stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
+    yield flow, gap
+    # with cohesion a leap to the last gap at once fails as a rule, and in twice the time that the shorter ones take
+    leap = _LEAP_OF_HUNDREDS if hundreds and not bed.cohesion.any() else _LEAP
+    while flow.ended == "rest" and gap > JUST and leap < _CLOSER:
+        trial = max(leap * gap, JUST)
+        ahead_of_it = (rest_of_hundreds if hundreds else rest_from)(bed, flow.at, 1.0 / (factor * (1.0 - trial)))
+        if ahead_of_it is None or not _near(bed, flow, ahead_of_it):
+            leap = math.sqrt(leap)
+            continue
+        moved, width = ahead_of_it.at - flow.at, gap - trial
+        flow, gap = ahead_of_it, trial
+        yield flow, gap
+    while flow.ended == "rest" and gap > JUST:
+        trial = gap * stride
+        parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
+        step = stepped(bed, ahead, ahead, parameter, 0.0)
+        ahead_of_it = Flow(step.at, step.forces, "rest", flow.at, 0.0)
+        if not (step.settled and _near(bed, flow, ahead_of_it)):
+            if stride < _CLOSE_BY:
+                stride = math.sqrt(stride)
+                continue
+            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, runs_at=RUNS, patience=_TO_REST)
+        if ahead_of_it.ended in ("slow", "lost"):
+            if gap < near:
+                return
+            if many and gap > (nearer := _OF_NEAR * near):  # no way from here: a rest of its own there
+                at_once = rest_without_dilation(bed, 1.0 / (factor * (1.0 - nearer)), True)
+                many = False
+                if at_once is not None:
+                    ahead_of_it, trial = at_once, nearer
+        moved, width = ahead_of_it.at - flow.at, gap - trial
+        flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
+        yield flow, gap
+
+
+def _last_at_once(bed: Bed, factor: float) -> Flow | None:
+    """The rest just before a factor from joints that stick; None where it is not found, or is far away from them."""
+    try:
+        with part(_OF_AT_ONCE):
+            last = rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - JUST)))
+    except EffortSpentError:
+        return None
+    far = last is None or abs(float(bed.working @ last.at)) >= _FAR * bed.elastic_work
+    return None if far else last
+
+
+def _near(bed: Bed, flow: Flow, other: Flow) -> bool:
+    """Whether another rest is none far away, where Newton's method has jumped to."""
+    return abs(float(bed.working @ other.at)) < _FAR * abs(float(bed.working @ flow.at))
+
+
+def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
+    """Whether blocks at rest just before a limit are at it: theirs is not far above.
+
+    They are where the strength along its motion (N,) is used up to a twentieth: between what it needs and that strength
+    lie what is not used up, and normal forces where the motion opens. Else they are let go beyond it, and have to run.
+    """
+    assert limit.parameter is not None
+    _, slip = bed.motion(limit.motion, limit.parameter)
+    resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) * limit.parameter
+    if abs(float(bed.drive.load @ limit.motion) / max(resists, TINY) - 1.0) < MOBILISED:
+        return True
+    beyond = (1.0 - _BEYOND) * limit.parameter
+    return relaxed(bed, flow.at, beyond, THICK, runs_at=RUNS, patience=_LET_GO).ended == "runs"

@@ -1,0 +1,220 @@
+"""The limit by way of joints with rounded corners (`elastic_path.rounded`): one curve, made sharp far along it.
+
+In space where viscous flow does not settle beyond a peak, in sections of many blocks first of all.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.preie.elastic_path.bed import Bed, BedForces, NewtonStep
+from slopekit.preie.elastic_path.flow import relaxed, stepped
+from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rests_before
+from slopekit.preie.elastic_path.rounded import RoundedPath
+from slopekit.preie.tolerances import (
+    FARTHEST,
+    LEAST_STRENGTH,
+    OTHER_MOTION,
+    POLISHED,
+    SAME_FARTHER,
+    SAME_SHARP,
+    SHARP_FAR_DOWN,
+    STEADY,
+    SURE_ROUNDING,
+)
+
+_ROUNDINGS = (1e-5, 1e-4, 1e-2, 3e-3)  # of the joints in space, one after the other (`elastic_path.rounded`)
+_MARKS = (1e3, 1e4, 1e5, 1e6)  # work in parts of the elastic at which they are made sharp
+_TRACED, _FARTHER, _RESTS = 250, 150, 300  # factorisations to get there, and farther, and to come to rest
+_TIMES = 3.0  # so much farther: `SAME_FARTHER`
+_FOLLOWED, _SHARPENED = 1000, 150  # factorisations from one mark to the next, and of making joints sharp
+_HALVED = 12  # bisections between two points of the rounded path
+_MANY = 100  # unknowns from which a rounding that does not get to the first mark is the last
+_GOES = 5  # shorter steps before Newton's method is said not to go on
+
+
+def traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], runs: float) -> PathLimit | None:
+    """The limit by way of rounded joints, from states at rest; None where their path is not found or nothing settles.
+
+    Far along it the joints are made sharp, and Newton's method goes on; where it does not, sharp states at ever more
+    work have to agree. The blocks have to be at rest, in sharp joints, at a little more strength. Much rounding, from
+    the first state at rest, may lead to another motion than little, from the last: a limit found with it is none where
+    it is above the factor at which the blocks have run. Of many blocks more rounding than the least that begins is not
+    tried where that does not get to the first mark.
+    """
+    for rounding in _ROUNDINGS:
+        curve = RoundedPath(bed, rounding)
+        at, parameter = last if rounding <= SURE_ROUNDING else first
+        if not curve.begin(at, parameter):
+            continue
+        for mark in _MARKS:
+            if not curve.onto(mark, _TRACED):
+                if mark == _MARKS[0] and bed.size > _MANY:
+                    return None  # of many blocks no other rounding gets there either
+                break
+            if curve.reduction < LEAST_STRENGTH * parameter:
+                break
+            sharp = curve.sharpened(_TRACED)
+            if sharp is None:
+                break
+            there = sharp.displacement
+            step = stepped(bed, there, there, sharp.reduction, 0.0, float(bed.working @ there))
+            limit = _far(bed, step) if step.settled else None
+            if limit is None:
+                limit = _farther(bed, sharp)
+            if limit is None:
+                continue
+            if rounding > SURE_ROUNDING and (limit.parameter or 0.0) < runs:
+                break
+            if _rests_on(bed, limit, curve.passed, there):
+                return _exact(bed, limit)
+    return None
+
+
+def _exact(bed: Bed, limit: PathLimit) -> PathLimit:
+    """The limit state that a settled motion comes to, where Newton on its modes gets there: one number by any way."""
+    assert limit.parameter is not None
+    exact = limit_state(bed, limit.displacement, limit.motion, limit.parameter) if bed.size <= BORDERED else None
+    if exact is None or not abs((exact.parameter or 0.0) / limit.parameter - 1.0) < POLISHED:
+        return limit
+    return exact
+
+
+def _farther(bed: Bed, sharp: RoundedPath) -> PathLimit | None:
+    """The limit of a path of sharp joints whose λ has settled: at three times the work it is the same."""
+    work, reduction, before = sharp.work, sharp.reduction, sharp.displacement
+    if not sharp.onto(_TIMES * work, _FARTHER):
+        return None
+    limit = sharp.reduction + (sharp.reduction - reduction) / (sharp.work / work - 1.0)
+    if not abs(sharp.reduction / reduction - 1.0) < SAME_FARTHER:
+        return None
+    # where several blocks slide at one strength their speeds are anyone's, and Newton's method has no state to go to
+    return result_of(bed, PathOutcome.SETTLED, limit, None, sharp.displacement, sharp.displacement - before, _on(sharp))
+
+
+def _far(bed: Bed, step: NewtonStep) -> PathLimit | None:
+    """From a state of the sharp joints to so much work that λ stays; None where Newton's method does not get there.
+
+    λ goes like the limit plus a part of 1 / work, as long as the same joints touch.
+    """
+    working = bed.working
+    work, ratio, fails, last = float(working @ step.at), 3.0, 0, math.nan
+    motion = bed.onward(step)
+    while True:
+        more = work * (ratio - 1.0)
+        ahead = None
+        if motion is not None:
+            ahead = stepped(bed, step.at + more * motion, step.at, step.parameter, 0.0, work + more)
+        if ahead is None or not ahead.settled or abs(ahead.parameter / step.parameter - 1.0) > OTHER_MOTION:
+            ratio, fails = math.sqrt(ratio), fails + 1
+            if fails > _GOES:
+                return None
+            continue
+        limit = ahead.parameter + (ahead.parameter - step.parameter) / (ratio - 1.0)
+        before, step, work = step, ahead, work + more
+        if work > FARTHEST * bed.elastic_work:
+            if abs(limit / last - 1.0) < STEADY:
+                return result_of(bed, PathOutcome.SETTLED, limit, None, step.at, step.at - before.at, step.forces)
+            if work > FARTHEST**2 * bed.elastic_work:
+                return None
+        ratio, last, motion = min(ratio * math.sqrt(ratio), 10.0), limit, bed.onward(step)
+
+
+def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sharp: Floats) -> bool:
+    """Whether all blocks come to rest at a little more strength than that of a limit.
+
+    Looked for near where the path `passed` it (λ and displacement), and near states on the way to the limit.
+    """
+    assert limit.parameter is not None
+    strength = limit.parameter / (1.0 - JUST)
+    after = next((k for k, (reduction, _) in enumerate(passed) if reduction < strength), len(passed))
+    near = passed[min(after, len(passed) - 1)][1]
+    if 0 < after < len(passed):
+        (more, one), (less, other) = passed[after - 1], passed[after]
+        near = one + (other - one) * ((more - strength) / (more - less))
+    if any(stepped(bed, at, at, strength, 0.0).settled for at in (near, sharp, limit.displacement)):
+        return True
+    flow = relaxed(bed, near, strength, 0.0, runs_at=FARTHEST, patience=_RESTS)
+    return flow.ended == "rest" or rests_before(bed, 1.0 / limit.parameter)[0].ended == "rest"
+
+
+def traced_in_section(bed: Bed, at: Floats, parameter: float, roundings: tuple[float, ...]) -> PathLimit | None:
+    """The limit of a section by way of rounded joints, from the first state at rest; None where nothing settles.
+
+    Between many blocks the sharp path snaps at every few steps. Rounded it is one curve through all of that, and
+    only far down it the joints are made sharp, at ever more work: λ goes like the limit plus a part of 1 / work. Where
+    Newton on the modes gets there the limit state is exact. Much rounding may lead to another motion: λ must hardly
+    change as the joints are made sharp. All blocks have to rest, in sharp joints, at a little more strength, and, after
+    much rounding, that strength has to be used up along the motion, or they run beyond it.
+    """
+    for rounding in roundings:
+        curve = RoundedPath(bed, rounding)
+        if not curve.begin(at, parameter):
+            continue
+        before: RoundedPath | None = None
+        last, limit = math.inf, None
+        for mark in _MARKS:
+            sharp = curve.sharpened(_SHARPENED, SHARP_FAR_DOWN) if curve.onto(mark, _FOLLOWED) else None
+            if sharp is None or not abs(sharp.reduction / curve.reduction - 1.0) < SAME_SHARP:
+                break
+            moved = sharp.displacement - (at if before is None else before.displacement)
+            limit = limit_state(bed, sharp.displacement, moved, sharp.reduction) if bed.size <= BORDERED else None
+            if limit is None and before is not None:
+                settles = sharp.reduction + (sharp.reduction - before.reduction) / (sharp.work / before.work - 1.0)
+                if min(abs(settles / last - 1.0), abs(sharp.reduction / before.reduction - 1.0)) < STEADY:
+                    limit = result_of(bed, PathOutcome.SETTLED, settles, None, sharp.displacement, moved, _on(sharp))
+                last = settles
+            if limit is not None:
+                break
+            before = sharp
+        if limit is not None and _rests_along(bed, limit, curve, rounding):
+            return limit
+    return None
+
+
+def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float) -> bool:
+    """Whether sharp joints hold all blocks a thousandth to three before a limit, and the limit is not far above that.
+
+    Looked for by bisection between the points that the rounded path passed before it.
+    """
+    assert limit.parameter is not None
+    strength = limit.parameter / (1.0 - JUST)
+
+    def sharp_at(place: float) -> RoundedPath | None:
+        (reduction, one), (less, other) = curve.passed[int(place)], curve.passed[int(place) + 1]
+        part, there = place % 1.0, RoundedPath(bed, rounding)
+        begun = there.begin(one + part * (other - one), reduction + part * (less - reduction))
+        return there.sharpened(_SHARPENED, SHARP_FAR_DOWN) if begun else None
+
+    high = float(next((k for k, (reduction, _) in enumerate(curve.passed) if reduction < strength), 0))
+    low, sharp = high, None
+    while low > 0.0 and (sharp is None or sharp.reduction < strength):
+        high, low = low, low - 1.0
+        sharp = sharp_at(low)
+    for _ in range(_HALVED):
+        if sharp is None or sharp.reduction < strength:
+            return False
+        if sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter:
+            break
+        trial = sharp_at(middle := (low + high) / 2.0)
+        if trial is None or trial.reduction < strength:
+            high = middle
+        else:
+            low, sharp = middle, trial
+    assert sharp is not None
+    flow = relaxed(bed, sharp.displacement, sharp.reduction, 0.0, runs_at=FARTHEST, patience=_RESTS)
+    near = sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter
+    if not near or flow.ended != "rest":
+        return False
+    return rounding <= SURE_ROUNDING or at_their_limit(bed, flow, limit)  # hardly rounded it came past the peak itself
+
+
+def _on(curve: RoundedPath) -> BedForces:
+    """The forces of a path of nearly sharp joints where it is."""
+    bed, (normal, friction) = curve.bed, curve.forces
+    unbalanced = bed.columns @ np.concatenate([normal, friction.ravel()]) + bed.drive.load
+    there = bed.forces(curve.displacement, curve.reduction)
+    return replace(there, normal=normal, friction=friction, unbalanced=unbalanced)

@@ -1,0 +1,1 @@
+"""The limit of many blocks: bonds that break, groups, what fails first and what next."""

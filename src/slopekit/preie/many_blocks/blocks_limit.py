@@ -1,0 +1,136 @@
+"""What the limit of many blocks is: its factor, how sure it is, and what it was found with."""
+
+import math
+from enum import StrEnum
+from typing import Protocol
+
+from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
+from slopekit.preie.elastic_path.path_limit import PathLimit
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.tolerances import MESH_CHANGE
+
+Span = tuple[float | None, float | None]
+"""The lowest and highest factor of a mechanism; an end is None where it lies far beyond."""
+
+
+class Basis(StrEnum):
+    """How sure a factor is."""
+
+    LIMIT = "limit state, exact for its contact modes"
+    SETTLED = "limit of the elastic path, settled"
+    PEAK = "last state at rest on the elastic path; its motion did not settle"
+    NONE = "no factor"
+
+
+class Unrefined(StrEnum):
+    """Why a limit that twists contacts has none on finer node pairs."""
+
+    UNSETTLED = "the motion has not settled, and none were tried"
+    TOO_MANY = "they would be too many"
+    NO_FACTOR = "no factor was found on them"
+
+
+@dataclass(frozen=True, slots=True)
+class BlocksLimit:
+    """The limit of an assembly.
+
+    Attributes
+    ----------
+    outcome, factor : the factor is None where there is none
+    basis : what the factor is
+    change : width of the bracket in parts of the factor, 0 where a limit state was found
+    velocity : (n, u) of the mechanism, its largest motion 1
+    normal_force : (m,); friction : (g, t); in parts of the force scale
+    bond : (m,) 0 where a pair has lost its cohesion
+    static_bound : None where none was found, or none exists; lowest, highest : the range of the mechanism's factors
+    carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
+    loads_last : whether those loads came on after weight and water; tips : the part of them at which the blocks tip
+        then, in a motion that slips nowhere, at that factor and any lower one; None where no such motion was found
+    begun : the factor at which all loads came on at once, where that is far below the static bound
+    kept, unbonded : contacts that the motion opens and whose bonds stand until it begins, and the factor of lesser
+        motions without those bonds
+    kept_share : the part of the motion's work that cohesion would do which it opens, and that the factor leaves out
+    unsettled : the factor of a motion that broke bonds before it had settled
+    sooner : of all rounds of bonds the least factor at which a motion would begin, where that is less than the factor;
+        `lowest` is no more
+    counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
+    finer : the factor on finer node pairs where the motion did not settle there; `lowest` is no more than it
+    unrefined : why it is not known how far finer node pairs move the factor; None where that is known, or not asked
+    steps : factorisations of the path; bound_steps : of the bound
+    bonded : the factor with all bonds, where some are lost; if not `entire` with those that falling strength leaves
+    spent : whether there is no factor because the work that is allowed was done (`solvers.effort`); `rested`: the
+        factor at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
+    held : where it is spent, the factor of the group that was solved last, all others held, and how many blocks it has
+    by_turns : of a search that gave up, the factors between which loads that come last fit on and do not by turns
+    group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
+    rounding : what the law of the joints is rounded by where all came to rest, in parts of their elastic energy
+    """
+
+    outcome: Outcome
+    factor: float | None
+    basis: Basis
+    change: float
+    velocity: Floats
+    normal_force: Floats
+    friction: Floats
+    bond: Floats
+    static_bound: float | None
+    lowest: float | None
+    highest: float | None
+    carried: float | None
+    loads_last: bool
+    steps: int
+    bound_steps: int
+    group: int = 0
+    width: float = 0.0
+    rounding: float = 0.0
+    bonded: float | None = None
+    spent: bool = False
+    rested: float | None = None
+    held: tuple[float, int] | None = None
+    by_turns: tuple[float, float] | None = None
+    tips: tuple[float, float] | None = None
+    begun: float | None = None
+    kept: int = 0
+    kept_share: float = 0.0
+    unbonded: float | None = None
+    unsettled: float | None = None
+    sooner: float | None = None
+    counted: int = 0
+    finer: float | None = None
+    unrefined: Unrefined | None = None
+    entire: bool = True
+
+    @property
+    def at_most(self) -> float:
+        """What `lowest` may be at most: the least factor at which other bonds or ways, or finer pairs let it move."""
+        finer = self.finer if self.finer_is_less else None
+        return min((one for one in (self.factor, self.sooner, finer) if one is not None), default=math.inf)
+
+    @property
+    def finer_is_less(self) -> bool:
+        """Whether the factor on finer node pairs is less by more than refinement may move it."""
+        return self.finer is not None and self.finer < (self.factor or 0.0) * (1.0 - MESH_CHANGE)
+
+
+class Proposal(Protocol):
+    """Another way than the path to the limit of all blocks."""
+
+    def limit(self, bond: Floats, falls: bool, top: float, peaks: bool = False) -> PathLimit | None:
+        """The limit with some bonds (m,), at most `top`, or with `peaks` a peak; None where the way leads nowhere."""
+
+    def limit_alone(self, bond: Floats, falls: bool) -> PathLimit | None:
+        """That of the blocks which failed last, all others held; None where there is none."""
+
+    def peak(self) -> PathLimit | None:
+        """The peak of proposed blocks with which no limit was found last, where the path of all takes long."""
+
+    def held(self) -> tuple[float, int] | None:
+        """The factor of the blocks that were solved last, all others held, and how many they are; None where none."""
+
+    def begins_with(self, motion: Floats) -> None:
+        """Blocks that move in a motion (N,) of all, and their neighbours, are proposed first from now on."""
+
+    def span(self, motion: Floats) -> Span | None:
+        """The range of the mechanism that it found last, where that has this motion (n, u)."""

@@ -1,0 +1,192 @@
+"""Which contacts of many blocks have lost their cohesion where they fail.
+
+A contact that is open all over as blocks rest on their elastic joints has lost its cohesion before any motion begins:
+each limit is that of the motion with which they run as their strength falls (`elastic_path.falling`), with those bonds
+gone. A flat contact that this motion opens anywhere touches along a line at most: all its cohesion goes, and the limit
+is looked for again without it. While that has the same motion, one that opens all that was opened before, it is the
+limit. Another motion is not there: a motion begins at its own factor and breaks nothing before, and strength that
+falls comes to the first with those contacts whole. Then the limit is the first, less what the cohesion that it opens
+does of its work,
+
+    λ' (P·v - λ Σ_opened c |s|) = λ P·v        (of a load α R:  α' R·v = α R·v - λ Σ_opened c |s|)
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.records import dataclass
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.tolerances import FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
+
+_MOST_ROUNDS, _MOST_GROUPS = 60, 8  # of cohesion lost; of groups of blocks that fail
+_MANY = 600  # unknowns from which on a path takes seconds
+_LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more
+_ALIKE = 0.99  # cosine of two motions from which on they are one
+
+Search = Callable[[Floats, bool, bool], tuple[PathLimit, bool]]
+"""The limit with bonds (m,), whether more of them break as strength falls, whether all blocks have to vouch for it; and
+whether they do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bonded:
+    """A limit and the bonds there.
+
+    Attributes
+    ----------
+    limit : its parameter is that without cohesion where its motion opens; its bonds are those that are left
+    whole : the parameter of the first motion, with all bonds or, where falling strength breaks some before, `entire` is
+        false
+    least : the parameter of the motion without what this one opens, which is another; None where that is not the case
+    opened : contacts whose bond the motion opens
+    share : part of the motion's work that their cohesion did
+    unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
+    soonest : with whatever bonds were tried, the parameter at which a motion would begin first
+    counted : contacts that are open all over at the peak of a group and whose cohesion counts, as without it no rest of
+        all blocks was found
+    """
+
+    limit: PathLimit
+    whole: float | None
+    least: float | None = None
+    opened: int = 0
+    share: float = 0.0
+    unsettled: float | None = None
+    soonest: float | None = None
+    counted: int = 0
+    entire: bool = True
+
+
+class _Rounds:
+    """Limits of one model with ever fewer bonds."""
+
+    def __init__(
+        self, model: AssemblyModel, once: Search, working: Floats, load_grows: bool, begun: Floats
+    ) -> None:  # fmt: skip
+        self.model, self.once, self.working, self.load_grows, self.begun = model, once, working, load_grows, begun
+        self.bonded = np.bincount(model.pair_contact, model.cohesion, len(model.plus)) > 0.0
+        self.asked, self.all_rest = (begun, True), False  # what the limit was looked for with; whether all blocks rest
+        self.opens = np.zeros_like(self.bonded)  # contacts that its motion opens, and another one would without them
+
+    def ended(self, last: PathLimit) -> Bonded:
+        """The limit of the blocks that fail, from the one with the bonds that falling strength leaves on."""
+        ended = Bonded(last, last.parameter, soonest=last.parameter, entire=bool((last.bond == self.begun).all()))
+        opened, self.opens = np.zeros_like(self.bonded), np.zeros_like(self.bonded)
+        for _ in range(_MOST_ROUNDS if _runs(last) else 0):
+            new = self._opens(last) & self.bonded & ~self._lost(last)
+            if not new.any():
+                break
+            self.opens, before = new, (self.asked, self.all_rest)
+            if not last.found:
+                ended = replace(ended, unsettled=last.parameter)
+                if self.model.load.size > _MANY and self._share(last, new) < _LITTLE:  # another path takes seconds
+                    break
+            after = self.limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
+            if after.outcome is PathOutcome.NO_REST:  # all that holds the blocks is cohesion that they open
+                last = after
+                break
+            if _runs(after):
+                sooner = min if self.load_grows else max
+                ended = replace(ended, soonest=sooner(after.parameter or 0.0, ended.soonest or 0.0))
+            opened |= new
+            if not self._is_same(last, after, opened):
+                self.asked, self.all_rest = before
+                ended = replace(ended, least=after.parameter if _runs(after) else None)
+                break
+            last, self.opens = after, np.zeros_like(new)
+        return replace(ended, limit=last)
+
+    def vouched(self, ended: Bonded) -> Bonded | PathLimit:
+        """The same once all blocks have vouched for it, less the work of what it opens; or the limit of others."""
+        last = ended.limit
+        if not self.all_rest:
+            last, self.all_rest = self.once(*self.asked, True)
+            if not np.array_equal(last.motion, ended.limit.motion):
+                return last
+        if last.group and not last.found:
+            touches = np.bincount(self.model.pair_contact, last.normal > 0.0, len(self.bonded)) > 0
+            ended = replace(ended, counted=int((self.bonded & ~self._lost(last) & ~touches).sum()))
+        if not self.opens.any() or last.parameter is None:
+            return replace(ended, limit=last)
+        share = self._share(last, self.opens)
+        less = last.parameter * (1.0 - share) if self.load_grows else last.parameter / max(1.0 - share, TINY)
+        return replace(ended, limit=replace(last, parameter=less), opened=int(self.opens.sum()), share=share)
+
+    def limit(self, bond: Floats, falls: bool) -> PathLimit:
+        """With some bonds (m,)."""
+        path_end, self.all_rest = self.once(bond, falls, False)
+        self.asked = bond, falls
+        return path_end
+
+    def _lost(self, path_end: PathLimit) -> Bools:
+        lost: Bools = np.bincount(self.model.pair_contact, path_end.bond, len(self.bonded)) == 0.0
+        return lost
+
+    def _opens(self, path_end: PathLimit) -> Bools:
+        """Contacts (k,) that a motion opens anywhere, beyond what slip opens by itself."""
+        model = self.model
+        opening, slip = model.opening_and_slip(path_end.motion)
+        size = np.sqrt((slip * slip).sum(axis=1))
+        dilation = np.minimum(model.tan_dilation, path_end.reduction * model.tan_friction)
+        least = {PathOutcome.LIMIT: NO_MOTION, PathOutcome.SETTLED: OPENS_ROUGHLY}.get(path_end.outcome, FLOWS)
+        fastest = max(float(np.abs(opening).max()), float(size.max()))
+        apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
+        opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0
+        return opens
+
+    def _is_same(self, last: PathLimit, after: PathLimit, opened: Bools) -> bool:
+        """Whether the motion without what others opened (k,) opens that too, is no other, and begins no later."""
+        if not last.found or not after.found:
+            return False
+        assert last.parameter is not None
+        assert after.parameter is not None
+        later = (after.parameter - last.parameter) * (1.0 if self.load_grows else -1.0)
+        if later > SAME_FACTOR * last.parameter or not self._opens(after)[opened].all():
+            return False
+        one, other = (self._relative(path_end) for path_end in (last, after))
+        return float(one @ other) > _ALIKE * float(np.sqrt((one @ one) * (other @ other)))
+
+    def _relative(self, path_end: PathLimit) -> Floats:
+        """Opening and slip of the motion."""
+        opening, slip = self.model.opening_and_slip(path_end.motion)
+        return np.concatenate([opening, slip.ravel()])
+
+    def _share(self, path_end: PathLimit, opens: Bools) -> float:
+        """Part of the work of a motion that the cohesion of contacts (k,) does, 1 at most."""
+        assert path_end.parameter is not None
+        _, slip = self.model.opening_and_slip(path_end.motion)
+        cohesion = self.model.by_group(np.where(opens[self.model.pair_contact], self.model.cohesion, 0.0))
+        work = path_end.reduction * float(cohesion @ np.sqrt((slip * slip).sum(axis=1)))
+        share = work / float(self.working @ path_end.motion)
+        return min(share / path_end.parameter if self.load_grows else share, 1.0)
+
+
+def with_bonds(
+    model: AssemblyModel, once: Search, working: Floats, load_grows: bool = False, bond: Floats | None = None
+) -> Bonded:
+    """The limit with the bonds that its own motion leaves whole.
+
+    Parameters
+    ----------
+    once : finds the limit with some bonds
+    working : (N,) the load whose work drives; `load_grows`: by so much as the parameter says
+    bond : (m,) that are left to begin with, as between other node pairs of the same contacts
+    """
+    begun = np.ones(len(model.control_area)) if bond is None else bond
+    rounds = _Rounds(model, once, working, load_grows, begun)
+    last = rounds.limit(begun, True)
+    for _ in range(_MOST_GROUPS):  # forces of one alone are none of all blocks
+        ended = rounds.ended(last)
+        vouched = rounds.vouched(ended)
+        if isinstance(vouched, Bonded):
+            return vouched
+        last = vouched
+    return Bonded(replace(ended.limit, outcome=PathOutcome.GAVE_UP), ended.whole)
+
+
+def _runs(path_end: PathLimit) -> bool:
+    return path_end.parameter is not None and (path_end.found or path_end.outcome is PathOutcome.BRACKET)

@@ -1,0 +1,98 @@
+"""Single blocks of an assembly that slide out by themselves: where the search in a large one begins."""
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.geometry.patches import Assembly
+from slopekit.loads import AssemblyLoads
+from slopekit.preie.system.model import JointStrength
+from slopekit.preie.tolerances import PARALLEL, SAME_FACTOR, TINY
+
+
+def slide_alone(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, gone: Bools, free: Ints
+) -> tuple[Ints, Floats]:
+    """Blocks among `free` that would slide out alone, the lowest factor first, and their factors.
+
+    Of factors that are alike that of the heavier block comes first.
+
+    Parameters
+    ----------
+    gone : (b,) blocks that have been taken away
+    """
+    patches = assembly.patches
+    out = np.append(gone, False)
+    there = np.flatnonzero(~out[patches.plus] & ~out[patches.minus])
+    owner = np.concatenate([patches.plus[there], patches.minus[there]])
+    patch, sign = np.concatenate([there, there]), np.repeat([1.0, -1.0], len(there))
+    order = np.argsort(owner, kind="stable")
+    order = order[np.isin(owner[order], free)]
+    owner, patch, sign = owner[order], patch[order], sign[order]
+    blocks, of_face = np.unique(owner, return_inverse=True)
+    joint = patches.joint[patch]
+    factors = sliding_factors(
+        of_face, sign[:, None] * patches.normals[patch], loads.forces[blocks],
+        strength.cohesion[joint] * patches.areas[patch], strength.tan_friction[joint],
+    )  # fmt: skip
+    slides = np.flatnonzero(np.isfinite(factors))
+    heavier = -np.sqrt((loads.forces[blocks[slides]] ** 2).sum(axis=1))
+    alike = np.floor(np.log(np.maximum(factors[slides], TINY)) / SAME_FACTOR)
+    slides = slides[np.lexsort((blocks[slides], heavier, alike))]
+    return blocks[slides], factors[slides]
+
+
+def sliding_factors(block: Ints, normals: Floats, forces: Floats, cohesion: Floats, tan_friction: Floats) -> Floats:
+    """Factor of safety (b,) of single blocks that slide on one or two of their faces, without turning.
+
+    Infinite where a block cannot. Faces in one plane count together; faces that open lose their cohesion (Goodman &
+    Shi 1985, ch. 9). All blocks, and all pairs of faces of each, at once.
+
+    Parameters
+    ----------
+    block : (f,) of each face, ascending; normals : (f, 3) unit, into the block; forces : (b, 3) kN on the blocks
+    cohesion : (f,) kN; tan_friction : (f,)
+
+    >>> up, face = np.array([[0.0, 0.0, 1.0]]), np.zeros(1, dtype=np.int64)
+    >>> sliding_factors(face, up, np.array([[3.0, 0.0, -4.0]]), np.zeros(1), np.array([0.75])).tolist()
+    [1.0]
+    >>> sliding_factors(face, up, np.array([[0.0, 0.0, 4.0]]), np.zeros(1), np.array([0.75])).tolist()  # is lifted
+    [inf]
+    """
+    faces = np.arange(len(block))
+    ends = np.searchsorted(block, np.arange(len(forces)), side="right")
+    of_one, one = _each(ends[block] - faces - 1)
+    a, b = np.concatenate([faces, of_one]), np.concatenate([faces, of_one + 1 + one])  # one face, then pairs
+    force, first, second = forces[block[a]], normals[a], normals[b]
+    line = np.cross(first, second)
+    size = (line * line).sum(axis=1)
+    single = a == b
+    on_one = -(force * first).sum(axis=1)
+    along = np.where(
+        single[:, None], force + on_one[:, None] * first,
+        line * ((force * line).sum(axis=1) / np.where(single, 1.0, np.maximum(size, PARALLEL)))[:, None],
+    )  # fmt: skip
+    # what the two faces carry: their normals span what is left of the force
+    left, cosine = along - force, (first * second).sum(axis=1)
+    of_first, of_second = (left * first).sum(axis=1), (left * second).sum(axis=1)
+    sine = np.where(single, 1.0, np.maximum(1.0 - cosine * cosine, PARALLEL))
+    on_first = np.where(single, on_one, (of_first - cosine * of_second) / sine)
+    on_second = np.where(single, 0.0, (of_second - cosine * of_first) / sine)
+    pull, whole = np.sqrt((along * along).sum(axis=1)), np.sqrt((force * force).sum(axis=1))
+    slides = (single | (size >= PARALLEL)) & (np.minimum(on_first, on_second) >= 0.0) & (pull > PARALLEL * whole)
+    a, b, along, pull = a[slides], b[slides], along[slides], pull[slides]
+    begins = np.searchsorted(block, block[a])
+    way, other = _each(ends[block[a]] - begins)
+    face = begins[way] + other
+    opening = (normals[face] * along[way]).sum(axis=1) / pull[way]
+    blocked = np.bincount(way, opening < -PARALLEL, len(a)) > 0
+    held = np.bincount(way, np.where(opening < PARALLEL, cohesion[face], 0.0), len(a)).astype(np.float64)  # none: ints
+    held += on_first[slides] * tan_friction[a] + on_second[slides] * tan_friction[b]
+    factors = np.full(len(forces), np.inf)
+    np.minimum.at(factors, block[a[~blocked]], held[~blocked] / pull[~blocked])
+    return factors
+
+
+def _each(counts: Ints) -> tuple[Ints, Ints]:
+    """For so many things each: whose they are, and which of its own each is."""
+    whose = np.repeat(np.arange(len(counts)), counts)
+    return whose, np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -1,0 +1,380 @@
+"""What fails first, what fails next: the mechanisms of an assembly one after the other.
+
+Blocks that touch only through bedrock form components, and each is solved for itself: a block that touches nothing
+changes nothing. The component with the lowest factor gives the mechanism; its moving blocks are taken away, and only
+what is left of that component is solved anew. Contacts in space that twist get finer node pairs until the factor stays.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import field, replace
+
+import numpy as np
+from scipy import sparse
+from threadpoolctl import threadpool_limits
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
+from slopekit.geometry.patches import Assembly
+from slopekit.loads import AssemblyLoads, drained
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
+from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit, with_range
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Unrefined
+from slopekit.preie.many_blocks.groups import Groups
+from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.solvers import effort
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.components import WholeAssembly, block_sizes, components, model_of
+from slopekit.preie.system.model import JointStrength
+from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_RANK, TINY, TWISTS
+
+_LARGE = 24  # blocks in space: fewer are one path
+_MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """A solved component.
+
+    Attributes
+    ----------
+    blocks : (n,) indices in the assembly of the blocks that may move
+    patch : (k,) the assembly's patch of each contact of the model
+    refined : (p,) how often the triangles of each patch of the assembly were split, None where none was
+    mesh_change : what the last split did to the factor, in parts of it, None where none was made
+    groups : what its limit was found with, as long as the range of its mechanism may be asked for
+    """
+
+    model: AssemblyModel
+    limit: BlocksLimit
+    blocks: Ints
+    patch: Ints
+    refined: Ints | None = None
+    mesh_change: float | None = None
+    groups: Groups | None = field(default=None, repr=False)
+
+    @property
+    def rank(self) -> float:
+        """Where it stands in the order of failure: what no strength holds comes first, what nothing drives last."""
+        if self.limit.outcome in (Outcome.LIFTED, Outcome.NO_REST):
+            return -1.0
+        if self.limit.outcome is Outcome.NOT_CONVERGED and self.limit.factor is None:
+            return -0.5  # it is not known to stand
+        if self.limit.outcome is Outcome.NO_STRENGTH:
+            return 0.0
+        if self.limit.outcome is Outcome.NO_DRIVING_FORCE or self.limit.factor is None:
+            return math.inf
+        return self.limit.factor
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """One mechanism: the parts that fail together (at the same factor), and the blocks (k,) that move.
+
+    `motion` (k, 6) displacement and rotation (per m) of the blocks, the fastest motion 1.
+    """
+
+    parts: tuple[Part, ...]
+    blocks: Ints
+    motion: Floats
+
+    @property
+    def limit(self) -> BlocksLimit:
+        """The limit of its first part."""
+        return self.parts[0].limit
+
+
+@dataclass(frozen=True, slots=True)
+class Ravelling:
+    """The sequence of mechanisms, the parts of the first round, and the blocks (b,) left at the end.
+
+    `ended` says why the sequence ends: count, stands, gone or not_converged.
+    """
+
+    failures: tuple[Failure, ...]
+    parts: tuple[Part, ...]
+    left: Bools
+    ended: str
+
+
+def ravel(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, count: int = 1, ranged: bool = True
+) -> Ravelling:
+    """The first `count` mechanisms of an assembly.
+
+    Parameters
+    ----------
+    strength : indexed by the patches' joint
+    ranged : whether the range of the mechanisms' factors is wanted
+    """
+    scene = WholeAssembly(assembly, loads, strength, ranged)
+    with threadpool_limits(1):  # bands and fronts are narrow: threads would only wait for each other
+        return _ravel(scene, count)
+
+
+def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
+    assembly, size = scene.assembly, block_sizes(scene.assembly)
+    there = ~assembly.fixed
+    with effort.allowed(effort.MOST):
+        parts = list(_solved(scene, there, np.flatnonzero(there)))
+    first = parts
+    failures: list[Failure] = []
+    ended = "count"
+    while len(failures) < count:
+        with effort.allowed(effort.MOST):
+            parts = _refined(scene, there, parts)
+        rank = min((part.rank for part in parts), default=math.inf)
+        if rank == math.inf:
+            ended = "stands" if parts else "gone"
+            break
+        together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_RANK]
+        together[0] = _no_later(together[0], parts)
+        with effort.allowed(effort.MOST):
+            together = [_ranged(scene, part) for part in together]
+        moved = [_moving(part, size) for part in together]
+        blocks = np.concatenate([fallen for fallen, _ in moved])
+        failures.append(Failure(tuple(together), blocks, np.concatenate([motion for _, motion in moved])))
+        if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in together):
+            ended = "not_converged"
+            break
+        left = [part for part in parts if part.rank > rank + abs(rank) * SAME_RANK]
+        if len(failures) == 1:
+            first = [*together, *left]
+        there[blocks] = False
+        out = np.append(~there & ~assembly.fixed, False)
+        opened = out[assembly.patches.plus] | out[assembly.patches.minus]
+        scene = replace(scene, loads=drained(assembly, scene.loads, opened))
+        if len(failures) == count:
+            break
+        with effort.allowed(effort.MOST):
+            for part in together:
+                left += _solved(scene, there, part.blocks[there[part.blocks]])
+        parts = left
+    return Ravelling(tuple(failures), tuple(replace(part, groups=None) for part in first), there, ended)
+
+
+@dataclass(frozen=True, slots=True)
+class CriticalLoad:
+    """A multiplier of a load and the mechanism there.
+
+    Attributes
+    ----------
+    multiplier : of the limit state, or, where the motion did not settle, of the last state at rest
+    failure : the mechanism
+    runs : in that case the first multiplier at which the blocks run, None otherwise
+    """
+
+    multiplier: float
+    failure: Failure
+    runs: float | None
+
+
+def critical_load(
+    assembly: Assembly, loads: AssemblyLoads, ramp: tuple[Floats, Floats], strength: JointStrength, reduction: float
+) -> CriticalLoad | None:
+    """The lowest multiplier of a load on top of others at which the strength times λ just holds, over all components.
+
+    Parameters
+    ----------
+    ramp : forces and moments (b, 3) that grow
+
+    None where the blocks do not stand without the ramp, or stand with any of it.
+    """
+    scene = WholeAssembly(assembly, replace(loads, live=ramp), strength)
+    there = ~assembly.fixed
+    lowest: tuple[float, Part, float | None] | None = None
+    with threadpool_limits(1), effort.allowed(effort.MOST):
+        for blocks in components(scene, np.flatnonzero(there)):
+            model_patch = model_of(scene, there, blocks)
+            if model_patch is None or not model_patch[0].live.any():
+                continue
+            model, patch = model_patch
+            try:
+                model, path, limit = _load_limit(model, reduction)
+            except effort.EffortSpentError:  # before the first step of a path
+                return None
+            if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
+                if lowest is None or path.parameter < lowest[0]:
+                    runs = None if path.found or path.peak is None else path.peak[1]
+                    lowest = path.parameter, Part(model, limit, blocks, patch), runs
+            elif path.outcome is not PathOutcome.STANDS:
+                return None
+    if lowest is None:
+        return None
+    multiplier, part, runs = lowest
+    blocks, motion = _moving(part, block_sizes(assembly))
+    return CriticalLoad(multiplier, Failure((part,), blocks, motion), runs)
+
+
+def _load_limit(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
+    """The limit in the live load, and the model: where laws are curved with the lines that it settled on."""
+    if model.lines is None:
+        return model, *load_limit(model, model.live, reduction)
+    from slopekit.preie.system.strength_lines import settled_load  # only curved laws pay for it
+
+    return settled_load(model, reduction)
+
+
+def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
+    """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
+    for blocks in components(scene, among):
+        model_patch = model_of(scene, there, blocks)
+        if model_patch is None:
+            yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
+        else:
+            model, patch = model_patch
+            groups = Groups(scene, there, blocks, model, patch) if _large(model) else None
+            yield Part(*component_limit(model, groups), blocks, patch, groups=groups)
+
+
+def _large(model: AssemblyModel) -> bool:
+    """Whether groups of a component propose its limit."""
+    return model.unknowns == 6 and len(model.load) > _LARGE and model.lines is None
+
+
+def component_limit(
+    model: AssemblyModel, proposal: Groups | None = None, bond: Floats | None = None
+) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
+    """The limit of a component, and its model: where laws are curved with the lines that the limit settled on.
+
+    The range of its mechanism comes later, of those that fail first.
+    """
+    if model.lines is None:
+        return model, limit_of_blocks(model, False, proposal=proposal, bond=bond)
+    from slopekit.preie.system.strength_lines import settled_blocks  # only curved laws pay for it
+
+    return settled_blocks(model, limit_of_blocks)
+
+
+def _no_later(part: Part, parts: Iterable[Part]) -> Part:
+    """The part that fails first, which says as well where blocks of others would move first with other bonds."""
+    soonest = min((one.limit.sooner for one in parts if one.limit.sooner), default=math.inf)
+    limit = part.limit
+    if not limit.factor or soonest >= min(limit.factor, limit.sooner or math.inf):
+        return part
+    lowest = soonest if limit.lowest is None else min(limit.lowest, soonest)
+    return replace(part, limit=replace(limit, sooner=soonest, lowest=lowest))
+
+
+def _ranged(scene: WholeAssembly, part: Part) -> Part:
+    """A part with the range of its mechanism, where that is wanted."""
+    limit = with_range(part.model, part.limit, part.groups) if scene.ranged else part.limit
+    return replace(part, limit=limit, groups=None)
+
+
+def finer_model(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, part: Part, level: int
+) -> AssemblyModel:
+    """The model of a part once more, the triangles of all its contacts split in four so often."""
+    free = np.ones(len(assembly), dtype=bool)
+    refine = np.full(len(assembly.patches), level, dtype=np.int64)
+    model_patch = model_of(WholeAssembly(assembly, loads, strength), free, part.blocks, refine)
+    assert model_patch is not None  # the part has a model
+    return model_patch[0]
+
+
+def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part]:
+    """The parts, those that come first with finer node pairs where their mechanism twists contacts."""
+    done: set[int] = set()
+    while True:
+        first = min(range(len(parts)), key=lambda k: parts[k].rank, default=None)
+        if first is None or first in done:
+            return parts
+        done.add(first)
+        parts = [*parts[:first], _split(scene, there, parts[first]), *parts[first + 1 :]]
+
+
+def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
+    """A part with the contacts that twist split until its factor stays, or its node pairs are too many."""
+    for level in range(1, _MOST_SPLIT + 1):
+        twists = _twisting(part)
+        if not twists.any():
+            break
+        if part.limit.basis is Basis.PEAK and part.model.cohesion.any() and _large(part.model):
+            return replace(part, limit=replace(part.limit, unrefined=Unrefined.UNSETTLED))
+        refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
+        refine[part.patch[twists[: len(part.patch)]]] = level
+        model_patch = model_of(scene, there, part.blocks, refine)
+        if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
+            return _unrefined(part, Unrefined.TOO_MANY)
+        model, patch = model_patch
+        by_groups = _large(model) and bool(model.cohesion.any())
+        groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
+        lost = np.bincount(part.model.pair_contact, part.limit.bond, len(part.model.plus)) == 0.0
+        model, limit = component_limit(model, groups, np.where(lost[model.pair_contact], 0.0, 1.0))
+        if not limit.factor:
+            return _unrefined(part, Unrefined.NO_FACTOR)
+        assert part.limit.factor is not None  # what twists contacts has one
+        if limit.basis is Basis.PEAK and model.cohesion.any():
+            return replace(part, limit=replace(part.limit, finer=limit.factor))
+        change = abs(limit.factor / part.limit.factor - 1.0)
+        part = replace(
+            part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
+        )
+        if change < MESH_CHANGE:
+            break
+    return part
+
+
+def _unrefined(part: Part, why: Unrefined) -> Part:
+    """A part that says why nobody knows how far finer node pairs move its factor; of some `mesh_change` says it."""
+    return part if part.mesh_change is not None else replace(part, limit=replace(part.limit, unrefined=why))
+
+
+def _twisting(part: Part) -> Bools:
+    """Contacts in space (k,) that slip about a point near them: their friction depends on where their pairs lie."""
+    model, limit = part.model, part.limit
+    if model.unknowns == 3 or not limit.factor or len(model.plus) == 0:
+        return np.zeros(len(model.plus), dtype=bool)
+    velocity = np.concatenate([limit.velocity, np.zeros((1, model.unknowns))])
+    motion = np.einsum("kij,kj->ki", model.plus_motion, velocity[model.plus])
+    motion += np.einsum("kij,kj->ki", model.minus_motion, velocity[model.minus])
+    radius = np.sqrt(np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale)
+    twist = np.abs(motion[:, 3]) * radius / model.length_scale / 2.0
+    slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
+    carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) + np.bincount(
+        model.pair_contact, model.cohesion * limit.bond / limit.factor, len(model.plus)
+    )  # what is left of cohesion at the limit: it does not depend on what the strength is divided by
+    carries[len(part.patch) :] = 0.0  # bolts do not twist
+    weighs = carries * twist
+    twisting: Bools = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
+    return twisting
+
+
+def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksLimit]:
+    """A block that touches nothing: its load moves it."""
+    none, pairs = np.zeros(0, dtype=np.int64), np.zeros(0)
+    load = np.concatenate([loads.forces[free], loads.moments[free]], axis=1)
+    size = max(float(np.abs(load).max()), TINY)
+    model = AssemblyModel(
+        plus=none, minus=none, plus_motion=np.zeros((0, 6, 6)), minus_motion=np.zeros((0, 6, 6)),
+        pair_contact=none, normal_rows=np.zeros((0, 6)), group_contact=none, slip_rows=np.zeros((0, 2, 6)),
+        group_first=none, control_area=pairs, cohesion=pairs, tan_friction=pairs, tan_dilation=pairs, patch=none,
+        points=np.zeros((0, 3)), moving=free, load=load / size, live=np.zeros_like(load), length_scale=1.0,
+        force_scale=size, area_scale=1.0, kinematics=sparse.csr_matrix((0, load.size)),
+        statics=sparse.csr_matrix((load.size, 0)),
+    )  # fmt: skip
+    driven = float(np.abs(load).max()) > 0.0
+    limit = BlocksLimit(
+        Outcome.LIFTED if driven else Outcome.NO_DRIVING_FORCE, None, Basis.NONE, 0.0, load / size, pairs,
+        np.zeros((0, 2)), pairs, None, None, None, None, False, 0, 0,
+    )  # fmt: skip
+    return model, limit
+
+
+def _moving(part: Part, size: Floats) -> tuple[Ints, Floats]:
+    """The blocks of a part that move, and their motion (k, 6): displacement, rotation per m; the fastest has 1."""
+    velocity = part.limit.velocity
+    moves = np.zeros((len(velocity), 6))
+    if velocity.shape[1] == 3:
+        moves[:, [0, 2, 4]] = velocity
+    else:
+        moves[:] = velocity
+    moves[:, 3:] /= part.model.length_scale
+    speed = np.maximum(
+        np.sqrt((moves[:, :3] ** 2).sum(axis=1)),
+        np.sqrt((moves[:, 3:] ** 2).sum(axis=1)) * size[part.model.moving],
+    )
+    fastest = max(float(speed.max()), TINY)
+    fast = np.flatnonzero(speed > MOVES * fastest)
+    return part.model.moving[fast], moves[fast] / fastest

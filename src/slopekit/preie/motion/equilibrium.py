@@ -1,0 +1,177 @@
+"""Equilibrium at one strength reduction factor: Bᵀ f(B γ) + P = 0, six unknowns a block, by Newton's method.
+
+The law is taken in total displacements: the strength is first more than enough, then brought down to the factor
+asked for in steps, so that Newton starts near its answer and pairs fail in the order in which the paper's
+increments fail them. Where no step leads on, the blocks do not stand: that is an answer (`stands` is false).
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.records import dataclass
+from slopekit.preie.system.contact import ContactMode, JointStiffness, Tractions, breaks, reduced_law
+from slopekit.preie.system.model import Model
+from slopekit.preie.tolerances import EQUILIBRIUM, SHORTEST_STRIDE, TINY
+
+_MOST_STEPS = 50  # of Newton's method: what needs more has lost its way
+MOST_RELEASES = 30  # rounds of pairs that debond
+BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
+_RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
+
+
+@dataclass(frozen=True, slots=True)
+class Equilibrium:
+    """The state of a model at one strength reduction factor.
+
+    Attributes
+    ----------
+    stands : whether forces and moments balance
+    factor : the strength reduction factor
+    displacement : (u,) m and radians, of the block's centroid
+    forces : (n, 3) kN at the node pairs; modes : (n,) ContactMode
+    residual : largest unbalanced generalised force in parts of the load
+    """
+
+    stands: bool
+    factor: float
+    displacement: Floats
+    forces: Floats
+    modes: Ints
+    residual: float
+    scaled: Floats
+    debonded: Bools
+
+    @property
+    def failed_pairs(self) -> int:
+        """Number of pairs that slip or have debonded."""
+        return int((self.modes != ContactMode.STICK).sum())
+
+
+@dataclass(frozen=True, slots=True)
+class _Physical:
+    """What the contact law needs in kPa and m, from the scaled model."""
+
+    cohesion: Floats
+    tension: Floats
+    area: Floats
+
+    @staticmethod
+    def of(model: Model) -> "_Physical":
+        area = model.control_area * model.area_scale
+        per_area = model.force_scale / area
+        return _Physical(model.cohesion * per_area, model.tension * per_area, area)
+
+
+def equilibrium(
+    model: Model, factor: float, stiffness: JointStiffness, start: Equilibrium | None = None,
+    until_all_failed: bool = False,
+) -> Equilibrium:  # fmt: skip
+    """Bring the strength down to 1/factor of itself and find where the blocks come to rest.
+
+    Parameters
+    ----------
+    factor : strength reduction factor F > 0
+    start : an equilibrium at a smaller factor to go on from
+    until_all_failed : stop at the first state on the way in which no pair sticks
+    """
+    physical = _Physical.of(model)
+    if start is None or not start.stands or start.factor > factor:
+        none: Bools = np.zeros(len(model.control_area), dtype=bool)
+        here = min(1e-3, factor * 1e-3)
+        # first guess: springs in all directions, the normal ones' stiffness
+        spring = np.repeat(physical.area, 3)[:, None] * model.flat_rows * (stiffness.normal / model.force_scale)
+        guess = np.asarray(np.linalg.solve(model.flat_rows.T @ spring, model.load), dtype=np.float64)
+        state = _settle(model, physical, here, stiffness, guess, none)
+        if not state.stands:
+            for part in _RAMP:
+                lighter = replace(model, load=frozen(model.load * part))
+                state = _settle(lighter, physical, here, stiffness, guess * part if part == _RAMP[0] else guess, none)
+                guess = state.scaled
+        if not state.stands:
+            return state
+    else:
+        state = start
+    stride = math.log(factor / state.factor) if state.factor < factor else 0.0
+    remaining = stride
+    while remaining > 0.0:
+        target = factor if stride >= remaining else state.factor * math.exp(stride)
+        trial = _settle(model, physical, target, stiffness, state.scaled, state.debonded)
+        if trial.stands:
+            state = trial
+            if until_all_failed and state.failed_pairs == len(state.modes):
+                break
+            remaining = math.log(factor / state.factor) if target != factor else 0.0
+            stride *= 2.0
+        else:
+            stride = min(stride, remaining) / 3.0
+            if stride < SHORTEST_STRIDE:
+                return replace(trial, factor=factor)
+    return state if remaining > 0.0 else replace(state, factor=factor)
+
+
+def _settle(
+    model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, start: Floats, debonded: Bools
+) -> Equilibrium:
+    """Newton until the forces balance, again while pairs debond (Table 2); a bond once broken stays so."""
+    scaled = start
+    rounding = EQUILIBRIUM * model.force_scale / model.area_scale
+    for _ in range(MOST_RELEASES):
+        scaled, law, residual = _newton(model, physical, factor, stiffness, scaled, debonded)
+        broken: Bools = ~debonded & breaks(law, physical.tension, factor, rounding)
+        if residual > EQUILIBRIUM or not broken.any():
+            break
+        debonded = debonded | broken
+    forces = law.tractions * physical.area[:, None]
+    to_metres = np.where(np.arange(model.unknowns) < model.translations, model.length_scale, 1.0)
+    return Equilibrium(
+        residual <= EQUILIBRIUM, factor, scaled * to_metres, forces, law.modes, residual, scaled, debonded
+    )
+
+
+def _newton(
+    model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, scaled: Floats, debonded: Bools
+) -> tuple[Floats, Tractions, float]:
+    bolts = model.bolt_capacity / factor
+    stretch = model.bolt_capacity * (model.length_scale / BOLT_GIVE_M)
+    weight, rows = physical.area / model.force_scale, model.flat_rows
+    tractions = reduced_law(
+        stiffness, physical.cohesion, model.tan_friction, model.tan_dilation, factor, debonded
+    )  # fmt: skip
+
+    def unbalanced(at: Floats) -> tuple[Floats, Tractions]:
+        law = tractions((rows @ at).reshape(-1, 3) * model.length_scale)
+        out = (law.tractions * weight[:, None]).ravel() @ rows + model.load
+        if len(bolts):
+            out = out + np.minimum(np.maximum(-stretch * (model.bolt_rows @ at), 0.0), bolts) @ model.bolt_rows
+        return out, law
+
+    out, law = unbalanced(scaled)
+    size = float(np.abs(out).max())
+    for _ in range(_MOST_STEPS):
+        if size <= EQUILIBRIUM * 1e-3:
+            break
+        slopes = law.slopes * (weight * model.length_scale)[:, None, None]
+        matrix = rows.T @ np.matmul(slopes, model.rows).reshape(-1, model.unknowns)
+        if len(bolts):
+            pull = -stretch * (model.bolt_rows @ scaled)
+            springs = np.where((pull > 0.0) & (pull < bolts), stretch, 0.0)
+            matrix = matrix - (model.bolt_rows.T * springs) @ model.bolt_rows
+        unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
+        try:
+            step = -np.linalg.solve(matrix * unit, out) * unit
+        except np.linalg.LinAlgError:
+            break
+        length = 1.0
+        while length > 1e-4:
+            after, law_after = unbalanced(scaled + length * step)
+            size_after = float(np.abs(after).max())
+            if size_after < size * (1.0 - 0.1 * length):
+                break
+            length *= 0.5
+        else:
+            break
+        scaled, out, law, size = scaled + length * step, after, law_after, size_after
+    return scaled, law, size

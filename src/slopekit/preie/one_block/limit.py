@@ -1,0 +1,360 @@
+"""The limit factor of safety: the largest F at which the blocks still stand when slip does not dilate the joints.
+
+Four steps, each only where the one before does not settle it:
+
+1. every pair closed, every bond whole: `intact_limit_state`, exact;
+2. the forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and
+   pushes on the joints (Moreau's decomposition), whatever their strength: this is what closed forms compute;
+3. the slide of the forces alone with its moments balanced, by Newton's method, exact;
+4. passes: friction frozen at the normal forces of the last pass, the mechanism of least work of a convex program, new
+   normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
+   again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
+
+Turning may lower the limit below what the forces alone give, and then governs. Where turning wedges the block and
+would raise it, the forces alone stand: no credit is taken for an arrangement that only moments hold together.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
+from slopekit.preie.one_block.limit_state import (
+    dilating_limit_state,
+    elastic_displacement,
+    intact_limit_state,
+    settled_limit_state,
+)
+from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.preie.programs.bound import static_bound
+from slopekit.preie.solvers.linear import bounded_least_squares
+from slopekit.preie.system.model import Model
+from slopekit.preie.tolerances import FARTHEST, MOMENTS, NO_FORCE, NO_NUMBER, NO_STRENGTH
+from slopekit.strength.mohr_coulomb import line
+
+if TYPE_CHECKING:
+    from slopekit.preie.programs.mechanism import Stages
+
+_STRIDE = 1.05  # steps of λ on the way to the first loss
+_BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line across it meets zero
+_MOST_TRIES = 40  # bonds let go and found again
+
+
+@dataclass(frozen=True, slots=True)
+class LimitAnalysis:
+    """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
+
+    `by_rule`: the one that governs is that of a rule on cohesion (`moments`): what has lost its own need not open.
+    `without_path`: the elastic path was asked and came to no limit; the one that governs is that of the search.
+    `model`: where laws are curved, the model with the line of each pair at its own traction; None where none is.
+    """
+
+    governing: Limit
+    forces_only: Limit
+    with_turning: Limit
+    moments_govern: bool
+    by_rule: bool = False
+    without_path: bool = False
+    model: Model | None = None
+
+    @property
+    def turns(self) -> bool:
+        """Whether turning makes a limit of its own: it depends on the node pairs, as that of the forces does not."""
+        return self.with_turning is not self.forces_only
+
+    @property
+    def balanced(self) -> Limit:
+        """The limit whose forces balance the moments too, where there is one.
+
+        Where the forces alone govern although the block could be held to more by its moments, the state with turning
+        is that one: it stands at a higher factor, so at the limit too.
+        """
+        turning, factor = self.with_turning, self.governing.factor
+        if factor is None or turning.factor is None or turning.outcome is not Outcome.SLIDES:
+            return self.governing
+        return turning if turning.factor >= factor * (1.0 - MOMENTS) else self.governing
+
+
+def limit_analysis(model: Model) -> LimitAnalysis:
+    """The limit factor of one block, and whether moments govern it."""
+    return _on_lines(model, limit_on_lines)
+
+
+def _on_lines(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis:
+    """The limit, the lines of curved laws drawn again until they stay."""
+    if model.lines is None:
+        return analyse(model)
+    from slopekit.preie.system.strength_lines import settled  # only curved laws pay for it
+
+    return settled(model, analyse)
+
+
+def limit_on_lines(model: Model) -> LimitAnalysis:
+    """The limit on the lines that the model has."""
+    intact = _intact_limit(model)
+    if intact is not None:
+        return _alike(intact)
+    alone = forces_only_limit(model)
+    stands = alone.outcome is Outcome.NO_DRIVING_FORCE and _stands_without_strength(model)
+    if stands or alone.outcome is Outcome.LIFTED or alone.factor == 0.0:
+        return _alike(alone)
+    if model.dilates and (associated := _associated_limit(model, limit_analysis, False)) is not None:
+        return _alike(associated)
+    start = alone.velocity_of(model)
+    slide = None if model.dilates else _balanced_slide(model, alone)
+    if slide is not None:
+        return governed(model, alone, slide)
+    turning = _by_passes(model, start, alone.normal_force, alone.bond)
+    if turning.outcome is Outcome.NO_STRENGTH:
+        return LimitAnalysis(turning, alone, turning, True)
+    if turning.outcome is Outcome.NOT_CONVERGED:
+        return LimitAnalysis(turning, alone, turning, False)
+    return governed(model, alone, turning)
+
+
+def _balanced_slide(model: Model, alone: Limit) -> Limit | None:
+    """The slide of the forces alone with its moments balanced too, exact; None where turning makes another limit."""
+    if not alone.factor:
+        return None
+    velocity = alone.velocity_of(model)
+    state = settled_limit_state(model, velocity, 1.0 / alone.factor, alone.normal_force, alone.bond)
+    if state is None or abs(state.reduction * alone.factor - 1.0) > MOMENTS:
+        return None
+    renewed, _ = release(model, state.velocity, model.tan_dilation, alone.bond, np.zeros(len(alone.bond)))
+    return exact_limit(state, alone.bond, 1) if (renewed == alone.bond).all() else None
+
+
+def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
+    """Which of two limits governs, that of the forces alone or that with turning (it has a factor)."""
+    assert turning.factor is not None
+    if alone.factor is None or turning.factor < alone.factor * (1.0 - MOMENTS):
+        return LimitAnalysis(turning, alone, turning, True)
+    if turning.factor < alone.factor * (1.0 + MOMENTS):
+        # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
+        return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
+    return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)
+
+
+def curved_limit_analysis(model: Model) -> LimitAnalysis:
+    """The limit factor of one block on a curved surface, where a block that may not turn cannot slide either.
+
+    There are no forces alone to compare with: `moments_govern` is false.
+    """
+    return _on_lines(model, _curved_limit_on_lines)
+
+
+def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
+    intact = _intact_limit(model)
+    if intact is not None:
+        return _alike(intact)
+    none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
+    if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
+        return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0))
+    if _stands_without_strength(model):
+        return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0))
+    if model.dilates and (associated := _associated_limit(model, curved_limit_analysis, True)) is not None:
+        return _alike(associated)
+    start = elastic_displacement(model)
+    normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
+    return _alike(_by_passes(model, start, normal, bond))
+
+
+def _by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
+    """The limit by passes; none where dilation itself resists, and they lose their way."""
+    limit = settle_by_passes(model, velocity, normal_force, bond)
+    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > NO_NUMBER):
+        return replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
+    return limit
+
+
+def _alike(limit: Limit) -> LimitAnalysis:
+    """One step settled all."""
+    return LimitAnalysis(limit, limit, limit, False)
+
+
+def _intact_limit(model: Model) -> Limit | None:
+    """The exact limit with every pair closed and every bond whole, dilating or not; None where there is none."""
+    state = intact_limit_state(model)
+    if state is not None and model.dilates:
+        state = dilating_limit_state(model, state)
+    return None if state is None else exact_limit(state, np.ones(len(model.control_area)), 0)
+
+
+def passes_limit(model: Model, passes: int, stages: "Stages | None" = None) -> float:
+    """The factor after that many frozen-friction passes from a cold start, every bond whole: effort against error.
+
+    Parameters
+    ----------
+    stages : of the program, see `least_work_mechanism`; fewer of them are a looser tolerance; None: all
+    """
+    from slopekit.preie.programs.mechanism import COLD, least_work_mechanism
+
+    stages = COLD if stages is None else stages
+    normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
+    velocity, factor = model.load, 0.0
+    for _ in range(passes):
+        friction = line(model.cohesion, model.tan_friction, normal)
+        mechanism = least_work_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
+        velocity, factor, stages = mechanism.velocity, mechanism.load_factor, stages[-1:]
+        normal = mechanism.normal_force / factor
+    return factor
+
+
+def _associated_limit(
+    model: Model, analyse: Callable[[Model], LimitAnalysis], loses_cohesion: bool
+) -> Limit | None:  # fmt: skip
+    """The limit where every joint dilates by all its reduced friction angle: there it is the static bound.
+
+    Parameters
+    ----------
+    analyse : the limit without dilation
+    loses_cohesion : what its mechanism opens beyond the dilation loses its cohesion, as on a curved surface
+    """
+    bond = np.ones(len(model.control_area))
+    releases = np.zeros(len(bond))
+    for _ in range(_MOST_TRIES):
+        rigid = replace(model, tan_dilation=np.zeros_like(bond), cohesion=bond * model.cohesion)
+        without = analyse(rigid).governing
+        if not without.factor:
+            return None
+        bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
+        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
+            return None
+        renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
+        if not loses_cohesion or (renewed == bond).all():
+            return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
+        bond = renewed
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Resultant:
+    """The load split at one reduction λ: velocity (3,) with the driving force as its length, pushes, bolt pulls."""
+
+    pull: Floats
+    driving: float
+    resisting: float
+    normal_force: Floats
+    touching: Bools
+    bolt_pulls: Floats
+
+
+def forces_only_limit(model: Model) -> Limit:
+    """The limit of a block that may move but not turn: `model` without rotations or in its full form.
+
+    At a reduction λ the joints push with N >= 0 and the passive bolts pull with 0 <= T <= λ capacity so as to leave
+    the least of the load: that is the driving force, and its direction the velocity. The block stands where
+    λ (c A + N tan φ) is more. Falling λ (rising F) is followed to the first loss.
+    """
+    if model.lines is not None:
+        from slopekit.preie.system.strength_lines import averaged  # only curved laws pay for it
+
+        model = averaged(model)
+    held = model if model.unknowns == model.translations else model.without_rotation()
+    normals, first, which = np.unique(held.normal_rows.round(12), axis=0, return_index=True, return_inverse=True)
+    which = which.ravel()
+    share = held.control_area / np.bincount(which, held.control_area)[which]
+    columns = np.concatenate([normals, held.bolt_rows]).T
+    # all that slips along one normal slips alike
+    cohesion: Floats = np.bincount(which, held.cohesion).astype(np.float64)
+    tan_friction: Floats = np.bincount(which, held.tan_friction * share).astype(np.float64)
+    tangents = held.rows[first, 1:]
+    pattern: Ints | None = None
+
+    def at(reduction: float, near: bool = True) -> _Resultant:
+        nonlocal pattern
+        upper = np.concatenate([np.full(len(normals), np.inf), reduction * held.bolt_capacity])
+        pushes, rest = bounded_least_squares(columns, -held.load, upper, pattern=pattern if near else None)
+        pattern = np.where(pushes <= 0.0, 0, np.where(pushes >= upper, 2, 1))
+        pushes, pulls = pushes[: len(normals)], pushes[len(normals) :]
+        driving = math.sqrt(float(rest @ rest))
+        touching = pushes > 0.0
+        strength = line(touching * cohesion, tan_friction, pushes)
+        slips = np.ones(len(normals))
+        if driving > NO_FORCE:
+            slips = np.sqrt(((tangents @ rest) ** 2).sum(axis=1)) / driving
+        return _Resultant(-rest, driving, float(strength @ slips), pushes[which] * share, touching[which], pulls)
+
+    def limit(outcome: Outcome, factor: float | None, push: _Resultant) -> Limit:
+        bond = push.touching.astype(np.float64)
+        velocity = push.pull / push.driving if push.driving > NO_FORCE else np.zeros(held.unknowns)
+        friction = pulls = None
+        if factor:
+            strength = line(bond * held.cohesion, held.tan_friction, push.normal_force) / factor
+            slip = np.maximum(held.slip(velocity), NO_FORCE)
+            friction = -(strength / slip)[:, None] * held.relative(velocity)[:, 1:]
+            pulls = push.bolt_pulls
+        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0.0, friction, pulls)
+
+    alone = at(0.0)
+    if alone.driving < NO_FORCE:
+        return limit(Outcome.NO_DRIVING_FORCE, None, alone)
+    if not len(held.bolt_capacity):
+        if not alone.touching.any():
+            return limit(Outcome.LIFTED, None, alone)
+        if held.dilates:
+            velocity = alone.pull / alone.driving
+            return settle_by_passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64))
+        return limit(Outcome.SLIDES, alone.resisting / alone.driving, alone)
+    guess = alone.driving / max(alone.resisting, NO_FORCE)
+    return _first_loss(at, limit, float(held.bolt_capacity.sum()), guess if alone.touching.any() else 0.0)
+
+
+def _first_loss(
+    at: Callable[..., _Resultant],
+    limit: Callable[[Outcome, float | None, _Resultant], Limit],
+    capacity: float,
+    bare: float,
+) -> Limit:
+    """With passive bolts: walk λ down from where all stands to the first λ at which it does not, then bisect.
+
+    `bare` is λ without bolts, 0 where there is none; far above it the walk takes longer steps.
+    """
+
+    def stands(push: _Resultant, reduction: float) -> bool:
+        return push.driving < NO_FORCE or reduction * push.resisting >= push.driving
+
+    low = high = FARTHEST / capacity
+    push = top = at(high)
+    # bolts so strong that they would lift the block off pull no more than keeps it on a joint
+    hangs = bare > 0.0 and not top.touching.any() and not stands(top, high)
+    while hangs and not stands(push, low) and low > 1e-3 * bare:
+        high, low = low, low / (2.0 if low > 30.0 * bare else _STRIDE)
+        push = at(low)
+    if not stands(push, low):
+        outcome = Outcome.LIFTED if not top.touching.any() else Outcome.SLIDES
+        return limit(outcome, None if outcome is Outcome.LIFTED else 0.0, top)
+    while stands(at(low), low):
+        high, low = low, low / (2.0 if low > 30.0 * bare > 0.0 else _STRIDE)
+        if low < 1.0 / FARTHEST:
+            return limit(Outcome.NO_DRIVING_FORCE, None, at(low))
+
+    def lacks(push: _Resultant, reduction: float) -> float:
+        return push.driving - reduction * push.resisting
+
+    at_low, at_high = lacks(at(low), low), lacks(at(high), high)
+    for count in range(200):
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        if count % 3 and at_low > 0.0 > at_high:  # a straight line, then a little beyond where it meets zero
+            line_zero = low + at_low / (at_low - at_high) * (high - low)
+            beyond = _BEYOND * (high - low) if count % 3 == 1 else -_BEYOND * (high - low)
+            middle = min(max(line_zero + beyond, math.nextafter(low, high)), math.nextafter(high, low))
+        push = at(middle)
+        if stands(push, middle):
+            high, at_high = middle, lacks(push, middle)
+        else:
+            low, at_low = middle, lacks(push, middle)
+    return limit(Outcome.SLIDES, 1.0 / high, at(low, near=False))
+
+
+def _stands_without_strength(model: Model) -> bool:
+    """Whether pushes on the joints alone balance the forces and the moments."""
+    count = len(model.control_area)
+    _, rest = bounded_least_squares(model.normal_rows.T, -model.load, np.full(count, np.inf))
+    return float(np.abs(rest).max()) < NO_FORCE

@@ -1,0 +1,521 @@
+"""One block on an elastic bed without tension: the forces of flat contacts that are pressed on part of their polygon.
+
+Springs (normal 1, tangential `SHEAR_TO_NORMAL`) are spread evenly over the polygons. With the block's displacement u
+the opening g = B_n u and the slip s = B_t u vary linearly over a polygon. What is pressed (g < 0) carries σ = -g and
+has all of its cohesion; what is open has none and carries nothing:
+
+    N = -g a,   T = -k s a, cut back to λ (c + σ tan φ) a,   ∫ (B_nᵀ N + B_tᵀ T) + P + λ P_bolts = 0,   λ = 1/F
+
+a is area. Pressed parts are clipped out of their polygons along the line of zero traction, so that the normal forces
+and their moments are exact; the shear is summed over triangles (vertices 1/12, middle 3/4: exact where all of a contact
+slips one way). Where the pressed part grows its shear grows with it: the slopes have a term along the zero line.
+"""
+
+import math
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.records import dataclass
+from slopekit.preie.system.contact import SHEAR_TO_NORMAL
+from slopekit.preie.system.model import Model, local_axes
+from slopekit.preie.system.patch_pairs import fan_rule
+from slopekit.preie.tolerances import NOT_DRAWN_ON_BED, TINY
+from slopekit.strength.mohr_coulomb import line
+
+BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
+
+
+@dataclass(frozen=True, slots=True)
+class PolygonBed:
+    """Flat contacts of one block in the scaled units of its model.
+
+    Attributes
+    ----------
+    corners : per contact (k, 3), arms about the centroid; k = 2 is a line of a vertical section
+    axes : (m, 3, 3) normal (into the block) and two tangents of each contact
+    area : (m,) control area per unit of area (of length, in a section)
+    cohesion : (m,) per control area, in parts of the load; tan_friction : (m,)
+    keys : (m,) interface of each contact
+    load : (u,) P; bolt_rows : (b, u); bolt_capacity : (b,)
+    columns : (u,) which of the six motions are unknowns
+    """
+
+    corners: tuple[Floats, ...]
+    axes: Floats
+    area: Floats
+    cohesion: Floats
+    tan_friction: Floats
+    keys: Ints
+    load: Floats
+    bolt_rows: Floats
+    bolt_capacity: Floats
+    columns: Ints
+
+    def corner_rows(self, k: int) -> Floats:
+        """Motions (j, 3, u) of the corners of one contact per unknown: opening and two slips."""
+        corners, axes = self.corners[k], self.axes[k]
+        turning = np.stack([cross(corners, axis) for axis in axes], axis=1)
+        return np.concatenate([np.broadcast_to(axes, turning.shape), turning], axis=2)[:, :, self.columns]
+
+
+@dataclass(frozen=True, slots=True)
+class Unbalanced:
+    """Unbalanced forces (u,) and their slopes by g (u, u), by s (u, u) and by λ (u,)."""
+
+    out: Floats
+    by_opening: Floats
+    by_slip: Floats
+    by_reduction: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class PointForces:
+    """What the points (q) of a bed carry, scaled: `shear` (q, 2) in the local tangents, `pulls` (b,) of the bolts."""
+
+    points: Floats
+    area: Floats
+    contact: Ints
+    normal: Floats
+    shear: Floats
+    pressed: Bools
+    pulls: Floats
+
+
+class _Flat:
+    """One contact in coordinates (ξ, η) of its own plane: what moves there is linear in φ = (1, ξ, η).
+
+    rows : (9, u) opening, first and second slip by 1, ξ and η; plane : (j, 2) its corners
+    """
+
+    def __init__(self, bed: PolygonBed, k: int) -> None:
+        corners, axes = bed.corners[k], bed.axes[k]
+        self.middle, self.tangents = corners.mean(axis=0), axes[1:]
+        moved = np.zeros((3, 3, 6))
+        moved[:, 0, :3], moved[:, 0, 3:] = axes, cross(np.broadcast_to(self.middle, axes.shape), axes)
+        for j, tangent in enumerate(self.tangents, 1):
+            moved[:, j, 3:] = cross(np.broadcast_to(tangent, axes.shape), axes)
+        self.rows: Floats = np.ascontiguousarray(moved[:, :, bed.columns].reshape(9, -1))
+        self.plane: Floats = (corners - self.middle) @ self.tangents.T
+        self.corners: Floats = np.concatenate([np.ones((len(corners), 1)), self.plane], axis=1)
+        self.share = float(bed.area[k])
+        self.cohesion, self.tan_friction = float(bed.cohesion[k]), float(bed.tan_friction[k])
+
+    def places(self, at: Floats) -> Floats:
+        """Arms (q, 3) of points of its plane."""
+        arms: Floats = self.middle + at @ self.tangents
+        return arms
+
+
+@dataclass(frozen=True, slots=True)
+class _Grown:
+    """What the points of a cut contact do as the ends (a) of its zero line move along the sides they lie on.
+
+    points : (a, q, 2) how they move; area : (a, q) how theirs grows; ends : (a, 3) how the ends move with the gap by
+    1, ξ and η
+    """
+
+    points: Floats
+    area: Floats
+    ends: Floats
+
+
+class BedSprings:
+    """The springs of a bed, their shear summed over triangles that are split in four `split` times.
+
+    The forces are moments of the tractions by 1, ξ and η in the plane of each contact, their slopes second moments.
+    """
+
+    def __init__(self, bed: PolygonBed, split: int) -> None:
+        self.bed = bed
+        self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
+        places, (shares,) = fan_rule(3, split)
+        self.templates = {2: _line_template(split), 3: (places, shares)}
+        self.flats = [_Flat(bed, k) for k in range(len(bed.corners))]
+        self._whole: list[tuple[Floats, Floats, Floats]] = []
+        unknowns = len(bed.load)
+        stiffness = np.zeros((unknowns, unknowns))
+        for flat in self.flats:
+            at, area = self._points(flat, flat.plane)
+            powers = _powers(at)
+            self._whole.append((np.ascontiguousarray(powers[:, :3].T), powers, area))
+            moments = (area @ powers)[_SECOND]
+            for axis, spring in enumerate((1.0, SHEAR_TO_NORMAL, SHEAR_TO_NORMAL)):
+                along = flat.rows[3 * axis : 3 * axis + 3]
+                stiffness += spring * (along.T @ moments @ along)
+        #: (u, u) stiffness with every point bonded, and the displacement under the loads then
+        self.stiffness = stiffness
+        self.bonded = np.asarray(np.linalg.lstsq(stiffness, bed.load, rcond=None)[0], dtype=np.float64)
+        self.first = math.sqrt(float(self.bonded @ self.bonded))
+        self._kernels, self._polygons = self._compiled()
+
+    def _compiled(self) -> tuple[Any, Any]:
+        """The compiled kernels and this bed as they take it; None where NumPy does it."""
+        from slopekit.preie.kernels import compiled  # not for a block whose base is whole
+
+        kernels = compiled(solvers=False)
+        if kernels is None:
+            return None, None
+        flats = self.flats
+        return kernels, kernels.polygons(
+            len(self.bed.load), SHEAR_TO_NORMAL, TINY, np.cumsum([0, *(len(flat.plane) for flat in flats)]),
+            np.stack([flat.rows for flat in flats]), np.concatenate([flat.plane for flat in flats]),
+            np.array([(flat.share, flat.cohesion, flat.tan_friction) for flat in flats]),
+            *self.templates[2], *self.templates[3],
+        )  # fmt: skip
+
+    def unbalanced(
+        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False
+    ) -> Unbalanced:
+        """The unbalanced forces with openings of one motion and slips of another (the same, unless it runs).
+
+        Parameters
+        ----------
+        running : every pressed point slips, however small the slip; sticks : none does
+        """
+        count = len(opening)
+        out = self.bed.load.copy()
+        slopes = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
+        if self._kernels is not None:
+            at = np.ascontiguousarray(opening), np.ascontiguousarray(slip)
+            self._kernels.pressed(self._polygons, *at, reduction, running, sticks, out, *slopes)
+        else:
+            self._add_pressed(opening, slip, reduction, running, sticks, out, *slopes)
+        if len(self.bed.bolt_capacity):
+            self._add_bolts(slip, reduction, running, sticks, out, *slopes[1:])
+        return Unbalanced(out, *slopes)
+
+    def _add_pressed(
+        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats,
+        by_opening: Floats, by_slip: Floats, by_reduction: Floats,
+    ) -> None:  # fmt: skip
+        """What the contacts carry, and its slopes."""
+        field = np.empty((3, 3))  # normal traction and slips, each by 1, ξ and η
+        for k, flat in enumerate(self.flats):
+            gap = flat.rows[:3] @ opening
+            part = self._pressed_part(k, gap)
+            if part is None:
+                continue
+            (phi, powers, area), grown = part
+            field[0], field[1:] = -gap, (flat.rows[3:] @ slip).reshape(2, 3)
+            normal, first, second = field @ phi
+            size = np.sqrt(first * first + second * second)
+            strength = line(flat.cohesion, flat.tan_friction, normal)
+            allowed, elastic = reduction * strength, SHEAR_TO_NORMAL * size
+            size = np.maximum(size, TINY)
+            first, second = first / size, second / size
+            if sticks:
+                sliding, shear = np.zeros(len(size)), elastic
+            elif running:
+                sliding, shear = area, allowed
+            else:
+                slides = elastic > allowed
+                sliding, shear = area * slides, np.where(slides, allowed, elastic)
+            turning = shear / size
+            turning[elastic == 0.0] = 0.0 if running else SHEAR_TO_NORMAL
+            turning *= area
+            slips = turning if running else turning * (sliding > 0.0)
+            weights = np.empty((10, len(area)))
+            np.negative(area, out=weights[0])
+            drags = sliding * (reduction * flat.tan_friction)
+            weights[1], weights[2] = drags * first, drags * second
+            turned = slips * first
+            weights[3], weights[4] = turning - turned * first, -turned * second
+            weights[5] = turning - slips * second * second
+            carried = area * shear
+            weights[6], weights[7] = carried * first, carried * second
+            lost = sliding * strength
+            weights[8], weights[9] = lost * first, lost * second
+            moments = weights @ powers
+            second_moments = moments[:6, _SECOND]
+            across = flat.rows[3:]
+            out += (second_moments[0] @ gap) @ flat.rows[:3] - moments[6:8, :3].ravel() @ across
+            by_opening += (flat.rows.T @ second_moments[:3].reshape(9, 3)) @ flat.rows[:3]
+            turns = second_moments[_TURNS].transpose(0, 2, 1, 3).reshape(6, 6)
+            by_slip -= across.T @ turns @ across
+            by_reduction -= moments[8:, :3].ravel() @ across
+            if grown is not None:  # where the pressed part grows its points move, and its shear with them
+                slipped, pressed = grown.points @ field[1:, 1:].T, grown.points @ -gap[1:]
+                along = (slipped[:, :, 0] * first + slipped[:, :, 1] * second) * slips - drags * pressed
+                gained = np.empty((len(pressed), 2, len(area)))
+                more = grown.area * shear - along
+                gained[:, 0] = more * first + turning * slipped[:, :, 0]
+                gained[:, 1] = more * second + turning * slipped[:, :, 1]
+                by_ends = gained @ phi.T
+                by_ends[:, :, 1:] += weights[6:8] @ grown.points
+                by_opening -= (across.T @ by_ends.reshape(-1, 6).T) @ (grown.ends @ flat.rows[:3])
+
+    def _add_bolts(
+        self, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats, by_slip: Floats,
+        by_reduction: Floats,
+    ) -> None:  # fmt: skip
+        """What the passive bolts pull with, and its slopes."""
+        bed = self.bed
+        drawn = -bed.bolt_rows @ slip
+        if running:
+            pull, spring = np.where(drawn > NOT_DRAWN_ON_BED, 1.0, 0.0), np.zeros(len(drawn))
+            out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
+            by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
+        else:
+            stiff = self.bolt_springs
+            full = drawn * stiff > reduction * bed.bolt_capacity
+            if sticks:
+                full = np.zeros(len(drawn), dtype=bool)
+            spring = np.where((drawn > 0.0) & ~full, stiff, 0.0)
+            out += (np.where(full, reduction * bed.bolt_capacity, spring * drawn)) @ bed.bolt_rows
+            by_reduction += np.where(full, bed.bolt_capacity, 0.0) @ bed.bolt_rows
+        by_slip -= (bed.bolt_rows.T * spring) @ bed.bolt_rows
+
+    @property
+    def bolt_springs(self) -> Floats:
+        """Stiffness of the passive bolts, (b,)."""
+        springs: Floats = self.bed.bolt_capacity / (BOLT_GIVE * self.first)
+        return springs
+
+    def first_slip(self, u: Floats) -> float:
+        """λ at which a first point would slip or a first bolt would pull fully if none had at more."""
+        most = 0.0
+        for k, flat in enumerate(self.flats):
+            gap = flat.rows[:3] @ u
+            part = self._pressed_part(k, gap)
+            if part is None:
+                continue
+            (phi, _, _), _ = part
+            slip = (flat.rows[3:] @ u).reshape(2, 3) @ phi
+            strength = line(flat.cohesion, flat.tan_friction, -gap @ phi)
+            shear = SHEAR_TO_NORMAL * np.sqrt((slip * slip).sum(axis=0))
+            most = max(most, float((shear / np.maximum(strength, TINY)).max()))
+        if len(self.bed.bolt_capacity):
+            most = max(most, float((-self.bed.bolt_rows @ u).max() / (BOLT_GIVE * self.first)))
+        return most
+
+    def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
+        """The forces point by point, pressed parts first to last contact, then the points of their open parts."""
+        bed, none = self.bed, np.zeros(0)
+        by_contact: list[tuple[Floats, ...]] = []
+        for k, flat in enumerate(self.flats):
+            gap = flat.rows[:3] @ opening
+            for open_part in (False, True):
+                clipped, _ = _pressed(flat.corners @ (-gap if open_part else gap), flat.plane)
+                if clipped is None:
+                    continue
+                at, area = self._points(flat, clipped)
+                at, area = at[area > 0.0], area[area > 0.0]  # a corner that hardly opens has triangles of no area
+                phi = _powers(at)[:, :3]
+                normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
+                across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
+                size = np.maximum(np.sqrt((across * across).sum(axis=1)), TINY)
+                cap = reduction * (line(flat.cohesion, flat.tan_friction, normal))
+                shear = cap if running else np.minimum(SHEAR_TO_NORMAL * size, cap)
+                shear = np.zeros(len(area)) if open_part else shear * area
+                by_contact.append((
+                    flat.places(at), area, np.full(len(area), k), normal * area,
+                    -(shear / size)[:, None] * across, np.full(len(area), not open_part),
+                ))  # fmt: skip
+        points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*by_contact, strict=True))
+        pulls = none
+        if len(bed.bolt_capacity):
+            drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
+            pulls = (
+                np.where(drawn > NOT_DRAWN_ON_BED, most, 0.0)
+                if running
+                else np.clip(self.bolt_springs * drawn, 0.0, most)
+            )
+        return PointForces(points, area, contact, normal, shear, pressed, pulls)
+
+    def _pressed_part(self, k: int, gap: Floats) -> "tuple[tuple[Floats, Floats, Floats], _Grown | None] | None":
+        """φ (3, q), its products (q, 6) and area (q,) at points of what is pressed, and how they move with g.
+
+        None where nothing is pressed; nothing moves where all of it is.
+        """
+        flat = self.flats[k]
+        gaps = flat.corners @ gap
+        clipped, chord = _pressed(gaps, flat.plane)
+        if clipped is None:
+            return None
+        if chord is None:
+            return self._whole[k], None
+        edges = [edge for _, edge in chord]
+        after = [(edge + 1) % len(gaps) for edge in edges]
+        here, there = gaps[edges, None], gaps[after, None]
+        ends = (here * flat.corners[after] - there * flat.corners[edges]) / (here - there) ** 2
+        ways = flat.plane[after] - flat.plane[edges]
+        at = [corner for corner, _ in chord]
+        if len(clipped) == 2:
+            points, weights = self.templates[2]
+            part = clipped[1] - clipped[0]
+            length = math.hypot(float(part[0]), float(part[1]))
+            places, area = points @ clipped, (length * flat.share) * weights
+            moves = points[:, at[0], None] * ways
+            growth = float(part @ ways[0]) / length * (1.0 if at[0] else -1.0)
+            grown = _Grown(moves[None], (growth * flat.share * weights)[None], ends)
+        else:
+            points, weights = self.templates[3]
+            cells, size = _fan(clipped)
+            places, area = (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
+            cells_move, grows = _fan_moves(clipped, cells, at, ways)
+            count = len(at)
+            grown = _Grown(
+                (points @ cells_move).reshape(count, -1, 2),
+                ((grows * flat.share)[:, :, None] * weights).reshape(count, -1), ends,
+            )  # fmt: skip
+        powers = _powers(places)
+        return (np.ascontiguousarray(powers[:, :3].T), powers, area), grown
+
+    def _points(self, flat: _Flat, corners: Floats) -> tuple[Floats, Floats]:
+        """Points (q, 2) and areas (q,) of a part of a contact by its corners."""
+        if len(corners) == 2:
+            points, weights = self.templates[2]
+            way = corners[1] - corners[0]
+            return points @ corners, (math.hypot(float(way[0]), float(way[1])) * flat.share) * weights
+        points, weights = self.templates[3]
+        cells, size = _fan(corners)
+        return (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
+
+
+def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
+    """The contacts of one block on bedrock as an elastic bed.
+
+    Parameters
+    ----------
+    model : of the block, from node pairs on these polygons, for its strengths, loads and units
+    polygons : interface -> (k, 3) corners in m, as for `node_pairs`, or (2, 3) ends of a line in a section
+    centroid : (3,) m
+    """
+    keys = np.array(sorted(polygons))
+    first = np.array([int(np.flatnonzero(model.interface == key)[0]) for key in keys])
+    unknowns, in_section = model.unknowns, model.translations == 2
+    columns = np.array([0, 2, 4])[:unknowns] if in_section else np.arange(unknowns)
+    corners, axes, area = [], [], []
+    for key, at in zip(keys, first, strict=True):
+        scaled = (np.asarray(polygons[int(key)]) - centroid) / model.length_scale
+        if in_section:
+            way = scaled[1] - scaled[0]
+            normal = np.array([way[2], 0.0, -way[0]]) / math.sqrt(float(way @ way))
+        else:
+            normal = -_vector_area(scaled)
+            normal = normal / math.sqrt(float(normal @ normal))
+        if float(normal[columns[: model.translations]] @ model.rows[at, 0, : model.translations]) < 0.0:
+            normal = -normal
+        corners.append(scaled)
+        axes.append(local_axes(normal[None])[0])
+        own = float(model.control_area[model.interface == key].sum())
+        area.append(own / _size(scaled))
+    per_share = model.cohesion[first] / model.control_area[first]
+    if model.lines is not None:
+        from slopekit.preie.system.strength_lines import averaged  # a contact of curved strength: one line all over it
+
+        model = averaged(model)
+    return PolygonBed(
+        tuple(corners), np.array(axes), np.array(area), per_share, model.tan_friction[first], keys, model.load,
+        model.bolt_rows, model.bolt_capacity, columns,
+    )  # fmt: skip
+
+
+# -- polygons -----------------------------------------------------------------------------------------------
+
+
+_SECOND = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # which of the products of `_powers` φ_i φ_j is
+_TURNS = np.array([[3, 4], [4, 5]])
+
+
+def _powers(at: Floats) -> Floats:
+    """1, ξ, η, ξξ, ξη, ηη (q, 6) at points."""
+    powers = np.empty((len(at), 6))
+    powers[:, 0], powers[:, 1:3] = 1.0, at
+    np.multiply(at, at[:, :1], out=powers[:, 3:5])
+    np.multiply(at[:, 1], at[:, 1], out=powers[:, 5])
+    return powers
+
+
+def _pressed(gaps: Floats, plane: Floats) -> tuple[Floats | None, list[tuple[int, int]] | None]:
+    """The pressed part (g < 0) of a convex polygon (k, 2): its corners (j, 2), and which are the ends of its new edge.
+
+    Those with the side of the polygon that they lie on. A new edge has two ends, one where a line (k = 2) is cut; None
+    where nothing is cut off.
+    """
+    at, count = gaps.tolist(), len(gaps)
+    if max(at) <= 0.0:
+        return plane, None
+    if min(at) >= 0.0:
+        return None, None
+    corners: list[list[float]] = []
+    chord: list[tuple[int, int]] = []
+    places = plane.tolist()
+    for k in range(count):
+        after = (k + 1) % count
+        if at[k] < 0.0:
+            corners.append(places[k])
+        if (at[k] < 0.0) != (at[after] < 0.0) and (count > 2 or k == 0):
+            part = at[k] / (at[k] - at[after])
+            chord.append((len(corners), k))
+            (x, y), (to_x, to_y) = places[k], places[after]
+            corners.append([(1.0 - part) * x + part * to_x, (1.0 - part) * y + part * to_y])
+    return np.array(corners), chord
+
+
+def _fan(corners: Floats) -> tuple[Floats, Floats]:
+    """Triangles (j, 3, 2) of a polygon about its centroid, and their areas (j,).
+
+    A corner that comes, or goes, where it is cut has a triangle of no area: the points move without a jump.
+    """
+    middle = corners.mean(axis=0)
+    after = np.concatenate([corners[1:], corners[:1]])
+    one, other = corners - middle, after - middle
+    double = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    whole = float(double.sum())
+    if whole:
+        middle = middle + (double @ (one + other)) / (3.0 * whole)
+        one, other = corners - middle, after - middle
+        double = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    cells = np.empty((len(corners), 3, 2))
+    cells[:, 0], cells[:, 1], cells[:, 2] = middle, corners, after
+    return cells, 0.5 * np.abs(double)
+
+
+def _fan_moves(corners: Floats, cells: Floats, ends: list[int], ways: Floats) -> tuple[Floats, Floats]:
+    """How the triangles of `_fan` move (a, j, 3, 2) and grow (a, j) as a corner (a) of the new edge moves its way.
+
+    The part gains a sliver along the new edge then, as wide as the way at that corner and closed at the other.
+    """
+    middle, count = cells[0, 0], len(corners)
+    one, other = cells[:, 1] - middle, cells[:, 2] - middle
+    double = float((one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+    moves, grows = np.zeros((len(ends), count, 3, 2)), np.empty((len(ends), count))
+    for m, (k, far) in enumerate(zip(ends, reversed(ends), strict=True)):
+        way, across = ways[m], cells[k, 2] - corners[k - 1]
+        sliver = (2.0 * corners[k] + corners[far]) / 3.0
+        moved = (float(way[0] * across[1] - way[1] * across[0]) / double) * (sliver - middle)
+        moves[m, :, 0] = moved
+        moves[m, k, 1] = moves[m, k - 1, 2] = way
+        a, b = moves[m, :, 1] - moved, moves[m, :, 2] - moved
+        grows[m] = a[:, 0] * other[:, 1] - a[:, 1] * other[:, 0] + one[:, 0] * b[:, 1] - one[:, 1] * b[:, 0]
+    return moves, grows * math.copysign(0.5, double)
+
+
+@cache
+def _line_template(split: int) -> tuple[Floats, Floats]:
+    """Points (q, 2) and shares (q,) of a line by Simpson's rule on each of its parts."""
+    elements = 2**split * 4
+    count = 2 * elements + 1
+    weights = np.where(np.arange(count) % 2 == 1, 4.0, 2.0)
+    weights[[0, -1]] = 1.0
+    at = np.linspace(0.0, 1.0, count)
+    return np.stack([1.0 - at, at], axis=1), weights / (6.0 * elements)
+
+
+def _vector_area(corners: Floats) -> Floats:
+    sides = corners[1:] - corners[0]
+    area: Floats = cross(sides[:-1], sides[1:]).sum(axis=0) / 2.0
+    return area
+
+
+def _size(corners: Floats) -> float:
+    """Area of a polygon, length of a line."""
+    if len(corners) == 2:
+        return math.sqrt(float(((corners[1] - corners[0]) ** 2).sum()))
+    area = _vector_area(corners)
+    return math.sqrt(float(area @ area))

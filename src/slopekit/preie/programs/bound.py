@@ -1,0 +1,155 @@
+"""The static bound: the largest F at which *some* admissible forces balance the loads.
+
+It is the limit of joints that dilate by their whole (reduced) friction angle and keep their cohesion: an upper bound
+on the limit factor, unsafe as an answer. Its dual: the largest λ = 1/F for which a velocity v exists with
+
+    v_n >= λ tan φ |v_t|  on every pair,     P·v + λ (bolts drawn out) >= λ Σ c A |v_t|.
+
+Both sides are used: a mechanism proposes λ, and forces that balance the loads at that λ prove it.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
+from slopekit.preie.solvers.linear import bounded_least_squares
+from slopekit.preie.system.model import Model
+from slopekit.preie.tolerances import BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL
+
+_MOST_STEPS = 40  # of Newton's method
+_MOST_PAIRS = 7_500  # beyond, cone programs take minutes
+
+
+@dataclass(frozen=True, slots=True)
+class StaticBound:
+    """The largest F at which *some* admissible forces balance the loads.
+
+    Attributes
+    ----------
+    factor : None where there is none: nothing balances the loads (`lifted`), forces balance at any friction
+        (`locked`), or the search gave up
+    velocity : (N,) of the blocks, as joints that dilate would let them go, or as they set off where they are lifted
+    normal_force : (m,) of the node pairs there
+    steps : programs, or steps of the interior-point method
+    """
+
+    factor: float | None
+    lifted: bool
+    locked: bool
+    velocity: Floats
+    normal_force: Floats
+    steps: int
+
+
+def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:
+    """The static bound of a model whose limit factor and mechanism are known.
+
+    Parameters
+    ----------
+    velocity : (u,) the limit mechanism; limit : the limit factor, a lower bound of the static bound
+    of_its_motion : the limit counts all cohesion that its motion calls on; where it does not, as on a cracked base,
+        its motion says nothing of the bound
+    """
+    if model.lines is not None:
+        from slopekit.preie.system.strength_lines import outer  # only curved laws pay for it
+
+        return _by_programs(outer(model), velocity, limit)
+    translating = _translating_bound(model, velocity, limit) if of_its_motion else None
+    return _by_programs(model, velocity, limit) if translating is None else translating
+
+
+def _translating_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
+    """Of a block that does not turn, proposed without a program and proved by forces that balance, with their moments.
+
+    Without friction, where nothing opens, the limit's mechanism is the bound's. On one plane its normal force is given,
+    and the bound is the limit: with v_n = λ tan φ |v_t| the load works N λ tan φ |v_t| less, which is what friction
+    would have taken. Two joints of a wedge open along their friction cones.
+    """
+    most, reduction, steps = model.translations, 1.0 / limit, 0
+    if not model.tan_friction.any():
+        slip = float(model.slip(velocity).max())
+        if float(np.abs(model.normal_rows @ velocity).max()) <= PARALLEL * slip:
+            return StaticBound(limit, False, False, velocity, np.zeros(len(model.control_area)), 0)
+    turning = float(np.abs(velocity[most:]).max(initial=0.0))
+    size = math.sqrt(float(velocity[:most] @ velocity[:most]))
+    if len(model.bolt_capacity) or size == 0.0:
+        return None
+    v, normals = velocity[:most] / size, model.normal_rows[:, :most]
+    flat = np.abs(normals - normals[0]).max() <= 1e-12 and len(np.unique(model.interface)) == 1
+    if not flat or turning > PARALLEL:
+        opening = _opening_both(model, v, reduction)
+        if opening is None:
+            return None
+        v, reduction, steps = opening
+    if not 0.0 < reduction <= (1.0 + EQUILIBRIUM) / limit:
+        return None
+    normal_force = _balancing(model, v, reduction)
+    if normal_force is None:
+        return None
+    moves = np.concatenate([v, np.zeros(model.unknowns - most)])
+    return StaticBound(limit if flat else 1.0 / reduction, False, False, moves, normal_force, steps)
+
+
+def _opening_both(model: Model, v: Floats, reduction: float) -> tuple[Floats, float, int] | None:
+    """The motion, of length one, that opens both joints of a wedge along their friction cones, its λ, and steps."""
+    normals, which = np.unique(model.normal_rows[:, :3].round(12), axis=0, return_index=True)
+    if len(normals) != 2 or model.translations != 3:
+        return None
+    rows = model.rows[which, :, :3]
+    tan_friction = model.tan_friction[which]
+    cohesion = np.array([model.cohesion[model.interface == model.interface[k]].sum() for k in which])
+    load = model.load[:3]
+    for steps in range(1, _MOST_STEPS + 1):
+        motion = rows @ v
+        slip = np.sqrt((motion[:, 1:] ** 2).sum(axis=1))
+        if slip.min() <= 1e-12:
+            return None
+        slip_slope = np.einsum("kt,ktu->ku", motion[:, 1:] / slip[:, None], rows[:, 1:, :])
+        out = np.array([
+            *(motion[:, 0] - reduction * tan_friction * slip),
+            float(load @ v) - reduction * float(cohesion @ slip),
+            (float(v @ v) - 1.0) / 2.0,
+        ])  # fmt: skip
+        if np.abs(out).max() < 1e-14:
+            return v, reduction, steps
+        matrix = np.zeros((4, 4))
+        matrix[:2, :3] = rows[:, 0, :] - (reduction * tan_friction)[:, None] * slip_slope
+        matrix[:2, 3] = -tan_friction * slip
+        matrix[2, :3] = load - reduction * (cohesion @ slip_slope)
+        matrix[2, 3] = -float(cohesion @ slip)
+        matrix[3, :3] = v
+        try:
+            step = -np.linalg.solve(matrix, out)
+        except np.linalg.LinAlgError:
+            return None
+        v, reduction = v + step[:3], reduction + float(step[3])
+    return None
+
+
+def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
+    """Normal forces that balance the loads with their moments, shear on the edge of every friction cone against v."""
+    motion = np.einsum("ntu,u->nt", model.rows[:, 1:, : len(v)], v)
+    direction = motion / np.sqrt((motion * motion).sum(axis=1))[:, None]
+    against = np.einsum("nt,ntu->nu", direction, model.rows[:, 1:, :])
+    columns = model.normal_rows - (reduction * model.tan_friction)[:, None] * against
+    target = -model.load + (reduction * model.cohesion) @ against
+    normal_force, rest = bounded_least_squares(columns.T, target, np.full(len(columns), np.inf))
+    return normal_force if float(np.abs(rest).max()) < EQUILIBRIUM else None
+
+
+def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
+    """The least λ at which some forces balance the loads, as for many blocks; the limit's own do at 1/limit."""
+    none = StaticBound(None, False, False, velocity, np.zeros(len(model.control_area)), 0)
+    if len(model.control_area) > _MOST_PAIRS:
+        return none
+    from slopekit.preie.programs.distance import bound_by_programs
+    from slopekit.preie.system.assembly import one_block  # only a bound that moments govern pays for SciPy and Clarabel
+
+    bound = bound_by_programs(one_block(model), 1.0 / limit)
+    if bound is None or bound.factor is None or not (1.0 - MOMENTS) * limit < bound.factor < BOUND_BEYOND * limit:
+        return none
+    normal = bound.normal_force[: len(model.control_area)]
+    return replace(bound, factor=max(bound.factor, limit), normal_force=normal)

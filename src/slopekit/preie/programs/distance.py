@@ -1,0 +1,200 @@
+"""How far admissible forces are, at one λ = 1/F, from those of a mechanism; and the least λ at which they get there.
+
+    minimise s >= s_least:    B_nᵀ N + B_tᵀ T + P = 0,    N >= 0 (0 where it opens),
+    |T_g| <= λ (c_g + μ_g Σ N) + s    where it does not slip,    |T_g + λ (c_g + μ_g Σ N) e_g| <= s    where it does
+
+One cone program for 1 to n blocks, in a section (cones of two numbers: a linear program, by Clarabel in a third of the
+time that HiGHS takes) and in space. Its matrix and right-hand side are linear in λ, its dual gives ds/dλ and a motion.
+
+With no motion at all nothing opens or slips, and s = 0 at the least λ for which some admissible forces balance the
+loads: the static bound.
+"""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
+from slopekit.preie.programs.bound import StaticBound
+from slopekit.preie.solvers.effort import PROGRAM, factorisation, spend
+from slopekit.preie.tolerances import (
+    CLOSE,
+    LEAST_REDUCTION,
+    LIGHTEST,
+    NEAR,
+    NO_MOTION,
+    ROUGHLY_CLOSE,
+    ROUGHLY_SOLVED,
+    SOLVED,
+    TINY,
+)
+
+if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to programs
+    from slopekit.preie.system.assembly import AssemblyModel
+
+_SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
+_LEFT = 0.99  # of that: beyond it the distance says nothing of λ
+_MOST_TRIALS, _MOST_DOUBTS = 60, 4  # of λ, and of a λ below which a program gave up
+
+
+@dataclass(frozen=True, slots=True)
+class DistanceAt:
+    """The distance s in parts of the load, infinite where the program gave up, and ds/dλ; N (m,) and a motion (N,)."""
+
+    distance: float
+    slope: float
+    normal_force: Floats
+    motion: Floats
+
+
+class Distance:
+    """The program of this module for one mechanism.
+
+    Parameters
+    ----------
+    velocity : (N,) of the mechanism; bond : (m,) 0 where a pair has lost its cohesion
+    least : s_least; below zero there is so much to spare
+    """
+
+    def __init__(self, model: "AssemblyModel", velocity: Floats, bond: Floats, least: float = 0.0) -> None:
+        import clarabel
+        from scipy import sparse
+
+        opening, slip = model.opening_and_slip(velocity)
+        size = np.sqrt((slip * slip).sum(axis=1))
+        fastest = max(float(np.abs(opening).max()), float(size.max()), TINY)
+        pairs, groups, tangents = len(opening), *slip.shape
+        opens = opening - (model.tan_dilation * size)[model.group_of_pair] > NO_MOTION * fastest
+        opens[model.joint_pairs.stop :] = True
+        slips = size > NO_MOTION * fastest
+        direction = np.where(slips[:, None], slip / np.maximum(size, TINY)[:, None], 0.0)
+        cohesion = model.by_group(model.cohesion * bond)
+        cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt may pull
+        gather = sparse.csr_matrix((np.ones(pairs), (model.group_of_pair, np.arange(pairs))), shape=(groups, pairs))
+        pressed = sparse.diags(model.tan_friction) @ gather  # μ ΣN
+        along = sparse.csr_matrix(
+            (direction.ravel(), (np.arange(groups * tangents), np.repeat(np.arange(groups), tangents))),
+            shape=(groups * tangents, groups),
+        )
+        own = np.sqrt((model.load * model.load).sum(axis=1))
+        lightest = LIGHTEST * float(own.max())
+        # each block balances in parts of its own load, each contact counts by that of the lighter block
+        self.parts = 1.0 / np.repeat(np.maximum(own, lightest), model.unknowns)
+        lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
+        weight = np.maximum(lighter[model.group_contact], lightest)[:, None]
+        statics = (sparse.diags(self.parts) @ model.statics).tocsc()
+        of_normal, of_slip = statics[:, :pairs], statics[:, pairs:]
+        carried, stick = of_slip @ along, sparse.diags((~slips).astype(float))
+
+        def rows(balance: list[Any], room: list[Any], bounds: Any) -> Any:
+            """Balance; N = 0 where it opens; N and s from below; and the cones (room, T), friction by friction."""
+            heads, width = sparse.hstack(room), groups * tangents
+            tails = sparse.hstack([sparse.csr_matrix((width, pairs)), bounds * -sparse.eye(width),
+                                   sparse.csr_matrix((width, 1))])  # fmt: skip
+            order = np.concatenate(
+                [np.arange(groups)[:, None], groups + np.arange(width).reshape(groups, tangents)], axis=1
+            )
+            eye = bounds * sparse.eye(pairs + width + 1, format="csr")
+            friction = sparse.vstack([heads, tails]).tocsr()[order.ravel()]
+            parts = [sparse.hstack(balance), eye[np.flatnonzero(opens)], -eye[:pairs], -eye[-1:], friction]
+            return sparse.vstack(parts).tocsc()
+
+        none, column = sparse.csr_matrix((groups, groups * tangents)), sparse.csr_matrix((len(self.parts), 1))
+        empty = sparse.csr_matrix((groups, pairs))
+        self.still = rows([of_normal, of_slip, column], [empty, none, -weight], 1.0)
+        self.grows = rows([-carried @ pressed, 0.0 * of_slip, column], [-stick @ pressed, none, 0.0 * weight], 0.0)
+        self.grows.eliminate_zeros()
+        both = self.still + 1j * self.grows  # entries of either, summed for a λ without SciPy's sparse sums
+        self.matrix, self.of_still, self.of_grows = both.real, both.data.real.copy(), both.data.imag.copy()
+        self.cost = sparse.csc_matrix((both.shape[1], both.shape[1]))
+        shut = int(opens.sum())
+        heads = np.zeros((groups, 1 + tangents))
+        heads[:, 0] = stick @ cohesion
+        middle = carried @ cohesion - self.parts * model.mean_pulls
+        load, at_zero = self.parts * model.load.ravel(), np.zeros(shut + pairs)
+        self.right = np.concatenate([-load, at_zero, [-least], np.zeros(heads.size)])
+        self.right_grows = np.concatenate([middle, at_zero, [0.0], heads.ravel()])
+        self.cones = [
+            clarabel.ZeroConeT(len(self.parts) + shut), clarabel.NonnegativeConeT(pairs + 1),
+            *[clarabel.SecondOrderConeT(1 + tangents)] * groups,
+        ]  # fmt: skip
+        self.pairs = pairs
+
+    def at(self, reduction: float, tolerance: float = SOLVED) -> DistanceAt:
+        """The distance at one λ."""
+        import clarabel
+
+        spend(factorisation(len(self.parts)), PROGRAM)
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
+        settings.max_threads = 1
+        settings.direct_solve_method = "qdldl"  # for these programs its fastest, from 1 to 600 blocks
+        cost = np.zeros(self.matrix.shape[1])
+        cost[-1] = 1.0
+        self.matrix.data = self.of_still + reduction * self.of_grows
+        right = self.right + reduction * self.right_grows
+        solution = clarabel.DefaultSolver(self.cost, cost, self.matrix, right, self.cones, settings).solve()
+        x, dual = np.array(solution.x), np.array(solution.z)
+        motion = self.parts * dual[: len(self.parts)]
+        normal = np.maximum(x[: self.pairs], 0.0)
+        if not str(solution.status).startswith(("Solved", "AlmostSolved")):
+            return DistanceAt(math.inf, 0.0, normal, motion)
+        return DistanceAt(float(x[-1]), float(dual @ (self.grows @ x - self.right_grows)), normal, motion)
+
+
+def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
+    """The static bound by Newton on the distance at one λ, bracketed; None where that does not close.
+
+    Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there.
+
+    Parameters
+    ----------
+    start : λ to begin with; steps : work done before
+    """
+    program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
+    reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
+    best: DistanceAt | None = None
+    doubts = 0
+    motion = np.zeros(model.load.size)
+
+    def bound(at: float | None, locked: bool = False) -> StaticBound:
+        normal = np.zeros(len(model.control_area)) if best is None else best.normal_force
+        return StaticBound(None if at is None else 1.0 / at, False, locked, motion, normal, steps)
+
+    for _ in range(_MOST_TRIALS):
+        steps += 1
+        far = program.at(reduction, tolerance)
+        newton = far.slope < 0.0 and _LEFT * _SPARE < far.distance < math.inf
+        trial = reduction - far.distance / far.slope if newton else 10.0 * reduction
+        if tolerance > SOLVED and newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE:
+            reduction, tolerance, low, high = trial, SOLVED, 0.0, math.inf  # rough distances may have the wrong sign
+            continue
+        if far.distance > 0.0:  # also where the program gave up: it did not find any
+            low, motion = reduction, far.motion
+        else:
+            high, best = reduction, far
+        if tolerance > SOLVED and high < low * (1.0 + ROUGHLY_CLOSE):  # its ends are as rough as the programs were
+            low, high, tolerance = low / (1.0 + ROUGHLY_CLOSE), high * (1.0 + ROUGHLY_CLOSE), SOLVED
+            reduction = math.sqrt(low * high)
+            continue
+        if newton and abs(trial / reduction - 1.0) < NEAR:
+            best, motion = far, far.motion
+            return bound(trial)
+        if high < low * (1.0 + CLOSE):
+            spare = best is not None and _LEFT * _SPARE < best.distance < -ROUGHLY_SOLVED and best.slope < 0.0
+            if best is None or not spare or doubts == _MOST_DOUBTS:
+                return bound(high)
+            # so much to spare, and nothing just below: a program had given up there
+            reduction, low, doubts = high - best.distance / best.slope, 0.0, doubts + 1
+            continue
+        if reduction < LEAST_REDUCTION:
+            return bound(None, locked=True)
+        if low > 1.0 / LEAST_REDUCTION:
+            break
+        if not low < trial < high:
+            trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high
+        reduction = trial
+    return None

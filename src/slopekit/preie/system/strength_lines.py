@@ -1,0 +1,296 @@
+"""Curved strength in the models: the straight line of every node pair, found again until the tractions stay.
+
+A model knows cohesion and tan φ of each node pair. Where a law is curved they are the line through its strength at no
+traction and at the pair's own normal traction (`strength.protocol.secant`). The limit on those lines has other normal
+tractions, they give other lines, and so on: at the end every pair carries τ(σ) / F of its own σ, and the limit state
+is that of the law. Cohesion, which contacts that open lose, is τ(0) and never moves.
+
+Friction forces that several pairs share (a flat contact in a section) have the sum of the strengths of their pairs.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, Ints, frozen
+from slopekit.core.records import dataclass
+from slopekit.preie.elastic_path.path_limit import PathLimit
+from slopekit.preie.many_blocks.blocks import load_limit
+from slopekit.preie.many_blocks.blocks_limit import BlocksLimit
+from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit
+from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.programs.bounds import static_bound
+from slopekit.preie.solvers.effort import EffortSpentError
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.system.model import Model
+from slopekit.preie.tolerances import LEAST_TRACTION, LINES_STEADY, NO_FORCE, STEADY, TINY
+from slopekit.strength.mohr_coulomb import line
+from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
+
+_MOST_ROUNDS = 120
+_SWIFT = 6  # rounds before they are mixed with the last ones
+_MEMORY, _MIX, _LONGEST = 6, 0.3, 0.7  # of Anderson's mixing: rounds, its relaxation, and the longest step of ln tan φ
+_FRUITLESS = 12  # rounds without gain: then the last alone is mixed, and after as many again the lines do not settle
+
+AnyModel = TypeVar("AnyModel", Model, AssemblyModel)
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StrengthLines:
+    """Where the lines of a model were drawn.
+
+    Attributes
+    ----------
+    laws : of each joint, None where it is straight
+    joint : (n,) of each node pair, -1 where it has none (bolts)
+    normal : (n,) normal forces, in parts of the load, that the lines were drawn at
+    rounds : how often they were drawn
+    """
+
+    laws: tuple[StrengthLaw | None, ...]
+    joint: Ints
+    normal: Floats
+    rounds: int = 0
+
+    def chosen(self, pairs: Ints) -> "StrengthLines":
+        """Those of some node pairs."""
+        return replace(self, joint=self.joint[pairs], normal=self.normal[pairs])
+
+    def reduced(self, factor: float) -> "StrengthLines":
+        """Those of the laws with their strength divided by a factor."""
+        return replace(self, laws=tuple(None if law is None else law.reduced(factor) for law in self.laws))
+
+    def with_bolts(self, count: int) -> "StrengthLines":
+        """The same with bolts as the last node pairs."""
+        return replace(
+            self, joint=np.append(self.joint, np.full(count, -1)), normal=np.append(self.normal, np.zeros(count))
+        )
+
+
+def first_lines(
+    laws: Sequence[StrengthLaw | None], joint: Ints, model: AnyModel, mean_kpa: float
+) -> AnyModel:  # fmt: skip
+    """A model with lines at one traction all over, to begin with; the same model where every law is straight."""
+    if not any(laws):
+        return model
+    normal = model.control_area * (mean_kpa * model.area_scale / model.force_scale)
+    return drawn(replace(model, lines=StrengthLines(tuple(laws), joint, normal)), normal)
+
+
+def drawn(model: AnyModel, normal: Floats) -> AnyModel:
+    """The model with its lines at other normal forces (n,), those of straight joints as they are."""
+    assert model.lines is not None
+    slopes, _, _ = _at(model, normal, secant)
+    lines = replace(model.lines, normal=frozen(normal), rounds=model.lines.rounds + 1)
+    return replace(model, tan_friction=frozen(_shared(model, slopes, normal)), lines=lines)
+
+
+def outer(model: AnyModel) -> AnyModel:
+    """The model with the tangents of its laws in place of the lines: what concave laws allow lies within.
+
+    A bound on it is a bound of the laws.
+    """
+    if model.lines is None:
+        return model
+    slopes, cohesion, curved = _at(model, model.lines.normal, tangent)
+    bonds = np.where(curved, cohesion * model.control_area * (model.area_scale / model.force_scale), model.cohesion)
+    shared = _shared(model, slopes, model.lines.normal)
+    return replace(model, tan_friction=frozen(shared), cohesion=frozen(bonds), lines=None)
+
+
+def _at(
+    model: AnyModel, normal: Floats, line: Callable[[StrengthLaw, Floats, float], tuple[Floats, Floats]]
+) -> tuple[Floats, Floats, Floats]:
+    """Tan φ (n,) and cohesion (n,) kPa of the node pairs, and which are curved."""
+    lines = model.lines
+    assert lines is not None
+    given = model.tan_friction if isinstance(model, Model) else model.tan_friction[model.group_of_pair]
+    slopes, cohesion, curved = given.copy(), np.zeros(len(normal)), np.zeros(len(normal), dtype=bool)
+    traction = np.maximum(normal, 0.0) / model.control_area * (model.force_scale / model.area_scale)
+    real = lines.joint >= 0
+    mean = float(normal[real].sum() / model.control_area[real].sum()) * model.force_scale / model.area_scale
+    least = max(LEAST_KPA, LEAST_TRACTION * mean)
+    for key, law in enumerate(lines.laws):
+        on = lines.joint == key
+        if law is not None and on.any():
+            cohesion[on], slopes[on] = line(law, traction[on], least)
+            curved |= on
+    return slopes, cohesion, curved
+
+
+def _shared(model: AnyModel, slopes: Floats, normal: Floats) -> Floats:
+    """Tan φ of the friction forces, from those of their pairs by what they carry."""
+    if isinstance(model, Model) or len(model.group_first) == len(slopes):
+        return slopes
+    weight = np.maximum(normal, LEAST_TRACTION * float(normal.mean()) * model.control_area)
+    weight = np.maximum(weight, TINY)
+    return model.by_group(slopes * weight) / model.by_group(weight)
+
+
+# -- rounds -------------------------------------------------------------------------------------------
+
+
+def _rounds(
+    model: AnyModel, solve: Callable[[AnyModel], Found], forces: Callable[[Found], tuple[Floats, float, float] | None]
+) -> tuple[AnyModel, Found, float]:
+    """Solve, draw the lines anew, solve again, until they stay; mixed after Anderson where that takes long.
+
+    Parameters
+    ----------
+    forces : normal forces (n,) and factor of what was found, and how exact they are; None where there is no limit
+
+    Returns
+    -------
+    The model, what was found on it, and by which part of the strength its lines are off those of its own forces. Where
+    they do not stay (on other lines the blocks come to another limit state, and back) the lowest factor of the last
+    rounds, and how far the others lie above it.
+    """
+    steps: list[tuple[Floats, Floats]] = []
+    rounds: list[tuple[float, AnyModel, Found]] = []
+    best, fruitless = math.inf, 0
+    while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS:
+        limit = solve(model)
+        carries = forces(limit)
+        if carries is None:
+            return model, limit, 0.0
+        normal, factor, exact = carries
+        new = drawn(model, normal)
+        if isinstance(new, Model):
+            carried, bonds = normal, new.cohesion
+        else:
+            carried, bonds = new.by_group(normal), new.by_group(new.cohesion)
+        strength = float(line(bonds, new.tan_friction, carried).sum())
+        off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, TINY)
+        if off <= max(LINES_STEADY, exact):
+            return model, limit, off
+        rounds.append((factor, model, limit))
+        best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
+        if len(rounds) > _SWIFT:
+            at = np.log(np.maximum(model.tan_friction, NO_FORCE))
+            last = (at, np.log(np.maximum(new.tan_friction, NO_FORCE)) - at)
+            # modes that trade places lead the mixing astray: then the last round alone
+            steps = [*steps[-_MEMORY:], last] if fruitless < _FRUITLESS else [last]
+            new = replace(new, tan_friction=frozen(np.where(new.tan_friction > NO_FORCE, np.exp(_mixed(steps)), 0.0)))
+        model = new
+    last_ones = rounds[-_FRUITLESS:]
+    lowest = min(last_ones, key=lambda one: one[0])
+    return lowest[1], lowest[2], max(one[0] for one in last_ones) / lowest[0] - 1.0
+
+
+def _mixed(steps: Sequence[tuple[Floats, Floats]]) -> Floats:
+    """Anderson's next point from the last ones and what each was off by."""
+    at, off = steps[-1]
+    if len(steps) == 1:
+        return at + _MIX * off
+    moves = np.stack([at - one for one, _ in steps[:-1]], axis=1)
+    turns = np.stack([off - one for _, one in steps[:-1]], axis=1)
+    parts = np.linalg.lstsq(turns, off, rcond=1e-10)[0]
+    step = _MIX * off - (moves + _MIX * turns) @ parts
+    longest = float(np.abs(step).max())
+    mixed: Floats = at + step * min(1.0, _LONGEST / max(longest, TINY))
+    return mixed
+
+
+# -- one block ----------------------------------------------------------------------------------------
+
+
+def settled(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis:
+    """The limit with every pair on the line of its own traction; `model` of the analysis has those lines.
+
+    Parameters
+    ----------
+    analyse : the limit on lines as they are
+    """
+
+    def forces(analysis: LimitAnalysis) -> tuple[Floats, float, float] | None:
+        limit = analysis.governing
+        if not limit.factor or limit.outcome is Outcome.NOT_CONVERGED:
+            return None
+        return limit.normal_force, limit.factor, limit.change
+
+    model, analysis, off = _rounds(model, analyse, forces)
+    limit = analysis.governing
+    if off > max(LINES_STEADY, limit.change):
+        analysis = replace(analysis, governing=replace(limit, change=off))
+    return replace(analysis, model=model)
+
+
+def averaged(model: Model) -> Model:
+    """The model with one line a joint, through the strength that the joint has as a whole: what the forces alone see.
+
+    A block that may not turn spreads its normal force evenly over a joint, whatever the lines were drawn at.
+    """
+    assert model.lines is not None
+    slopes, normal = model.tan_friction.copy(), np.maximum(model.lines.normal, 0.0)
+    for key, law in enumerate(model.lines.laws):
+        on = model.lines.joint == key
+        if law is not None and on.any():
+            weight = normal[on] if normal[on].any() else model.control_area[on]
+            slopes[on] = float(slopes[on] @ weight) / float(weight.sum())
+    return replace(model, tan_friction=frozen(slopes), lines=None)
+
+
+def mean_stress_limit(model: Model) -> Limit:
+    """The limit of the forces alone with one traction a joint, its mean: what a closed form assumes."""
+    assert model.lines is not None
+    limit = forces_only_limit(model)
+    before = 0.0
+    for _ in range(_MOST_ROUNDS):
+        if not limit.factor or abs(limit.factor / (before or 1e300) - 1.0) <= LINES_STEADY:
+            break
+        before = limit.factor
+        normal = np.zeros(len(model.control_area))
+        for key in np.unique(model.interface):
+            on = model.interface == key
+            normal[on] = limit.normal_force[on].sum() * model.control_area[on] / model.control_area[on].sum()
+        model = drawn(model, normal)
+        limit = forces_only_limit(model)
+    return limit
+
+
+# -- many blocks --------------------------------------------------------------------------------------
+
+
+def settled_blocks(
+    model: AssemblyModel, limit_of: Callable[[AssemblyModel], BlocksLimit]
+) -> tuple[AssemblyModel, BlocksLimit]:
+    """The limit of an assembly with every pair on the line of its own traction, and the model with those lines."""
+    steps = 0
+
+    def solve(drawn_model: AssemblyModel) -> BlocksLimit:
+        nonlocal steps
+        at_limit = limit_of(drawn_model)
+        steps += at_limit.steps
+        return at_limit
+
+    exact = STEADY if model.unknowns == 6 else 0.0
+    model, limit, off = _rounds(
+        model, solve, lambda at_limit: (at_limit.normal_force, at_limit.factor, exact) if at_limit.factor else None
+    )
+    if limit.factor:
+        limit = replace(limit, change=max(limit.change, off if off > max(LINES_STEADY, exact) else 0.0), steps=steps)
+        if limit.static_bound is not None:
+            try:
+                bound = static_bound(outer(model)).factor
+            except EffortSpentError:
+                bound = None
+            limit = replace(limit, static_bound=None if bound is None else max(bound, limit.factor or 0.0))
+    return model, limit
+
+
+def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
+    """The limit in the live load of an assembly, every pair on the line of its own traction there, and the model."""
+
+    def forces(solution: tuple[PathLimit, BlocksLimit]) -> tuple[Floats, float, float] | None:
+        path_end, limit = solution
+        exact = STEADY if model.unknowns == 6 else 0.0
+        return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
+
+    model, (path_end, limit), _ = _rounds(
+        model, lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
+    )
+    return model, path_end, limit

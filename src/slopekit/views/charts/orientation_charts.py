@@ -1,0 +1,226 @@
+"""The stereonet of any document with orientations (matplotlib): planes, poles, lines of intersection, friction cones.
+
+Needs the extra `plot`.
+"""
+
+from collections.abc import Mapping
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import Line, Plane, downward, line_of, number, parse_plane
+from slopekit.core.records import dataclass
+from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
+from slopekit.studies.kinematic.run import LATERAL_DEG
+from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, TEXT, needs, nothing, short, title_of
+from slopekit.views.charts.stereonet import FACE, LIGHT, MARKERS, NETS, SETS, SHADE, Net, Stereonet, arrange, cells
+
+Document = Mapping[str, Any]
+_MOST_JOINTS = 12  # that are drawn and listed one by one
+_MOST_LINES = 6  # of intersection that are written out
+_MOST_DOTS = 100  # lines beyond which they are small
+_MOST_CONES = 6  # friction angles beyond which only the least and the greatest are drawn
+_LETTERS = 60  # of a line over the net
+_PARALLEL = 1e-6
+
+
+@dataclass(frozen=True)
+class Oriented:
+    """The orientations of a document: joints by name, the slope's planes, friction angles in degrees by joint."""
+
+    joints: Mapping[str, Plane]
+    slope: Mapping[str, Plane]
+    friction_deg: Mapping[str, float]
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether one joint alone can slide: no lines of intersection, its pole says all."""
+        return len(self.joints) == 1
+
+    @property
+    def frictions(self) -> list[float]:
+        """The friction angles there are, rising."""
+        return sorted(set(self.friction_deg.values()))
+
+
+def orientations_of(document: Document) -> Oriented | None:
+    """What a document says of orientations, None where it has no joint with a direction."""
+    inputs = document.get("inputs")
+    if not isinstance(inputs, Mapping):
+        return None
+    joints: dict[str, Plane] = {}
+    friction: dict[str, float] = {}
+    if isinstance(inputs.get("joints"), Mapping):  # wedge
+        joints = {name: parse_plane(plane, name) for name, plane in inputs["joints"].items()}
+        if isinstance(basal := inputs.get("basal"), Mapping):
+            joints["basal"] = parse_plane(basal["plane"], "basal")
+        friction = dict(zip(joints, inputs.get("friction_angle_deg") or (), strict=False))
+    elif isinstance(inputs.get("joint"), str):  # plane
+        name = str(inputs.get("joint_name") or "J1")
+        joints = {name: parse_plane(inputs["joint"], name)}
+        friction = {name: inputs["strength"]["friction_angle_deg"]}
+    elif isinstance(inputs.get("sets"), list):  # bench
+        strengths = {name: strength["friction_angle_deg"] for name, strength in inputs.get("strengths") or ()}
+        for one in inputs["sets"]:
+            joints[one["name"]] = parse_plane(one["plane"], one["name"])
+            if one.get("strength") in strengths:
+                friction[one["name"]] = strengths[one["strength"]]
+    elif document.get("kind") == "combos":
+        for pair in document.get("worst") or ():
+            joints |= {name: parse_plane(plane, name) for name, plane in
+                       zip(pair["joints"], pair["planes"], strict=True)}  # fmt: skip
+        friction = {f"φ {end}": inputs["friction_deg"][end] for end in ("least", "most")}
+    if not joints:
+        return None
+    slope = {name: parse_plane(inputs[name], name) for name in ("face", "upper") if isinstance(inputs.get(name), str)}
+    crack = inputs.get("crack")
+    if isinstance(crack, Mapping) and isinstance(crack.get("plane"), str):
+        slope["crack"] = parse_plane(crack["plane"], "crack")
+    elif isinstance(crack, Mapping) and "face" in slope:  # of a plane: upright, parallel to the face
+        slope["crack"] = Plane(90.0, slope["face"].dip_direction_deg)
+    return Oriented(joints, slope, friction)
+
+
+@needs({
+    "inputs": {
+        "joints": (Mapping, list, None), "joint": TEXT, "friction_angle_deg": ([float], float, None),
+        "strength": ({"friction_angle_deg": float}, str, None), "strengths": ([[(str, dict)]], None),
+        "sets": ([{"name": str, "plane": str, "strength": TEXT}], None), "face": TEXT, "upper": TEXT,
+        "crack": (dict, None), "friction_deg": ({"least": float, "most": float}, float, None),
+    },
+    "worst": ([{"joints": [str], "planes": [str]}], None), "fos": (dict, float, None),
+})  # fmt: skip
+def draw_orientations(figure: Any, document: Document, net: Net = "area") -> None:
+    """Great circles and poles of joints and slope, lines of intersection, friction cones, the zone of sliding.
+
+    Raises
+    ------
+    DesignError
+        E273 where the document has no orientations.
+    """
+    orientations = orientations_of(document)
+    if orientations is None:
+        nothing("the document has no joint with dip and dip direction")
+    on = Stereonet(figure.subplots(), net)
+    on.start("")
+    face = orientations.slope.get("face")
+    if face is not None and orientations.frictions:
+        _zone(on, orientations, face)
+    styles = {"face": (FACE, "-", 2.2, "face"), "upper": (GREY, "-", 1.4, "upper slope"),
+              "crack": (DARK, "--", 1.6, "tension crack")}  # fmt: skip
+    for name, plane in orientations.slope.items():
+        colour, style, width, said = styles[name]
+        on.plane_circle(plane, color=colour, linestyle=style, linewidth=width, label=f"{said} {plane}")
+    if face is not None:
+        style = "-" if orientations.is_planar else "--"
+        on.envelope(face, color=FACE, linewidth=1.0, linestyle=style, label="daylight envelope of poles")
+    _joints(on, orientations)
+    _cones(on, orientations)
+    _lines(on, document, orientations)
+    lines = [title_of(document), *_answer(document), f"lower hemisphere, {NETS[net]}"]
+    arrange(figure, [on.axes], 1, "\n".join(lines))
+
+
+def _zone(on: Stereonet, orientations: Oriented, face: Plane) -> None:
+    """Where lines of intersection slide out; of a joint alone, where its pole means that."""
+    least = orientations.frictions[0]
+    steeper = f"daylight, steeper than φ {number(least)}°{', the least' if len(orientations.frictions) > 1 else ''}"
+    if not orientations.is_planar:
+        zone = zones_of_lines(cells(on.net)[0], face, least, 90.0, 90.0)["wedge_primary"]
+        on.shade(zone, SHADE, f"lines here {steeper}")
+        return
+    zones = zones_of_poles(cells(on.net)[0], face, least, LATERAL_DEG, 90.0)
+    on.shade(zones["planar_without_limits"], LIGHT, f"poles here {steeper}")
+    on.shade(zones["planar"], SHADE, "the same within the lateral limits")
+    on.spokes(face.dip_direction_deg + 180.0, LATERAL_DEG)
+
+
+def _answer(document: Document) -> list[str]:
+    """Status and factor of a result, as the scenes have them."""
+    if not isinstance(document.get("fos"), Mapping) or "status_text" not in document:
+        return []
+    from slopekit.views.solid.stage import Stage
+
+    no_scene: Any = None  # words ask none
+    lines = [""]
+    for part in Stage(document, no_scene).answer.split(" · "):
+        longer = f"{lines[-1]} · {part}".removeprefix(" · ")
+        lines = [*lines[:-1], longer] if len(longer) <= _LETTERS or not lines[-1] else [*lines, part]
+    return lines
+
+
+def _cones(on: Stereonet, orientations: Oriented) -> None:
+    """Friction circle and cone of each angle, in the colour of its joint where it is of one."""
+    joints = list(orientations.joints)[: len(SETS)]
+    frictions = orientations.frictions
+    if len(frictions) > _MOST_CONES:
+        frictions = [frictions[0], frictions[-1]]
+    for friction in frictions:
+        own = [
+            name
+            for name, angle in orientations.friction_deg.items()
+            if angle == friction and name in orientations.joints
+        ]
+        alone = len(orientations.frictions) > 1 and bool(own) and own[0] in joints
+        colour = SETS[joints.index(own[0])] if alone else BLUE
+        of = f" ({', '.join(short(name, 10) for name in own[:3])}{', ...' if len(own) > 3 else ''})" if alone else ""
+        if not orientations.is_planar:
+            on.steeper_than(friction, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
+                            label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
+        on.steeper_than(90.0 - friction, color=colour, linewidth=0.9, linestyle="--" if not alone else ":",
+                        label=f"friction cone of poles, φ {number(friction)}°{of}: steeper outside")  # fmt: skip
+
+
+def _joints(on: Stereonet, orientations: Oriented) -> None:
+    shown = list(orientations.joints.items())[:_MOST_JOINTS]
+    for k, (name, plane) in enumerate(shown):
+        colour, marker = SETS[k % len(SETS)], MARKERS[k % len(MARKERS)]
+        friction = orientations.friction_deg.get(name)
+        rough = "" if friction is None else f", φ {number(friction)}°"
+        style = "-" if k < len(SETS) else "-."
+        on.plane_circle(plane, color=colour, linewidth=1.7, linestyle=style)
+        on.points(-plane.normal()[None], marker=marker, color=colour, markeredgecolor="black", markersize=8,
+                  zorder=4)  # fmt: skip
+        on.axes.plot([], [], color=colour, linestyle=style, linewidth=1.7, marker=marker, markeredgecolor="black",
+                     label=f"{short(name, 16)} {_rounded(plane)}{rough}, with its pole")  # fmt: skip
+    left = list(orientations.joints.values())[_MOST_JOINTS:]
+    if left:
+        on.points(np.array([-plane.normal() for plane in left]), marker=".", color=GREY, markersize=5,
+                  label=f"poles of {len(left)} more joints")  # fmt: skip
+
+
+def _lines(on: Stereonet, document: Document, orientations: Oriented) -> None:
+    """Lines of intersection: of a combos document those of the worst pairs, else of all pairs of joints."""
+    named: list[tuple[str, Floats]] = []
+    if document.get("kind") == "combos":
+        for pair in document["worst"]:
+            a, b = (parse_plane(plane, "joint").normal() for plane in pair["planes"])
+            named.append((" x ".join(pair["joints"]), downward(np.cross(a, b))))
+    else:
+        shown = list(orientations.joints.items())[:_MOST_JOINTS]
+        for (one, first), (other, second) in combinations(shown, 2):
+            line = downward(np.cross(first.normal(), second.normal()))
+            named.append((f"{short(one, 12)} x {short(other, 12)}", line))
+    lines = [(name, line / size) for name, line in named if (size := float(np.sqrt(line @ line))) >= _PARALLEL]
+    for k, (name, line) in enumerate(lines[:_MOST_LINES]):
+        marker = MARKERS[k % len(MARKERS)]
+        on.points(line[None], marker=marker, color=RED, markeredgecolor="black", markersize=9, zorder=4.5,
+                  label=f"line {name}: {_direction(line)}")  # fmt: skip
+    left = lines[_MOST_LINES:]
+    if left:
+        on.points(np.array([line for _, line in left]), marker="o", color=RED,
+                  markersize=4.5 if len(left) <= _MOST_DOTS else 2.2, zorder=4.4,
+                  label=f"{len(left)} more lines of intersection")  # fmt: skip
+
+
+def _direction(vector: Floats) -> str:
+    """Trend and plunge to a tenth of a degree."""
+    line = line_of(vector)
+    return str(Line(round(line.trend_deg, 1) % 360.0, line.plunge_deg))
+
+
+def _rounded(plane: Plane) -> str:
+    """To a tenth of a degree."""
+    return str(Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1)))

@@ -1,0 +1,103 @@
+"""The charts of a study of earthquakes (matplotlib), from its JSON: motion over time, one way and in six freedoms.
+
+Needs the extra `plot`.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from slopekit.views.charts.drawing import BLUE, DARK, GREEN, GREY, NUMBER, ORANGE, RED, dressed, needs, short
+
+_MORE = 1.15  # of the time until the block is at rest: what is shown of a long quiet end
+
+
+@needs({
+    "motion": {"record": str, "way": str, "t_s": [float], "a_g": [float], "v_m_s": [float], "d_m": [float]},
+    "yield": [{"coefficient": NUMBER, "factor": NUMBER}],
+    "records": [{"as_recorded_m": float, "reversed_m": float}],
+})  # fmt: skip
+def draw_motion(figure: Any, document: Mapping[str, Any]) -> None:
+    """Acceleration against k_y, sliding velocity and displacement in the record that moves the block most."""
+    motion = document["motion"]
+    t, a = np.array(motion["t_s"], dtype=float), np.array(motion["a_g"], dtype=float)
+    v, d = np.array(motion["v_m_s"], dtype=float), 100.0 * np.array(motion["d_m"], dtype=float)
+    figure.set_size_inches(9.0, 7.2)
+    above, middle, below = figure.subplots(3, 1, sharex=True)
+    above.plot(t, a, color=DARK, linewidth=0.8)
+    k = document["yield"][0]["coefficient"]
+    if k is not None:
+        above.axhline(k, color=RED, linewidth=1.0, linestyle="--")
+        above.annotate(f"k_y {k:.4g}", (0.995, k), xycoords=("axes fraction", "data"), ha="right", va="bottom",
+                       fontsize=8, color=RED)  # fmt: skip
+        above.fill_between(t, a, k, where=a > k, color=RED, alpha=0.25, linewidth=0.0, interpolate=True)
+    above.set_ylabel("pushes the block, g")
+    middle.plot(t, v, color=BLUE, linewidth=1.1)
+    middle.set_ylabel("sliding, m/s")
+    below.plot(t, d, color=GREEN, linewidth=1.4)
+    below.set_ylabel("slid, cm")
+    below.set_xlabel("time, s")
+    for axes in (above, middle, below):
+        dressed(axes)
+    moving = np.flatnonzero(v > 0.0)
+    if len(moving):
+        below.set_xlim(t[0], min(t[-1], t[0] + _MORE * (t[moving[-1]] - t[0])))
+    factor = document["yield"][0]["factor"]
+    said = "factor 1 (plain Newmark)" if factor is None else f"factor {factor:.4f}"
+    above.set_title(f"{short(str(motion['record']), 60)}, {motion['way']}: {said}", fontsize=10.5)
+    most = max((max(one["as_recorded_m"], one["reversed_m"]) for one in document["records"]), default=0.0)
+    below.annotate(f"{100.0 * most:.4g} cm in all", (0.01, 0.92), xycoords="axes fraction", va="top", fontsize=8.5,
+                   color=GREY)  # fmt: skip
+
+
+_ROUNDING, _LEAST_DEG = 1e-4, 1e-3  # of the displacement that is none; what the axis of turning shows at least
+_AXES = (("east", BLUE), ("north", GREEN), ("up", ORANGE))
+
+
+def _shown(degrees: float) -> str:
+    return f"{round(degrees, 3) + 0.0:.3f}"
+
+
+@needs({"six_motion": {
+    "record": str, "way": str, "t_s": [float], **{f"{name}_m": [float] for name, _ in _AXES},
+    **{f"about_{name}_deg": [float] for name, _ in _AXES},
+}})  # fmt: skip
+def draw_six(figure: Any, document: Mapping[str, Any]) -> None:
+    """How far the block goes in six degrees of freedom beside the sliding one way, its parts, and how it turns."""
+    six = document["six_motion"]
+    one_way = six.get("one_way")
+    end = max(six["t_s"][-1], one_way["t_s"][-1] if one_way is not None else 0.0)  # both rest from their ends on
+
+    def until_end(values: Any) -> Any:
+        return np.array([*values, values[-1]], dtype=float)
+
+    t = np.array([*six["t_s"], end], dtype=float)
+    parts = {name: 100.0 * until_end(six[f"{name}_m"]) for name, _ in _AXES}
+    turned = {name: until_end(six[f"about_{name}_deg"]) for name, _ in _AXES}
+    figure.set_size_inches(9.0, 7.2)
+    above, middle, below = figure.subplots(3, 1, sharex=True)
+    size = np.sqrt(sum(part * part for part in parts.values()))
+    if one_way is not None:
+        slid = 100.0 * until_end(one_way["d_m"])
+        above.plot([*one_way["t_s"], end], slid, color=GREY, linewidth=1.4, linestyle="--",
+                   label=f"one way {slid[-1]:.4g} cm")  # fmt: skip
+    above.plot(t, size, color=RED, linewidth=1.4, label=f"six degrees of freedom {size[-1]:.4g} cm")
+    above.set_ylabel("centroid from rest, cm")
+    for name, colour in _AXES:
+        last = parts[name][-1] if abs(parts[name][-1]) > _ROUNDING * size.max() else 0.0
+        if parts[name].any():
+            middle.plot(t, parts[name], color=colour, linewidth=1.1, label=f"{name} {last:.4g} cm")
+        if turned[name].any():
+            below.plot(t, turned[name], color=colour, linewidth=1.1, label=f"about {name} {_shown(turned[name][-1])}°")
+    if max(np.abs(part).max() for part in turned.values()) < _LEAST_DEG:
+        below.set_ylim(-_LEAST_DEG, _LEAST_DEG)
+    middle.set_ylabel("parts, cm")
+    below.set_ylabel("turned, °")
+    below.set_xlabel("time, s")
+    below.set_xlim(t[0], end)
+    for axes in (above, middle, below):
+        dressed(axes)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="best", fontsize=8.5, frameon=False)
+    above.set_title(f"{short(str(six['record']), 60)}, {six['way']}", fontsize=10.5)

@@ -1,0 +1,260 @@
+"""The stereonet: lower-hemisphere projections of lines and planes, equal area (Schmidt) or equal angle (Wulff).
+
+Vectors are (east, north, up); the net has the radius 1, its x points east, its y north.
+
+>>> project(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])).tolist()
+[[0.0, -1.0], [0.0, 0.0]]
+"""
+
+import math
+import textwrap
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any, Literal
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.orientation import Plane, number
+from slopekit.core.records import dataclass
+from slopekit.views.charts.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
+
+Net = Literal["area", "angle"]
+#: What the two nets are called.
+NETS: dict[Net, str] = {"area": "equal area (Schmidt)", "angle": "equal angle (Wulff)"}
+_TINY = 1e-15
+UP = np.array([0.0, 0.0, -1.0])  # the vertical, as a downward line: the middle of the net
+SETS = (BLUE, GREEN, PURPLE, ORANGE, SKY, "#8c6d1f", "#5b5b9e", "#3d3d3d")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
+_LINES = 3.6  # order: above lines and poles that are many, below those that are marked
+_CELLS = 450  # of a zone, from rim to rim
+_SPARE = 0.1  # inches of a net above its N that a title may use
+_DOTS = 350  # of points that stand so close that they cover each other
+FACE, SHADE, LIGHT = "#7a4a1e", "#f2b48a", "#f8ddc8"
+#: Inches: a net, its title, a line above all, one of the legend. At a page's width or half a sheet's the letters beside
+#: a net of this size are still read: they are a fortieth of it.
+_NET, _TITLE, _HEAD, _ENTRY = 4.9, 0.35, 0.19, 0.185
+_LETTER, _SMALL = 10.0, 9.0  # points: heads, the legend
+_WIDE = 0.56  # of a letter's height: its width, on the mean
+_HANDLE = 0.5  # inches that line and gap take of an entry of the legend
+
+
+def lower(vectors: Floats) -> Floats:
+    """The vectors (n, 3), those that point up turned round."""
+    return np.asarray(np.where(vectors[:, 2:] > 0.0, -vectors, vectors))
+
+
+def project(vectors: Floats, net: Net = "area") -> Floats:
+    """Unit vectors (n, 3) as points (n, 2) of the net; upward ones stand for their opposites.
+
+    With d the downward component the points lie at (east, north) / √(1 + d) on the equal-area net and at
+    (east, north) / (1 + d) on the equal-angle net (Snyder 1987, §20 and 24; Lisle & Leyshon 2004).
+    """
+    down = lower(vectors)
+    scale = 1.0 - down[:, 2]
+    projected: Floats = down[:, :2] / (np.sqrt(scale) if net == "area" else scale)[:, None]
+    return projected
+
+
+def unproject(points: Floats, net: Net = "area") -> Floats:
+    """The downward unit vectors (n, 3) of points (n, 2) in the net: the inverse of `project`.
+
+    >>> points = np.array([[0.3, -0.4], [0.0, 0.99]])
+    >>> bool(np.allclose(project(unproject(points, "angle"), "angle"), points, rtol=0, atol=1e-15))
+    True
+    """
+    square = (points * points).sum(axis=1)
+    if net == "area":
+        return np.asarray(np.column_stack([points * np.sqrt(2.0 - square)[:, None], square - 1.0]))
+    return np.asarray(np.column_stack([2.0 * points, square - 1.0]) / (1.0 + square)[:, None])
+
+
+def great_circle(plane: Plane, count: int = 181) -> Floats:
+    """Vectors (count, 3) from one end of the strike down the dip to the other: evenly spaced in the plane."""
+    dip, direction = math.radians(plane.dip_deg), math.radians(plane.dip_direction_deg)
+    along = np.array([-math.cos(direction), math.sin(direction), 0.0])
+    down = np.array([
+        math.sin(direction) * math.cos(dip), math.cos(direction) * math.cos(dip), -math.sin(dip)
+    ])  # fmt: skip
+    pitch = np.linspace(0.0, math.pi, count)[:, None]
+    return np.asarray(np.cos(pitch) * along + np.sin(pitch) * down)
+
+
+def small_circle(axis: Floats, angle_deg: float, count: int = 361) -> list[Floats]:
+    """The cone about a downward axis: one or two arcs (k, 3) in the lower hemisphere, cut where they leave it.
+
+    What the cone has above the horizon stands for the opposite directions, and is an arc of its own.
+    """
+    turned = cone(axis, angle_deg, np.linspace(0.0, 2.0 * math.pi, count))
+    heights = turned[:, 2]
+    if (heights <= _TINY).all() or (heights >= -_TINY).all():
+        return [lower(turned)]
+    # height = A cos t + B: it is level at ± acos(-B / A), as `cone` starts at the top
+    top, bottom = float(heights[0]), float(heights[count // 2])
+    middle, swing = (top + bottom) / 2.0, (top - bottom) / 2.0
+    level = math.acos(min(1.0, max(-1.0, -middle / swing)))
+    above = cone(axis, angle_deg, np.linspace(-level, level, count))
+    below = cone(axis, angle_deg, np.linspace(level, 2.0 * math.pi - level, count))
+    above[:, 2], below[:, 2] = np.maximum(above[:, 2], 0.0), np.minimum(below[:, 2], 0.0)
+    return [below, -above]
+
+
+def cone(axis: Floats, angle_deg: float, turns: Floats) -> Floats:
+    """Vectors (n, 3) at an angle about an axis, turned by `turns` (n,) radians from its highest one."""
+    up = np.array([0.0, 0.0, 1.0])
+    steep = up - axis * axis[2]
+    size = float(np.sqrt(steep @ steep))
+    steep = steep / size if size > 1e-9 else np.array([0.0, 1.0, 0.0])
+    side = np.cross(axis, steep)
+    angle, turn = math.radians(angle_deg), turns[:, None]
+    return np.asarray(math.cos(angle) * axis + math.sin(angle) * (np.cos(turn) * steep + np.sin(turn) * side))
+
+
+def daylight_envelope(face: Plane, count: int = 181) -> Floats:
+    """Poles (count, 3), downward, of the planes whose dip vector lies in the face: within it planes daylight.
+
+    At an angle θ from the dip direction of the face such a plane has its apparent dip: tan δ = tan β cos θ. The curve
+    starts and ends at the middle of the net.
+    """
+    dip = math.radians(face.dip_deg)
+    off = math.pi / 2.0 * np.sin(np.linspace(-math.pi / 2.0, math.pi / 2.0, count))  # dense where it leaves the middle
+    apparent = np.arctan2(math.sin(dip) * np.maximum(np.cos(off), 0.0), math.cos(dip))
+    toward = math.radians(face.dip_direction_deg) + off
+    return -np.stack([np.sin(apparent) * np.sin(toward), np.sin(apparent) * np.cos(toward), np.cos(apparent)], axis=-1)
+
+
+def mean_axis(vectors: Floats) -> Floats:
+    """The downward unit vector (3,) nearest to axes (n, 3): the first eigenvector of their orientation matrix.
+
+    Source: Woodcock (1977); Fisher, Lewis & Embleton (1987), §3.2.4.
+    """
+    axis: Floats = lower(np.linalg.eigh(vectors.T @ vectors)[1][:, -1][None])[0]
+    return axis
+
+
+@lru_cache(maxsize=4)
+def cells(net: Net) -> tuple[Floats, Bools]:
+    """Downward vectors of the middles of the cells within the rim, and which cells those are (rows from south)."""
+    middle = (np.arange(_CELLS) + 0.5) / _CELLS * 2.0 - 1.0
+    x, y = np.meshgrid(middle, middle)
+    inside = x * x + y * y < 1.0
+    inside.setflags(write=False)
+    return frozen(unproject(np.column_stack([x[inside], y[inside]]), net)), inside
+
+
+@dataclass(frozen=True, slots=True)
+class Stereonet:
+    """What is drawn on a net: the axes of matplotlib that have it, and its projection."""
+
+    axes: Any
+    net: Net
+
+    def start(self, title: str) -> None:
+        """The empty net: rim, ticks every ten degrees, north."""
+        turn = np.linspace(0.0, 2.0 * math.pi, 361)
+        self.axes.plot(np.sin(turn), np.cos(turn), color="black", linewidth=1.2, zorder=5)
+        for degrees in range(0, 360, 10):
+            x, y = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
+            out = 1.03 if degrees % 90 == 0 else 1.018
+            self.axes.plot([x, out * x], [y, out * y], color="black", linewidth=0.9, zorder=5)
+        for x, y, text in ((0.0, 1.0, "N"), (1.0, 0.0, "E"), (0.0, -1.0, "S"), (-1.0, 0.0, "W")):
+            self.axes.annotate(text, (1.085 * x, 1.085 * y), ha="center", va="center", fontsize=10)
+        self.axes.plot([0.0], [0.0], marker="+", color="black", markersize=7, zorder=5)
+        self.axes.set_aspect("equal")
+        self.axes.set_xlim(-1.14, 1.14)
+        self.axes.set_ylim(-1.14, 1.14)
+        self.axes.axis("off")
+        self.axes.set_title(title, fontsize=_LETTER, pad=0.0)
+
+    def arc(self, vectors: Floats, **style: Any) -> None:
+        """A curve through downward vectors (n, 3)."""
+        self.axes.plot(*project(vectors, self.net).T, **{"zorder": _LINES} | style)
+
+    def plane_circle(self, plane: Plane, **style: Any) -> None:
+        """The great circle of a plane."""
+        self.arc(great_circle(plane), **style)
+
+    def cone_circle(self, axis: Floats, angle_deg: float, **style: Any) -> None:
+        """The small circle of a cone about a downward axis; one entry in the legend."""
+        label = style.pop("label", None)
+        for k, part in enumerate(small_circle(axis, angle_deg)):
+            self.arc(part, label=label if k == 0 else None, **style)
+
+    def steeper_than(self, plunge_deg: float, **style: Any) -> None:
+        """The circle of the lines of one plunge: what lies within is steeper."""
+        self.cone_circle(UP, 90.0 - plunge_deg, **style)
+
+    def envelope(self, face: Plane, **style: Any) -> None:
+        """The daylight envelope of a face, for poles."""
+        self.arc(daylight_envelope(face), **style)
+
+    def spokes(self, trend_deg: float, within_deg: float) -> None:
+        """Lateral limits on both sides of a trend, from the middle to the rim; none at 90° and more."""
+        if within_deg >= 90.0:
+            return
+        for off, label in ((-within_deg, f"lateral limits ±{number(within_deg)}°"), (within_deg, None)):
+            toward = math.radians(trend_deg + off)
+            self.axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], color=GREY, linestyle="--", linewidth=1.0,
+                           label=label, zorder=_LINES)  # fmt: skip
+
+    def points(self, vectors: Floats, **style: Any) -> None:
+        """Lines (n, 3) as points; where many stand so close that they cover each other, one for all of them."""
+        if not len(vectors):
+            return
+        at = project(vectors, self.net)
+        if len(at) > 2000:
+            cell = np.round(at * _DOTS).astype(np.int64) @ np.array([4 * _DOTS, 1])
+            at = at[np.unique(cell, return_index=True)[1]]
+        self.axes.plot(*at.T, linestyle="none", **style)
+
+    def shade(self, zone: Bools, colour: str, label: str) -> None:
+        """A zone, given for each cell within the rim, as a coloured area."""
+        from matplotlib.colors import to_rgba
+
+        if not zone.any():
+            return
+        inside = cells(self.net)[1]
+        image = np.zeros((*inside.shape, 4))
+        image[..., :] = (*to_rgba(colour)[:3], 0.0)
+        shaded = np.zeros(inside.shape, dtype=bool)
+        shaded[inside] = zone
+        image[shaded, 3] = 1.0
+        self.axes.imshow(image, extent=(-1.0, 1.0, -1.0, 1.0), origin="lower", interpolation="nearest", zorder=0.5)
+        self.axes.fill([], [], color=colour, linewidth=0.0, label=label)
+        self.axes.set_xlim(-1.14, 1.14)
+        self.axes.set_ylim(-1.14, 1.14)
+
+
+def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None:
+    """Give the nets (in rows of `across`) and their legends the room that they take, and the figure its size."""
+    figure.set_layout_engine(None)
+    labels = [axes.get_legend_handles_labels()[1] for axes in panels]
+    columns = [2 if max(map(len, own), default=0) <= _letters(_NET / 2.0 - _HANDLE, _SMALL) else 1 for own in labels]
+    entries = [-(-len(own) // count) for own, count in zip(labels, columns, strict=True)]
+    rows = [max(entries[k : k + across]) for k in range(0, len(panels), across)]
+    wide = _letters(across * _NET - 0.2, _LETTER)
+    title = "\n".join(part for line in title.split("\n") for part in textwrap.wrap(line, wide) or [""])
+    above = _TITLE if any(axes.get_title() for axes in panels) else 0.0
+    heights = [above + _NET - _SPARE + 0.2 + _ENTRY * most for most in rows]
+    head = 0.12 + _HEAD * (1 + title.count("\n"))
+    width, height = across * _NET, head + sum(heights)
+    figure.set_size_inches(width, height)
+    figure.text(0.5, 1.0 - 0.12 / height, title, ha="center", va="top", fontsize=_LETTER)
+    top = height - head
+    for k, axes in enumerate(panels):
+        row, column = divmod(k, across)
+        bottom = top - sum(heights[:row]) - above + _SPARE - _NET
+        axes.set_position((column / across, bottom / height, 1.0 / across, _NET / height))
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=columns[k], fontsize=_SMALL, frameon=False,
+                    handlelength=2.2, columnspacing=1.2, labelspacing=0.35)  # fmt: skip
+
+
+def _letters(inches: float, points: float) -> int:
+    """How many letters of a size there is room for."""
+    return int(inches * 72.0 / (_WIDE * points))
+
+
+def set_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Colour and marker of each set; what has no set, or comes after the eighth, is grey."""
+    marks = {name: (SETS[k], MARKERS[k]) for k, name in enumerate(names[: len(SETS)])}
+    return dict.fromkeys(names, (GREY, "o")) | marks | {"": (GREY, "o")}

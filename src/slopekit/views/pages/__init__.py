@@ -1,0 +1,1 @@
+"""Pages of results: one document or several, in HTML."""

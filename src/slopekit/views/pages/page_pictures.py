@@ -1,0 +1,120 @@
+"""The still pictures of a page, light: as data URIs, scenes in few colours, charts in few digits."""
+
+import base64
+import io
+import re
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from slopekit.core.errors import DesignError
+from slopekit.core.records import dataclass
+from slopekit.views.charts.kinematic_charts import NETS_OF
+from slopekit.views.plots import PlotOptions, draw, offers
+
+#: Pictures of a result in the order of the page, those of blocks for many blocks only.
+_OF_RESULT = (
+    "scene", "elevation", "stereonet", "tractions", "elastic-tractions", "mechanism", "factors", "ravelling",
+    "reduction",
+)  # fmt: skip
+_SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
+_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
+_LARGEST_SVG = 110_000  # bytes; beyond that a PNG is smaller and as legible
+_COLOURS = 96  # of a scene: shades of few materials
+_PATH = re.compile(r'(?<= d=")[^"]+|(?<=[ "]x=")[^"]+|(?<=[ "]y=")[^"]+')
+_DIGITS = re.compile(r"-?\d+\.\d{3,}")
+
+
+@dataclass(frozen=True, slots=True)
+class PagePicture:
+    """A picture: its word, what it shows, and itself as a data URI."""
+
+    what: str
+    caption: str
+    uri: str
+
+    @property
+    def is_chart(self) -> bool:
+        """Whether it is a chart, in place of a scene."""
+        return self.what not in _SCENES
+
+
+def still_pictures(
+    document: Mapping[str, Any], but: frozenset[str] = frozenset()
+) -> tuple[list[PagePicture], list[str]]:
+    """The pictures that can be drawn of a document, and sentences on those that cannot, with the code of each.
+
+    Parameters
+    ----------
+    but : words of pictures that another part of the page shows
+    """
+    offered = offers(document)
+    is_result = "fos" in document and "study" not in document
+    names = [what for what in _OF_RESULT if what in offered] if is_result else list(offered)
+    if document.get("assembly") is not None:
+        names = _of_many(names, document["assembly"])
+    asked = [(what, offered[what], PlotOptions()) for what in names if what not in but]
+    if document.get("kind") == "kinematic":  # a net for each test: four in one have no legible letter on a phone
+        asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", PlotOptions(test=test))
+                 for what, _, _ in asked for test in NETS_OF]  # fmt: skip
+    pictures: list[PagePicture] = []
+    missing: dict[str, list[str]] = {}
+    for what, caption, options in asked:
+        try:
+            pictures.append(PagePicture(what, caption, picture_of(document, what, options)))
+        except DesignError as error:
+            fault = error.faults[0]
+            missing.setdefault(f"{fault.code} {fault.message}", []).append(what)
+    return pictures, [f"{', '.join(dict.fromkeys(whats))}: {why}" for why, whats in missing.items()]
+
+
+def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
+    """Without pictures that would show one colour: factors and order say something where several differ."""
+    factors = [value for value in assembly["factor_by_block"].values() if value is not None]
+    left = {"tractions"}
+    left |= set() if factors and max(factors) > 1.02 * min(factors) else {"factors"}
+    left |= set() if len(assembly["mechanisms"]) > 1 else {"ravelling"}
+    return [what for what in names if what not in left]
+
+
+def picture_of(document: Mapping[str, Any], what: str, options: PlotOptions | None = None) -> str:
+    """A picture of a document as a data URI.
+
+    Raises
+    ------
+    DesignError
+        As `slopekit.views.plots.draw`.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"
+        draw(document, what, path, options)
+        image = path.read_bytes()
+        if path.suffix == ".svg":
+            image = light_svg(image.decode("utf-8")).encode("utf-8")
+            if len(image) > _LARGEST_SVG:
+                path = path.with_suffix(".png")
+                draw(document, what, path, options)
+                image = path.read_bytes()
+        if path.suffix == ".png":
+            image = light_png(image)
+    return f"data:{_TYPES[path.suffix]};base64,{base64.b64encode(image).decode()}"
+
+
+def light_svg(text: str) -> str:
+    """A drawing with coordinates to a hundredth of a point, which nobody sees.
+
+    >>> light_svg('<path d="M 1.234567 -0.5 L 3 40.996001"/><use x="7.128000" transform="scale(0.015625)"/>')
+    '<path d="M 1.23 -0.5 L 3 41"/><use x="7.13" transform="scale(0.015625)"/>'
+    """
+    return _PATH.sub(lambda own: _DIGITS.sub(lambda one: f"{round(float(one[0]), 2):g}", own[0]), text)
+
+
+def light_png(data: bytes) -> bytes:
+    """A picture in few colours of its own; as it is where that saves nothing."""
+    from PIL import Image
+
+    picture = Image.open(io.BytesIO(data)).convert("RGB")
+    written = io.BytesIO()
+    picture.quantize(_COLOURS, dither=Image.Dither.NONE).save(written, "PNG", optimize=True)
+    return min(data, written.getvalue(), key=len)

@@ -1,0 +1,400 @@
+"""The report of a result: one page of HTML that needs no network, made of the JSON. Needs the extra `report`."""
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NoReturn
+
+from slopekit._version import __version__
+from slopekit.core.errors import DesignError, Fault, Notice, writing
+from slopekit.core.records import dataclass
+from slopekit.kinds import words_named
+from slopekit.views.pages import page_together as together
+from slopekit.views.pages import report_tables as tables
+from slopekit.views.pages.page_pictures import still_pictures
+from slopekit.views.pages.report_inputs import InputTable, input_tables, value_text, words
+from slopekit.views.pages.report_tables import parts
+from slopekit.views.pages.report_words import answer, force_notes, meaning
+from slopekit.views.plots import by_case, checked_document
+from slopekit.views.solid.viewer_data import viewer_data
+
+_TEMPLATES = Path(__file__).parents[1] / "templates"
+_DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
+_NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm| kPa)?$")
+#: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
+_SECTIONS = {
+    "factors": ("FoS",), "rules": ("ACCEPT", "FACTORED"), "bolts": ("BOLTS",), "forces": ("FORCES",),
+    "moments": ("ROTATION", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("NEXT", "BY BLOCK", "TABLE"),
+    "checks": ("CHECKS",),
+    "searches": ("STRENGTH", "COHESION", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
+}  # fmt: skip
+_SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
+#: The tables of a section by its label, as the page calls them one after the other.
+_CAPTIONS = {
+    "FoS": ("Factors of safety",), "FACTORED": ("Partial factors",),
+    "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
+    "MOVES": ("What governs",), "ELASTIC": ("Normal tractions on the joints, elastic and rigid",),
+    "NEXT": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
+    "TABLE": ("Goodman & Bray's columns",),
+    "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
+    "METHODS": ("Methods of columns",), "GOVERNS": ("What changes the factor most",),
+}  # fmt: skip
+#: Where the whole of the verification is.
+_WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
+_HEAVIEST_VIEWS = 400_000  # bytes of all views of a page, the first whatever it weighs
+NOT_MODELLED = (
+    "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
+)
+_BENDS = ("deformation of the rock", "deformation of the rock (except in Elastic blocks)")
+#: What a page says of a project, and in which words.
+PROJECT = {
+    "name": "project", "client": "client", "number": "number", "author": "made by", "checker": "checked by",
+    "revision": "revision", "date": "date",
+}  # fmt: skip
+_TITLES = {
+    "sweep": "Sweep", "tornado": "What each number does", "prob": "Probability of failure", "solve": "Back-calculation",
+    "cases": "Load cases", "support": "Support", "check": "Check of the methods", "combos": "Pairs of joints",
+    "kinematic": "Kinematic tests", "bench-design": "Bench design", "quake": "Earthquakes", "sets": "Joint sets",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A page: its HTML, the words of its pictures, what it lacks and why, and what has to be said."""
+
+    html: str
+    pictures: tuple[str, ...]
+    missing: tuple[str, ...]
+    notices: tuple[Notice, ...]
+
+
+def require_jinja(where: Path | str) -> None:
+    """Raise E140 where no page can be made."""
+    if find_spec("jinja2") is None:
+        advice = "pip install 'slopekit[report]'"
+        raise DesignError([Fault("E140", "reports need the extra report (jinja2)", str(where), advice)])
+
+
+def report_of(
+    documents: Mapping[str, Any] | Sequence[Mapping[str, Any]], names: Sequence[str] = (), with_pictures: bool = True,
+    project: Mapping[str, str] | None = None,
+) -> Report:  # fmt: skip
+    """The page of one document, or of several with a list of contents.
+
+    Parameters
+    ----------
+    documents : JSON of results and studies; each result with a scene can be turned
+    names : what they are called, for messages
+    with_pictures : draw the still pictures as well; they take seconds and the extra `plot`
+    project : what the head says beside what the designs say: keys of `PROJECT`
+
+    Raises
+    ------
+    DesignError
+        E140 without the extra, E371 neither result nor study, E372 one that is damaged, E376 a key of the project.
+    """
+    given = [documents] if isinstance(documents, Mapping) else list(documents)
+    several, called, short = _with_cases(given, names)
+    require_jinja(called[0])
+    said = _project(several, project or {})
+    notices, missing, articles = list[Notice](), list[str](), list[dict[str, Any]]()
+    views, verified, drawn = _Views(), set[str](), dict[str, str]()
+    for k, (document, name, sheet) in enumerate(
+        zip(several, called, together.sheets_once(several, short), strict=True), 1
+    ):
+        own: list[Notice] = []
+        context = _article(document, name, sheet)
+        if not context["is_study"]:
+            context["view"] = views.take(document, short[k - 1], own)
+            if str(document["kind"]) in verified:  # the rows of a kind stand once
+                context["verification"] = None
+            verified.add(str(document["kind"]))
+        again = _elsewhere(document, drawn, short[k - 1])
+        pictures, left = (
+            still_pictures(document, frozenset(again)) if with_pictures else ([], ["all of them: left out as asked"])
+        )
+        if any(picture.what == "histogram" for picture in pictures):  # what is drawn is not listed too
+            context["sections"] = [one for one in context["sections"] if one[0] != "HISTOGRAM"]
+        context["notices"] += [(one.code, one.message) for one in own]
+        articles.append(context | {"pictures": pictures, "missing": left, "again": again, "anchor": f"part-{k}",
+                                   "name": short[k - 1]})  # fmt: skip
+        notices += own
+        missing += left
+    is_one = len(several) == 1
+    shared = [] if is_one else together.shared_notices([own["notices"] for own in articles], short)
+    everywhere = {one for _, some in shared for one in some}
+    for own_article in articles:
+        own_article["notices"] = together.folded([one for one in own_article["notices"] if one not in everywhere])
+    html = _rendered({
+        "title": said.get("name") if not is_one and said.get("name") else articles[0]["title"],
+        "project": [(PROJECT[key], said[key]) for key in PROJECT if key in said],
+        "articles": articles, "own_version": __version__,
+        "views": [text.replace("<", "\\u003c") for text in views.data],
+        "shared": [(whose, together.folded(some)) for whose, some in shared],
+        "inputs_table": None if is_one else _inputs_that_differ(several, short),
+        "one_design": together.same_design(several), "of_cases": len(given) == 1 and not is_one,
+    })  # fmt: skip
+    seen = tuple(picture.what for article in articles for picture in article["pictures"])
+    return Report(html, seen, tuple(missing), tuple(notices))
+
+
+def _with_cases(
+    given: Sequence[Mapping[str, Any]], names: Sequence[str]
+) -> tuple[list[Mapping[str, Any]], list[str], list[str]]:
+    """The documents, load cases behind their table; what each is called in messages, and on the page."""
+    several, called, case_of = list[Mapping[str, Any]](), list[str](), list[str]()
+    for document, name in zip(given, [*names, *[""] * (len(given) - len(names))], strict=True):
+        cases = by_case(document, name=name) if document.get("study") == "cases" else {}
+        several += [document, *cases.values()]
+        called += [name, *(f"{name}, case {case}".lstrip(", ") for case in cases)]
+        case_of += ["", *cases]
+    short = [
+        f"{k} {_short_name(document)}" + (f", {case}" if case else "")
+        for k, (document, case) in enumerate(zip(several, case_of, strict=True), 1)
+    ]
+    return several, called, short
+
+
+def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[str]) -> InputTable | None:
+    try:
+        return together.inputs_table(documents, names)
+    except _DAMAGED as error:
+        message = f"their inputs cannot be compared ({type(error).__name__}: {error})"
+        advice = "Was one changed, or written by another version? Make it again."
+        raise DesignError([Fault("E372", message, ", ".join(names), advice)]) from error
+
+
+class _Views:
+    """The data of the views to turn: of the first result whatever it weighs, of more while the page stays light."""
+
+    def __init__(self) -> None:
+        self.data: list[str] = []
+
+    def take(self, document: Mapping[str, Any], name: str, notices: list[Notice]) -> int:
+        """Add the view of a result; its number from 1, 0 without one."""
+        view = _view(document, notices)
+        if not view:
+            return 0
+        if self.data and sum(map(len, self.data)) + len(view) > _HEAVIEST_VIEWS:
+            said = f"the scene of {name} cannot be turned here: with it the views would weigh more than"
+            notices.append(Notice("W385", f"{said} {_HEAVIEST_VIEWS // 1000} kB; a page of its own has it"))
+            return 0
+        self.data.append(view)
+        return len(self.data)
+
+
+def _elsewhere(document: Mapping[str, Any], drawn: dict[str, str], name: str) -> dict[str, str]:
+    """Pictures that an earlier part shows of the same design, and which part: its planes are the same ones."""
+    sha = document.get("input_sha256")
+    if not sha or document.get("kind") in ("kinematic", "combos"):
+        return {}
+    first = drawn.setdefault(str(sha), name)
+    return {} if first == name else {"stereonet": first}
+
+
+def _short_name(document: Mapping[str, Any]) -> str:
+    study = str(document.get("study") or document.get("kind"))
+    return _TITLES.get(study, study if "study" in document else "Result")
+
+
+def _project(documents: Sequence[Mapping[str, Any]], given: Mapping[str, str]) -> dict[str, str]:
+    """What the head says: what was given, else what the first design says that says anything."""
+    unknown = [key for key in given if key not in PROJECT]
+    if unknown:
+        advice = f"Known: {', '.join(PROJECT)}."
+        raise DesignError([Fault("E376", f"{key} is not a key of a project", "--project", advice) for key in unknown])
+    project: dict[str, str] = {}
+    for document in documents:
+        own = document.get("project")
+        if isinstance(own, Mapping):
+            project = {str(key): str(value) for key, value in own.items() if key in PROJECT} | project
+    return project | {key: value for key, value in given.items() if value}
+
+
+def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, Any]:
+    """What the page says of one document, by its sheet without what stands on the page already."""
+    is_result = "fos" in document and "status" in document and "study" not in document
+    if not isinstance(sheet, Mapping):
+        _refuse(document, name, is_result)
+    try:  # only what reads the document: faults of the program itself go through
+        if not is_result:
+            return _study(document, sheet)
+        article = _read(document, sheet)
+    except _DAMAGED as error:
+        said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
+        what = "result" if is_result else "study"
+        message = f"the {what} cannot be read as one ({said})"
+        advice = "Was it changed, or written by another version? Make it again: slopekit run DESIGN -o DIR."
+        raise DesignError([Fault("E372", message, name, advice)]) from error
+    return article | {"verification": _verification(str(document["kind"]))}
+
+
+def _refuse(document: Mapping[str, Any], name: str, is_result: bool) -> NoReturn:
+    study = document.get("study")
+    if isinstance(study, str):
+        message = f"this is a study ({study}) without its sheet: another version wrote it"
+        advice = f"Make it again: slopekit {study} ... -o DIR, then give DIR/{study}.json."
+    elif is_result:
+        message = "this is a result without its sheet: another version wrote it"
+        advice = "Make it again: slopekit run DESIGN -o DIR, then give DIR/result.json."
+    else:
+        message = "this is another document of slopekit, report takes results and studies"
+        advice = "Give result.json of run or wedge, or the JSON of a study: sweep.json, prob.json, ..."
+    raise DesignError([Fault("E371", message, name, advice)])
+
+
+def _view(document: Mapping[str, Any], notices: list[Notice]) -> str:
+    """The data of the view to turn."""
+    try:
+        return json.dumps(viewer_data(document), separators=(",", ":"), allow_nan=False)
+    except DesignError as error:
+        why = error.faults[0].message
+        notices.append(Notice("W372", f"there is no view to turn, the scene cannot be read: {why}"))
+        return ""
+
+
+def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page says of a study: its line, then its sheet as it stands in the JSON."""
+    for key in ("slopekit", "study", "line"):
+        if not isinstance(document[key], str):
+            raise TypeError(f"{key} is no text")
+    name = document["study"]
+    survey, kind = document.get("survey"), str(document.get("kind") or "")
+    of = str(survey["name"]) if isinstance(survey, Mapping) and survey.get("name") else ""
+    title = document.get("title") or of or _TITLES.get(name, name)
+    kind = "" if kind == name else kind  # a survey has none
+    sections = [(label, list(parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
+    return {
+        "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
+        "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""),
+        "lines": [one.replace("  ", " · ") for one in document["line"].split("\n")],  # blanks are one in HTML
+        "sections": sections,
+        "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
+        "view": 0,
+    }  # fmt: skip
+
+
+def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page says of a document."""
+    for key in ("title", "slopekit", "input_sha256"):
+        if not isinstance(document[key], str):
+            raise TypeError(f"{key} is no text")
+    inputs = document["inputs"]
+    said = words_named(str(document["kind"]), inputs)
+    title = said.title
+    has_methods = bool(document["methods"])  # the methods of columns, not the columns of a topple, are called so
+    sections = {
+        part: [(label, list(parts(_entries(sheet, label), _CAPTIONS.get(label, ())))) for label in labels
+               if _entries(sheet, label) and (label != "COLUMNS" or has_methods)]
+        for part, labels in _SECTIONS.items()
+    }  # fmt: skip
+    return sections | {
+        "title": document["title"] or title, "kind": title, "version": document["slopekit"],
+        "is_study": False, "sha": document["input_sha256"], "view": 0,
+        "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
+        "rests_on": said.rests_on if document["fos"]["closed_form"] is not None else "",
+        "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
+        "slope": [(label.lower(), _without_schedule(sheet, label, inputs)) for label in _SLOPE
+                  if _entries(sheet, label) and (label != "COLUMNS" or not has_methods)],
+        "inputs": list(input_tables(inputs, "BOLTS" in sheet)), "force_notes": force_notes(document),
+        "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
+        "movement": [one for one in (tables.motion_table(document),) if one is not None],
+        "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),
+        "left_out": [str(one) for one in document["model"]["left_out"]],
+        "not_modelled": NOT_MODELLED.replace(*_BENDS) if document.get("elastic") else NOT_MODELLED,
+        "defaults": _entries(sheet, "DEFAULTS") or [str(one) for one in document["defaults"]],
+        "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()]
+        if not any(one["code"] == "W320" for one in document["warnings"]) else [],  # a notice says it
+        "times": tables.time_table(document),
+    }  # fmt: skip
+
+
+def _without_schedule(sheet: Mapping[str, Any], label: str, inputs: Mapping[str, Any]) -> list[Any]:
+    """The entries of a label; bolts that a schedule lists are counted."""
+    entries = _entries(sheet, label)
+    return together.without_bolts(entries, inputs["bolts"]) if label == "LOADS" and "BOLTS" in sheet else entries
+
+
+def _entries(sheet: Mapping[str, Any], label: str) -> list[Any]:
+    entries = sheet.get(label, [])
+    if not isinstance(entries, list) or not all(isinstance(entry, str | Mapping) for entry in entries):
+        raise TypeError(f"sheet.{label} is no list of texts and tables")
+    return entries
+
+
+def _verification(kind: str) -> dict[str, Any]:
+    """The rows of the shipped excerpt that stand for a kind; a bench is solved as blocks are."""
+    excerpt = verification_excerpt()
+    like = "blocks" if kind == "bench" else kind
+    rows = []
+    for row in excerpt["rows"]:
+        if row["kind"] == like:
+            judged = {True: "within", False: "OUTSIDE", None: "not judged"}[row["ok"]]
+            shown = ["" if row[key] is None else str(row[key]) for key in ("published",)]
+            exact, value = (("" if one is None else f"{one:.6g}") for one in (row["exact"], row["value"]))
+            rows.append((row["title"], words(row["quantity"]), *shown, exact, value, row["source"], judged))
+    head = ("case", "quantity", "published", "exact or other code", "slopekit", "source", "")
+    sources = [(key, excerpt["sources"][key]) for key in excerpt["sources"]
+               if any(row["source"] == key and row["kind"] == like for row in excerpt["rows"])]  # fmt: skip
+    return {
+        "version": excerpt["slopekit"], "counts": excerpt["counts"], "whole": _WHOLE, "sources": sources,
+        "bench": kind == "bench",
+        "table": InputTable("", head, tuple(rows), "Why a row is not judged stands in the whole.", left=2),
+    }  # fmt: skip
+
+
+def verification_excerpt() -> dict[str, Any]:
+    """The excerpt of docs/verification.json that came with this slopekit."""
+    excerpt: dict[str, Any] = json.loads(
+        Path(__file__).parents[1].joinpath("verification_excerpt.json").read_text(encoding="utf-8")
+    )
+    return excerpt
+
+
+def _rendered(context: Mapping[str, Any]) -> str:
+    from markupsafe import Markup
+
+    own = {
+        name: Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
+        for name in ("report.css", "viewer.js", "report.js")
+    }
+    views = [Markup(text) for text in context["views"]]  # JSON without any <: it can end no script
+    return str(
+        _template().render(
+            **{**context, "views": views}, style=own["report.css"], script=own["viewer.js"] + own["report.js"]
+        )
+    )
+
+
+@cache
+def _template() -> Any:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    environment.tests["figure"] = lambda text: bool(_NUMBER.match(str(text)))
+    return environment.get_template("report.html.j2")
+
+
+def write_report(
+    documents: Sequence[Mapping[str, Any]], path: Path, names: Sequence[str] = (), with_pictures: bool = True,
+    project: Mapping[str, str] | None = None,
+) -> Report:  # fmt: skip
+    """Make the page of documents and write it.
+
+    Raises
+    ------
+    DesignError
+        As `report_of`; E341 where one is none of slopekit's, E129 where the file cannot be written.
+    """
+    called = list(names) or ["the document"] * len(documents)
+    own = [checked_document(document, name) for document, name in zip(documents, called, strict=True)]
+    made = report_of(own, list(names) or [str(path)], with_pictures, project)
+    with writing(path):
+        path.write_text(made.html, encoding="utf-8")
+    return made

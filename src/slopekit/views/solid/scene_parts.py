@@ -1,0 +1,358 @@
+"""Parts that scenes are put together from: coloured joints, names of blocks, resultants, words of the legend."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field
+from typing import Any
+
+import numpy as np
+
+from slopekit.block_scene import Contacts, joined
+from slopekit.bolts import plates, rods
+from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.records import dataclass
+from slopekit.exchange.panels import triangles_of
+from slopekit.exchange.source import NUMBERED, bolt_of_load
+from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head
+from slopekit.views.solid.layers import (
+    ACTIVE_BOLT,
+    BLOCK,
+    PASSIVE_BOLT,
+    ROCK,
+    STANDS,
+    Bar,
+    Colour,
+    Layer,
+    Picture,
+    blocks_layer,
+    layer,
+)
+from slopekit.views.solid.stage import Stage
+
+Legend = list[tuple[str, Colour, float]]
+_MOST_ARROWS = 400
+_MOST_LABELS, _FEW_LABELS = 60, 12
+_RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
+_LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
+_ROD = 4e-3 / 0.024  # radius of rods, of the width of their plates
+_MOST_LINES = 3  # of one kind of load in the legend
+
+
+@dataclass
+class Scenery:
+    """A picture as it is put together: what is drawn and what the legend says of it, in one call."""
+
+    stage: Stage
+    layers: list[Layer] = field(default_factory=list)
+    legend: Legend = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def rock(self, opacity: float = 1.0) -> None:
+        """The bedrock, or the rock about one block."""
+        self.layers += self.stage.rock(opacity)
+
+    def blocks(
+        self, name: str, chosen: Bools, *, offset: Floats | None = None, opacity: float = 1.0,
+        colours: Ints | None = None,
+    ) -> None:  # fmt: skip
+        """Blocks `chosen` (n,), each vertex moved by `offset` (v, 3) m; in `colours` (n, 3) or those of the stage."""
+        stage = self.stage
+        colours = stage.block_colours() if colours is None else colours
+        self.layers.append(blocks_layer(name, stage.scene.shapes, chosen, colours, offset, opacity))
+
+    def add(
+        self, name: str, body: Sequence[Any], colour: Colour, said: str = "", *, opacity: float = 1.0, front: int = 0
+    ) -> None:
+        """A body, vertices and triangles first, in one colour, and what the legend says of it."""
+        self.layers.append(layer(name, (body[0], body[1]), colour, opacity, front=front))
+        if said:
+            self.legend.append((said, colour, opacity))
+
+    def bolts(self, moved: Floats | None = None, rods_said: str = "") -> None:
+        """Bolts as rods with plates, in front of what they lie in, in the legend or with a note of their own.
+
+        Parameters
+        ----------
+        moved : (n, 3) m by which each block is drawn elsewhere: a bolt goes with the block of its head
+        rods_said : the note, in place of what the legend says of each sort
+        """
+        bolts, bare = self.stage.scene.bolts, without_head(schedule(self.stage.document))
+        if bolts is not None:
+            width = self.stage.plate_width
+            away = np.zeros((1, 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
+            heads, ends = bolts.heads_m + away, bolts.ends_m + away
+            for acts, colour, own in (
+                ("active", ACTIVE_BOLT, ~bolts.passive), ("passive", PASSIVE_BOLT, bolts.passive),
+            ):  # fmt: skip
+                if own.any():
+                    count = int(own.sum())
+                    said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[own].tolist())}"
+                    body = rods(heads[own], ends[own], _ROD * width)
+                    self.add(f"bolts, {acts}: rods", body, colour, front=1)
+                    body = plates(heads[own], bolts.plates[own], width)
+                    self.add(f"bolts, {acts}: plates", body, colour, "" if rods_said else said, front=1)
+        open_ended = bolts is not None and bool(np.isnan(bolts.length_m).any())
+        self.notes += [rods_said] if rods_said and bolts is not None and len(bolts) else []
+        self.notes += [bare] if bare else []
+        self.notes += ["bolts without a length are drawn to where they leave their block"] if open_ended else []
+
+    def block_legend(self, rock: bool) -> Legend:
+        """What the colours of `Stage.block_colours` mean."""
+        legend: Legend = []
+        if self.stage.alone:
+            legend.append((self.stage.scene.shapes.names[0], BLOCK, 1.0))
+        else:
+            first, free = int((self.stage.scene.order == 1).sum()), int(self.stage.free.sum())
+            legend += [(f"moves first ({first})", BLOCK, 1.0)] if first else []
+            legend += [(f"other blocks ({free - first})", STANDS, 1.0)] if free > first else []
+            rock = bool(self.stage.scene.shapes.fixed.any())
+        return [*legend, ("bedrock", ROCK, 1.0)] if rock else legend
+
+    def names(self, moved: Floats | None = None, only: Bools | None = None) -> list[tuple[Floats, str]]:
+        """Names of blocks at their centroids, which `moved` (n, 3) takes with them, where there are few enough to read.
+
+        In a section every block is seen; in space a name could stand on another block: only those that move have one.
+        """
+        chosen = self.stage.free & (np.ones_like(self.stage.free) if only is None else only)
+        if not self.stage.in_section:
+            chosen &= self.stage.scene.order > 0
+        if self.stage.alone or int(chosen.sum()) > (_MOST_LABELS if self.stage.in_section else _FEW_LABELS):
+            return []
+        shapes = self.stage.scene.shapes
+        at = shapes.centroids if moved is None else shapes.centroids + moved
+        return [(at[k], shapes.names[k]) for k in np.flatnonzero(chosen).tolist()]
+
+    def measures(self) -> str:
+        """Volume and height in words."""
+        geometry = self.stage.document.get("geometry") or {}
+        volume, height = geometry.get("volume_m3"), geometry.get("total_height_m")
+        parts = [] if volume is None else [f"volume {volume:.6g} m³"]
+        parts += [] if height is None else [f"total height {height:.4g} m"]
+        if self.stage.document.get("assembly") is not None:
+            count = int(self.stage.free.sum())
+            parts.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")
+        elif geometry.get("thickness_m"):
+            parts.append(f"a slice of {geometry['thickness_m']:g} m")
+        return ", ".join(parts)
+
+    def load_names(self) -> list[str]:
+        """The loads by name, bolts with the numbers that the design lists them by."""
+        called = []
+        for name in self.stage.scene.loads.names:
+            bolt = bolt_of_load(self.stage.document, name)
+            called.append(name if bolt is None else f"{bolt[0]} bolt {bolt[1]}{''.join(name.partition(',')[1:])}")
+        return called
+
+    def picture(
+        self, what: str, *, bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] | None = None, answer: str = ""
+    ) -> Picture:
+        """The picture with its title, the first digits of the input's hash, the answer of its result or another.
+
+        `labels` are the names of the blocks where they are not given.
+        """
+        stage = self.stage
+        digest = str(stage.document.get("input_sha256") or "")[:6]
+        title = f"{stage.title or stage.kind} — {what}" + (f"  (sha {digest})" if digest else "")
+        return Picture(
+            title, answer or stage.answer, tuple(self.layers), tuple(self.legend), stage.eye, tuple(self.notes), bar,
+            tuple(self.names() if labels is None else labels), not stage.in_section,
+        )  # fmt: skip
+
+
+def widened(stage: Stage, joint: int, by: float) -> tuple[Floats, Ints]:
+    """A joint of one block as a plane wider than the block."""
+    contacts = stage.scene.shapes.contacts
+    corners = contacts.corners.copy()
+    for k in np.flatnonzero(contacts.joint == joint).tolist():
+        at = slice(int(contacts.first[k]), int(contacts.first[k + 1]))
+        middle = corners[at].mean(axis=0)
+        corners[at] = middle + by * (corners[at] - middle)
+    triangles, panel = triangles_of(contacts)
+    return corners, triangles[contacts.joint[panel] == joint]
+
+
+def joint_faces(stage: Stage, moved: Floats) -> Iterator[tuple[int, tuple[Floats, Ints]]]:
+    """The contacts of each joint on the faces of their two blocks, each where `moved` (n, 3) takes the block."""
+    shapes = stage.scene.shapes
+    contacts = shapes.contacts
+    if len(contacts) == 0:
+        return
+    middle, normal = middles(contacts.corners, contacts.first)
+    toward = shapes.centroids[contacts.plus] - middle
+    normal = normal * np.where((normal * toward).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]  # into the plus block
+    lift = _LIFTED * stage.size * normal
+    counts = np.diff(contacts.first)
+    moved = np.concatenate([moved, np.zeros((1, 3))])  # bedrock, -1, stays
+    triangles, panel = triangles_of(contacts)
+    for joint in np.unique(contacts.joint).tolist():
+        own, of_joint = np.flatnonzero(contacts.joint == joint), triangles[contacts.joint[panel] == joint]
+        sides = [moved[contacts.plus] - lift, moved[contacts.minus] + lift]
+        bodies = [(contacts.corners + np.repeat(side, counts, axis=0), of_joint) for side in sides]
+        if stage.in_section:
+            sides = [moved[contacts.plus], moved[contacts.minus]]
+            wide = _RIBBON * stage.size * normal
+            bodies += [_ribbons(contacts, own, side[own], sign * wide[own])
+                       for side, sign in zip(sides, (1.0, -1.0), strict=True)]  # fmt: skip
+        yield joint, joined(bodies)[:2]
+
+
+def _ribbons(contacts: Contacts, own: Ints, moved: Floats, wide: Floats) -> tuple[Floats, Ints]:
+    """Contacts of a section as ribbons on the side of their block, `wide` (k, 3) m: edge-on they could not be seen."""
+    first = contacts.first[own]
+    ends = np.stack([contacts.corners[first], contacts.corners[first + 1]], axis=1) + moved[:, None, :]
+    ends[:, :, 1] -= _BEFORE * np.abs(wide).max()
+    quads = np.concatenate([ends, ends[:, ::-1] + wide[:, None, :]], axis=1)
+    fan = np.array([[0, 1, 2], [0, 2, 3]])
+    return quads.reshape(-1, 3), (4 * np.arange(len(own))[:, None, None] + fan).reshape(-1, 3)
+
+
+def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
+    """Mean corner and unit normal of polygons (k): (k, 3) each."""
+    counts = np.diff(first)
+    of = np.repeat(np.arange(len(counts)), counts)
+    middle = np.stack([np.bincount(of, corners[:, k], len(counts)) for k in range(3)], axis=1) / counts[:, None]
+    place = np.arange(len(of))
+    after = np.where(place + 1 == first[1:][of], first[:-1][of], place + 1)
+    arms = corners - middle[of]
+    part = cross(arms, arms[after])
+    normal = np.stack([np.bincount(of, part[:, k], len(counts)) for k in range(3)], axis=1)
+    return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
+
+
+def spread(points: Floats, size: Floats) -> Ints:
+    """Those of the points (n, 3) with a size that may be drawn: all, or some hundreds spread evenly."""
+    own = np.flatnonzero(size > 0.0)
+    if len(own) <= _MOST_ARROWS:
+        return own
+    extent = np.ptp(points[own], axis=0)
+    edge = float(extent.max()) / math.sqrt(_MOST_ARROWS)
+    while True:
+        cells = np.floor((points[own] - points[own].min(axis=0)) / edge).astype(np.int64)
+        _, first = np.unique(cells, axis=0, return_index=True)
+        if len(first) <= _MOST_ARROWS:
+            return own[np.sort(first)]
+        edge *= 1.1
+
+
+def spacing(areas: Floats) -> float:
+    """How far apart node pairs are that control such areas (n,) in m²: m."""
+    return math.sqrt(float(np.median(areas))) if len(areas) else 1.0
+
+
+def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
+    """Forces of the joints on the blocks at the limit: points (k, 3) m, forces (k, 3) kN, joints (k,).
+
+    One for each contact of the blocks `shown` (n,), through the mean of its node pairs weighted by their forces.
+    """
+    pairs = stage.scene.pairs
+    force = pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn
+    parts = []
+    for side, other, sign in ((pairs.plus, pairs.minus, 1.0), (pairs.minus, pairs.plus, -1.0)):
+        own = np.flatnonzero(np.append(shown, False)[side])
+        contact = np.stack([side[own], other[own], pairs.joint[own]], axis=1)
+        parts.append((contact, sign * force[own], pairs.points_m[own], pairs.normal_kn[own]))
+    contact, forces, points, weight = (np.concatenate([part[k] for part in parts]) for k in range(4))
+    if len(contact) == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
+    _, first, of = np.unique(contact, axis=0, return_index=True, return_inverse=True)
+    of = of.ravel()
+    weight = np.maximum(weight, 0.0) + 1e-9 * max(float(np.abs(weight).max()), 1e-300)
+    total = np.bincount(of, weight)
+
+    def summed(values: Floats) -> Floats:
+        return np.stack([np.bincount(of, values[:, k]) for k in range(3)], axis=1)
+
+    return summed(points * weight[:, None]) / total[:, None], summed(forces), contact[first, 2]
+
+
+def bolt_colour(name: str) -> Colour | None:
+    """The colour of a load that is a bolt."""
+    return ACTIVE_BOLT if name.startswith("active bolt") else PASSIVE_BOLT if name.startswith("passive bolt") else None
+
+
+def kinds_of_loads(names: Sequence[str], sizes: Sequence[Floats]) -> list[tuple[str, list[int]]]:
+    """Which loads stand in one line of the legend: the words before their sizes, and their indices.
+
+    Forces and bolts that are numbered and of one size share a line; where they have more than a few sizes, all do.
+
+    Parameters
+    ----------
+    names : of the loads; sizes : of each its forces (k,) kN
+
+    >>> from numpy import array
+    >>> kinds_of_loads(["weight", "active bolt 1", "active bolt 2"], [array([9.0]), array([5.0]), array([5.0])])
+    [('weight', [0]), ('2 active bolts', [1, 2])]
+    """
+    lines: dict[tuple[str, ...], list[int]] = {}
+    families: dict[str, set[str]] = {}
+    for name, size in zip(names, sizes, strict=True):
+        if match := NUMBERED.match(name):
+            families.setdefault(f"{match[1]}s{match[3] or ''}", set()).add(_sizes_in_words(size))
+    for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
+        key: tuple[str, ...] = (name,)
+        if match := NUMBERED.match(name):
+            family = f"{match[1]}s{match[3] or ''}"
+            key = (family, "" if len(families[family]) > _MOST_LINES else _sizes_in_words(size))
+        lines.setdefault(key, []).append(k)
+    return [(names[own[0]] if len(own) == 1 else f"{len(own)} {key[0]}", own) for key, own in lines.items()]
+
+
+def _sizes_in_words(sizes: Floats) -> str:
+    return kilonewtons(float(sizes.max(initial=0.0)))
+
+
+def amounts(name: str, parts: Sequence[Floats]) -> str:
+    """Loads of one line of the legend: the size of one, or what several have alike."""
+    if len(parts) == 1:
+        return amount(name, parts[0])
+    largest = [float(part.max(initial=0.0)) for part in parts]
+    low, high = kilonewtons(min(largest)), kilonewtons(max(largest))
+    return f"{name}: {high} each" if low == high else f"{name}: {low} to {high}"
+
+
+def amount(name: str, sizes: Floats) -> str:
+    """A load in the legend: its size, or the sizes of several."""
+    if len(sizes) == 1:
+        return f"{name}: {kilonewtons(float(sizes[0]))}"
+    return f"{name}: up to {kilonewtons(float(sizes.max()))} ({len(sizes)} forces)"
+
+
+def kilonewtons(force: float) -> str:
+    """A force in words.
+
+    >>> kilonewtons(5342524.8), kilonewtons(0.12345)
+    ('5,342,525 kN', '0.1235 kN')
+    """
+    return f"{force:,.0f} kN" if force >= 1000.0 else f"{force:.4g} kN"
+
+
+def nice(value: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is not above a value.
+
+    >>> nice(2345.0), nice(0.8)
+    (2000.0, 0.5)
+    """
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(step * power for step in (5.0, 2.0, 1.0) if step * power <= value * (1.0 + 1e-12))
+
+
+def millimetres(metres: float) -> str:
+    """A displacement in words.
+
+    >>> millimetres(0.00185)
+    '1.85 mm'
+    """
+    return f"{metres * 1e3:.3g} mm"
+
+
+def counted(how: Mapping[str, str], named: Sequence[str], chosen: Bools) -> Iterator[tuple[str, int]]:
+    """The ways in which chosen blocks move, with how many do."""
+    movements = [how.get(named[k], "") for k in np.flatnonzero(chosen).tolist()]
+    for way in dict.fromkeys(movements):
+        yield way, movements.count(way)
+
+
+def ends(values: Floats) -> tuple[float, float]:
+    """The ends of a colour bar for values."""
+    low, high = float(values.min()), float(values.max())
+    return (low, high) if high > low * (1.0 + 1e-9) else (0.95 * low, 1.05 * low)

@@ -1,0 +1,420 @@
+"""Scenes: the slope with its blocks, in place, apart, as they move, and with what the node pairs carry.
+
+Made of the JSON of a result (`scene` and what stands beside it), drawn by `solid.rendering`.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slopekit.block_scene import MODES, OPEN
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
+from slopekit.findings import MOTIONS
+from slopekit.kinds import status_text
+from slopekit.views.solid.dimensions import dimensions, lines
+from slopekit.views.solid.layers import (
+    BLOCK,
+    DARK,
+    FALLS,
+    LOADS,
+    MODE_COLOURS,
+    MOTION_COLOURS,
+    ROCK,
+    STANDS,
+    UNSETTLED,
+    Bar,
+    Colour,
+    Picture,
+    arrows,
+    free_normal,
+    rigid,
+    spheres,
+)
+from slopekit.views.solid.scene_parts import (
+    Legend,
+    Scenery,
+    amount,
+    amounts,
+    bolt_colour,
+    counted,
+    ends,
+    joint_faces,
+    kilonewtons,
+    kinds_of_loads,
+    millimetres,
+    nice,
+    resultants,
+    spacing,
+    spread,
+    widened,
+)
+from slopekit.views.solid.stage import Stage, joint_colour
+
+_DRAWN = 0.08  # of the size: what the largest displacement is drawn as, where nothing else is asked for
+_EXPLODED = 0.35
+_NO_FORCE, _SEEN = 1e-9, 0.03  # of the largest
+#: Arrows of one colour: what they are called, what the legend says, where and what they are, whether they push.
+_Group = tuple[str, str, Floats, Floats, Colour, bool]
+_NO_LIMIT = "no limit state was found: what the joints carry is not known"
+
+
+@dataclass(frozen=True, slots=True)
+class SceneOptions:
+    """What a user asks of a scene; None takes what fits it."""
+
+    explode: float | None = None
+    magnify: float | None = None
+    step: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A picture of a result: what it shows, who puts it together, keys that the result must have, options of its own.
+
+    A displacement must stand in the scene itself.
+    """
+
+    shows: str
+    compose: Callable[[Stage, SceneOptions], Picture]
+    needs: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+
+
+def draw(
+    document: Mapping[str, Any], what: str, path: Path | None, *, show: bool = False, explode: float | None = None,
+    magnify: float | None = None, step: int = 1,
+) -> None:  # fmt: skip
+    """Draw a scene of a result to PNG, GLB or glTF, or in a window.
+
+    Parameters
+    ----------
+    document : the JSON of a result; what : a key of `SCENES`
+    explode : how far blocks are moved apart, in parts of their distance from the middle
+    magnify : times the displacement is drawn; step : the mechanism (1 is the first)
+
+    Raises
+    ------
+    DesignError
+        E140 where pyvista or matplotlib is not installed, E350 to E354 where the document holds no such scene, E346
+        without a display.
+    """
+    from slopekit.views.solid.rendering import save, show_window
+
+    picture = compose(document, what, SceneOptions(explode, magnify, step))
+    if show:
+        show_window(picture)
+    elif path is not None:
+        save(picture, path)
+
+
+def compose(document: Mapping[str, Any], what: str, asked: SceneOptions | None = None) -> Picture:
+    """The picture of a document.
+
+    Raises
+    ------
+    DesignError
+        E350 no scene, E351 no displacement, E352 no mechanism, E353 no such step, E354 a magnification that is none.
+    """
+    wanted = asked or SceneOptions()
+    for name, value in (("explode", wanted.explode), ("magnify", wanted.magnify)):
+        if value is not None and not (math.isfinite(value) and value >= 0.0):
+            raise DesignError([Fault("E354", f"--{name} is {value:g}, a number of 0 or more is needed", f"--{name}")])
+    return SCENES[what].compose(Stage.of(document), wanted)
+
+
+# -- the pictures -----------------------------------------------------------------------------------------------------
+
+
+def _scene(stage: Stage, _: SceneOptions) -> Picture:
+    shapes, seen = stage.scene.shapes, Scenery(stage)
+    seen.rock()
+    seen.legend += seen.block_legend(bool(seen.layers))
+    seen.blocks("blocks", stage.free)
+    if stage.alone and not stage.is_curved:
+        for joint, name in enumerate(stage.joint_names()):
+            seen.add(shapes.joints[joint], widened(stage, joint, 1.22), joint_colour(joint), opacity=0.55)
+            seen.legend.append((name, joint_colour(joint), 0.7))
+    if stage.alone and stage.scene.order[0] == 1:
+        way = stage.scene.velocity[0, :3]
+        length = math.sqrt(float(way @ way))
+        if length > 0.05:
+            starts = shapes.centroids[:1] + 0.3 * stage.size * free_normal(shapes) * (0.0 if stage.in_section else 1.0)
+            body = arrows(starts, 0.3 * stage.size * way[None, :] / length, 0.03 * stage.size)
+            seen.add("movement", body, DARK, "movement as it fails", front=1)
+    seen.notes.append(seen.measures())
+    if stage.is_curved and not (stage.document.get("inputs") or {}).get("profile_m"):
+        seen.notes.append("the ground is a mesh of its own: it is not drawn")
+    seen.bolts()
+    measured = dimensions(stage)
+    seen.layers += lines(stage, measured)
+    return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *seen.names()])
+
+
+def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
+    shapes, seen = stage.scene.shapes, Scenery(stage)
+    apart = _EXPLODED if asked.explode is None else asked.explode
+    if stage.alone:
+        moved = apart * stage.size * free_normal(shapes)[None, :]
+        seen.rock()
+        note = f"the block moved out of the slope by {apart:g} of its size"
+    else:
+        own = shapes.fixed if shapes.fixed.any() else stage.free
+        moved = apart * (shapes.centroids - shapes.centroids[own].mean(axis=0))
+        if stage.in_section:
+            moved[shapes.fixed] = 0.0
+        middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
+        note = f"blocks moved apart by {apart:g} of their distance from {middle}"
+    seen.legend += seen.block_legend(bool(seen.layers))
+    colours = stage.block_colours()
+    colours[shapes.fixed] = ROCK
+    seen.blocks("blocks", np.ones(len(shapes.names), dtype=bool), offset=moved[stage.of_vertex], colours=colours)
+    for joint, body in joint_faces(stage, moved):
+        seen.add(shapes.joints[joint], body, joint_colour(joint), stage.joint_names()[joint])
+    seen.notes += [note, seen.measures()]
+    seen.bolts(moved)
+    return seen.picture("exploded", labels=seen.names(moved))
+
+
+def _tractions(stage: Stage, _: SceneOptions) -> Picture:
+    pairs, seen = stage.scene.pairs, Scenery(stage)
+    shown = stage.free if stage.alone else stage.free & stage.touched
+    if stage.alone:
+        seen.rock(0.55 if stage.in_section else 1.0)
+    seen.blocks("blocks", shown, opacity=0.12)
+    seen.legend.append(("block" if stage.alone else "blocks whose contacts were solved", BLOCK, 0.3))
+    scale = stage.neighbourhood(shown)
+    apart = scale if stage.in_section else spacing(pairs.control_area_m2)
+    for k, name in enumerate(MODES):
+        own = pairs.mode == k
+        if own.any():
+            radius = min(0.016 * scale, 0.22 * apart) * (0.6 if k == OPEN else 1.0)
+            said = f"{name}: {int(own.sum())} of {len(pairs)} node pairs"
+            front = 0 if stage.alone else 1 if k == OPEN else 2
+            seen.add(f"node pairs: {name}", spheres(pairs.points_m[own], radius), MODE_COLOURS[name], said, front=front)
+    traction = (pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn) / pairs.control_area_m2[:, None]
+    size = np.sqrt((traction * traction).sum(axis=1))
+    size[pairs.mode == OPEN] = 0.0
+    if not size.any():
+        seen.notes.append(_NO_LIMIT if len(pairs) else "no node pairs: nothing was solved")
+        return seen.picture("tractions", labels=seen.names(only=shown))
+    drawn = spread(pairs.points_m, size)
+    longest = float(size.max())
+    body = arrows(pairs.points_m[drawn], 0.25 * scale * traction[drawn] / longest, min(0.014 * scale, 0.15 * apart))
+    on = " on the block" if stage.alone else " on one of the two blocks, the other has its opposite"
+    seen.add("tractions", body, DARK, f"traction{on}, longest {longest:.4g} kPa", front=0 if stage.alone else 3)
+    every = int((size > 0.0).sum())
+    if len(drawn) < every:
+        seen.notes.append(f"{len(drawn)} of {every} tractions are drawn, spread evenly")
+    seen.notes.append("tractions at the limit: normal and shear of each pair by the area that it controls")
+    return seen.picture("tractions", labels=seen.names(only=shown))
+
+
+def _forces(stage: Stage, _: SceneOptions) -> Picture:
+    scene, loads, seen = stage.scene, stage.scene.loads, Scenery(stage)
+    known = stage.free if stage.alone else stage.balanced
+    at, force, joint = resultants(stage, known)
+    own = known[loads.block]
+    every = np.concatenate([loads.force_kn[own], force])
+    longest = float(np.sqrt((every * every).sum(axis=1)).max(initial=0.0))
+    scale = stage.neighbourhood(known)
+    drawn = 0.65 * scale / max(longest, 1e-300)
+    if stage.alone:
+        seen.rock(0.35)
+    seen.blocks("blocks", known, opacity=0.3)
+    seen.legend.append(("block" if stage.alone else f"blocks in equilibrium ({int(known.sum())})", BLOCK, 0.5))
+    seen.notes.append(f"arrows to scale, the longest {kilonewtons(longest)}: forces on the blocks at the limit")
+    if not force.any():
+        seen.notes = [f"loads to scale, the longest {kilonewtons(longest)}", _NO_LIMIT]
+    left = int(stage.free.sum()) - int(known.sum())
+    if not stage.alone and left:
+        seen.notes.append(f"{left} other blocks are left out: held, or their contacts were not all solved")
+    every_size = np.sqrt((loads.force_kn**2).sum(axis=1))
+    sizes = [every_size[own & (loads.what == k)] for k in range(len(loads.names))]
+    large = [k for k, size in enumerate(sizes) if (size > _NO_FORCE * longest).any()]
+    called = seen.load_names()
+    alike = kinds_of_loads([called[k] for k in large], [sizes[k] for k in large])
+    groups: list[_Group] = []
+    for name, kinds in alike:
+        which = [large[k] for k in kinds]
+        of = own & np.isin(loads.what, which)
+        said = amounts(name, [sizes[k] for k in which])
+        colour = bolt_colour(called[which[0]]) or LOADS[which[0] % len(LOADS)]
+        groups.append((name, said, loads.at_m[of], loads.force_kn[of], colour, name[:5] == "water"))
+    for k, joint_name in enumerate(scene.shapes.joints):
+        name = f"{joint_name} on the block" if stage.alone else joint_name
+        size = np.sqrt((force[joint == k] ** 2).sum(axis=1))
+        if (size > _NO_FORCE * longest).any():
+            groups.append((name, amount(name, size), at[joint == k], force[joint == k], joint_colour(k), True))
+    seen.bolts(rods_said="rods and plates show where bolts are, arrows their forces")
+    for name, said, points, forces, colour, pushes in groups:
+        vectors = drawn * forces
+        unseen = " (too small to be seen)" if float((forces**2).sum(axis=1).max()) < (_SEEN * longest) ** 2 else ""
+        seen.add(name, arrows(points - (vectors if pushes else 0.0), vectors, 0.022 * scale), colour, said + unseen,
+                 front=1)  # fmt: skip
+    return seen.picture("forces", labels=seen.names(only=known))
+
+
+def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
+    scene = stage.scene
+    if scene.displacement is None:
+        limit = (stage.document.get("fos") or {}).get("limit")
+        stands = stage.document.get("status") == "no_driving_force" or (limit is not None and limit > 1.0)
+        many = "the blocks are too many, or " if not stage.alone and stands else ""
+        why = f"{many}they do not come to rest" if stands else "at full strength it does not stand"
+        advice = "How it moves as it fails: slopekit plot result.json mechanism"
+        raise DesignError([Fault("E351", f"there is no displacement at full strength: {why}", "displacement", advice)])
+    true = rigid(scene.shapes, scene.displacement, scene.shapes.solids.vertices, stage.of_vertex)
+    most = float(np.sqrt((true * true).sum(axis=1)).max())
+    times = asked.magnify if asked.magnify is not None else nice(_DRAWN * stage.size / max(most, 1e-300))
+    moved = rigid(scene.shapes, scene.displacement * times, scene.shapes.solids.vertices, stage.of_vertex)
+    centroids = np.sqrt((scene.displacement[:, :3] ** 2).sum(axis=1))
+    first = int(np.argmax(centroids))
+    seen = Scenery(stage)
+    seen.rock()
+    seen.blocks("at rest", stage.free, opacity=0.2)
+    seen.blocks("displaced", stage.free, offset=moved)
+    seen.legend += [("as it was", BLOCK, 0.3), (f"displaced, {times:,.6g} times", BLOCK, 1.0)]
+    down = millimetres(-float(scene.displacement[first, 2]))
+    turned = math.degrees(math.sqrt(float(scene.displacement[first, 3:] @ scene.displacement[first, 3:])))
+    whose = "centroid" if stage.alone else f"centroid of {scene.shapes.names[first]}"
+    seen.notes.append(
+        f"displacement at full strength on the elastic bed, magnified {times:,.6g} times: largest {millimetres(most)}, "
+        f"{whose} {millimetres(float(centroids[first]))} ({down} down), turned by {turned:.3g}°"
+    )
+    return seen.picture("displacement")
+
+
+def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
+    scene, shapes = stage.scene, stage.scene.shapes
+    last = int(scene.order.max(initial=0))
+    if last == 0:
+        raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "mechanism")])
+    if not 1 <= asked.step <= last:
+        known = f"there are {last} mechanisms" if last > 1 else "there is one mechanism"
+        advice = "More of them: analysis: {mechanisms: N} in the design."
+        raise DesignError([Fault("E353", f"there is no mechanism {asked.step}: {known}", "--step", advice)])
+    moving = scene.order == asked.step
+    gone = (scene.order > 0) & (scene.order < asked.step)
+    unit = rigid(shapes, np.where(moving[:, None], scene.velocity, 0.0), shapes.solids.vertices, stage.of_vertex)
+    fastest = max(float(np.sqrt((unit * unit).sum(axis=1)).max()), 1e-300)
+    reach = 0.3 * float(stage.sizes[moving].mean()) if not stage.alone else 0.14 * stage.size
+    times = reach / fastest if asked.magnify is None else asked.magnify
+    moved = rigid(shapes, scene.velocity * times, shapes.solids.vertices, stage.of_vertex)
+    how = stage.ways(asked.step)
+    colours = stage.block_colours()
+    for k in np.flatnonzero(moving):
+        colours[k] = MOTION_COLOURS.get(how.get(shapes.names[k], ""), BLOCK)
+    seen, still = Scenery(stage), stage.free & ~moving & ~gone
+    seen.rock()
+    for way, count in counted(how, shapes.names, moving):
+        said = f"{MOTIONS.get(way, way)}: {count}" if way else "moves"
+        seen.legend.append((said, MOTION_COLOURS.get(way, BLOCK), 1.0))
+    if still.any():
+        colours[still] = STANDS
+        seen.blocks("at rest", still, colours=colours)
+        seen.legend.append(("at rest", STANDS, 1.0))
+    seen.blocks("where they were", moving, opacity=0.15, colours=colours)
+    seen.blocks("moving", moving, offset=moved, colours=colours)
+    own = np.flatnonzero(moving)
+    speed = np.sqrt((scene.velocity[own, :3] ** 2).sum(axis=1))
+    kept = spread(shapes.centroids[own], speed)
+    own, speed = own[kept], speed[kept]
+    length = 0.3 * stage.size if stage.alone else 0.8 * float(stage.sizes[moving].mean())
+    starts = shapes.centroids[own] + scene.velocity[own, :3] * times
+    fast = max(float(speed.max(initial=0.0)), 1e-300)
+    body = arrows(starts, scene.velocity[own, :3] * (length / fast), 0.06 * length)
+    seen.add("velocity", body, DARK, "velocity of the centroids", front=1)
+    seen.notes.append(
+        "a mechanism has proportions, no size: drawn so that it is seen, and so far that blocks may cut into others"
+    )
+    if gone.any():
+        seen.notes.append(f"{int(gone.sum())} blocks that failed before are left out")
+    what = "mechanism" if last == 1 else f"mechanism {asked.step} of {last}"
+    labels = seen.names(scene.velocity[:, :3] * times, moving)
+    return seen.picture(what, labels=labels, answer=_answer_of(stage, asked.step))
+
+
+def _answer_of(stage: Stage, step: int) -> str:
+    """Status and factor of a later mechanism; "" where it is the result's."""
+    if step == 1 or step > len(stage.mechanisms):
+        return ""
+    one = stage.mechanisms[step - 1]
+    factor = "no factor of safety" if one.get("fos") is None else f"FoS {one['fos']:.4f} (limit, PRE-IE)"
+    return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
+
+
+def _factors(stage: Stage, _: SceneOptions) -> Picture:
+    """Blocks by the factor of safety at which they fail."""
+    factor = stage.scene.factor
+    known = np.isfinite(factor)
+    bar = Bar("factor of safety at which a block fails", *ends(factor[known])) if known.any() else None
+    one = bar is not None and not np.ptp(factor[known]) > 1e-9 * float(factor[known].max())
+    fixed = int(stage.scene.shapes.fixed.sum())
+    falls, open_ = stage.without_strength, stage.unsettled
+    none = int((stage.free & ~known & ~falls & ~open_).sum())
+    text = "no factor: it stands, or was not looked at" if not stage.alone else "no factor of safety"
+    asked = [(f"{text} ({none})", STANDS, 1.0)] if none else []
+    asked += _special(falls, open_)
+    asked += [(f"bedrock ({fixed})", ROCK, 1.0)] if fixed else []
+    notes = ("a block that only the one before it held fails together with it",) if not stage.alone else ()
+    if one and bar is not None:  # one value needs no scale
+        colour = tuple(bar.colours(factor[known][:1])[0].tolist())
+        asked = [(f"fails at {float(factor[known][0]):.4f} ({int(known.sum())})", colour, 1.0), *asked]
+    return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
+
+
+def _ravelling(stage: Stage, _: SceneOptions) -> Picture:
+    """Blocks by the order in which they fail."""
+    order = stage.scene.order
+    if not order.any():
+        raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
+    open_ = stage.unsettled
+    values = np.where((order > 0) & ~open_, order.astype(np.float64), np.nan)
+    bar = Bar("order in which blocks fail", 1.0, float(order.max()), whole=True)
+    left = int((stage.free & (order == 0)).sum())
+    legend = [(f"left in place ({left})", STANDS, 1.0)] if left else []
+    legend += _special(np.zeros_like(open_), open_)
+    legend += [("bedrock", ROCK, 1.0)] if stage.scene.shapes.fixed.any() else []
+    standing = (stage.document.get("assembly") or {}).get("standing")
+    return _by_value(stage, "ravelling", values, bar, legend, (str(standing),) if standing else ())
+
+
+def _special(falls: Bools, open_: Bools) -> Legend:
+    """Blocks without a number that do not stand either."""
+    legend: Legend = [(f"held by no strength that was tried ({int(falls.sum())})", FALLS, 1.0)] if falls.any() else []
+    last = f"moves in a mechanism that did not settle ({int(open_.sum())})"
+    return [*legend, (last, UNSETTLED, 1.0)] if open_.any() else legend
+
+
+def _by_value(
+    stage: Stage, what: str, values: Floats, bar: Bar | None, legend: Legend,
+    notes: Sequence[str], scale: bool = True,
+) -> Picture:  # fmt: skip
+    colours = np.tile(np.array(STANDS), (len(values), 1))
+    known = np.isfinite(values)
+    if bar is not None:
+        colours[known] = bar.colours(values[known])
+    colours[stage.without_strength & ~known] = FALLS
+    colours[stage.unsettled & ~known] = UNSETTLED
+    seen = Scenery(stage, legend=list(legend), notes=list(notes))
+    seen.rock()
+    seen.blocks("blocks", stage.free, colours=colours)
+    return seen.picture(what, bar=bar if scale else None)
+
+
+#: What can be drawn of a result, by its word.
+SCENES: Mapping[str, Scene] = {
+    "scene": Scene("the slope with its blocks and joints", _scene),
+    "exploded": Scene("the blocks apart, their joints coloured", _exploded, options=("--explode",)),
+    "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
+    "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
+    "displacement": Scene("the displacement at full strength, magnified", _displacement, options=("--magnify",)),
+    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",), ("--magnify", "--step")),
+    "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
+    "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
+}

@@ -1,0 +1,299 @@
+"""What all scenes of one result share: the blocks with their sizes, the rock about them, where they are seen from."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from slopekit.block_scene import BlockScene
+from slopekit.bolts import nearest
+from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Line, parse_plane
+from slopekit.core.records import dataclass
+from slopekit.kinds import known_kind
+from slopekit.result import JUDGED, OTHERWISE
+from slopekit.views.solid.layers import (
+    BLOCK,
+    JOINTS,
+    ROCK,
+    STANDS,
+    Layer,
+    block_of_vertex,
+    blocks_layer,
+    ground_below,
+    layer,
+    rock_around,
+)
+
+_LETTERS = 72  # of a title
+_BALANCED = 0.01  # of the largest load on a block
+_PLATE = 0.024  # of the size: width of plates of bolts that stand far enough apart
+_CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The document of a result with its scene."""
+
+    document: Mapping[str, Any]
+    scene: BlockScene
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any]) -> "Stage":
+        """The stage of a document.
+
+        Raises
+        ------
+        DesignError
+            E350 where it holds no scene.
+        """
+        if not isinstance(document.get("scene"), Mapping):
+            advice = "Scenes are drawn from a result: slopekit run DESIGN -o DIR, then DIR/result.json."
+            raise DesignError([Fault("E350", "the file holds no scene: there are no blocks to draw", "", advice)])
+        return cls(document, BlockScene.from_dict(document["scene"]))
+
+    @property
+    def kind(self) -> str:
+        """The kind of design."""
+        return str(self.document.get("kind", ""))
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is one block and the bedrock."""
+        return len(self.scene.shapes.names) == 1
+
+    @cached_property
+    def free(self) -> Bools:
+        """Blocks that are no bedrock, (n,)."""
+        return ~self.scene.shapes.fixed
+
+    @cached_property
+    def of_vertex(self) -> Ints:
+        """The block of each vertex, (v,)."""
+        return block_of_vertex(self.scene.shapes)
+
+    @cached_property
+    def size(self) -> float:
+        """The largest extent of the blocks that can move, m."""
+        vertices = self.scene.shapes.solids.vertices
+        own = self.free[self.of_vertex]
+        return float(np.ptp(vertices[own] if own.any() else vertices, axis=0).max())
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """The extent of each block, (n,) m."""
+        count, vertices = len(self.scene.shapes.names), self.scene.shapes.solids.vertices
+        low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+        np.minimum.at(low, self.of_vertex, vertices)
+        np.maximum.at(high, self.of_vertex, vertices)
+        extents: Floats = np.where(np.isfinite(high - low), high - low, 0.0).max(axis=1)
+        return extents
+
+    @property
+    def in_section(self) -> bool:
+        """Whether everything repeats along the strike, and one slice shows it all."""
+        if self._given("geometry", "thickness_m") is None or not self.free.any():
+            return False
+        y = self.scene.shapes.centroids[self.free, 1]
+        return not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether the block lies on a curved slip surface."""
+        return self._given("inputs", "slip") is not None
+
+    def _given(self, part: str, key: str) -> Any:
+        section = self.document.get(part)
+        return section.get(key) if isinstance(section, Mapping) else None
+
+    @cached_property
+    def touched(self) -> Bools:
+        """Blocks that node pairs lie on, (n,)."""
+        is_touched = np.zeros(len(self.scene.shapes.names) + 1, dtype=bool)
+        is_touched[self.scene.pairs.plus] = is_touched[self.scene.pairs.minus] = True
+        return is_touched[:-1]
+
+    @cached_property
+    def balanced(self) -> Bools:
+        """Blocks whose loads and contact forces are all known: they cancel. (n,)"""
+        scene = self.scene
+        count = len(scene.shapes.names)
+        left, load = np.zeros((count + 1, 3)), np.zeros(count + 1)
+        force = scene.pairs.normal_kn[:, None] * scene.pairs.normals + scene.pairs.shear_kn
+        np.add.at(left, scene.pairs.plus, force)
+        np.subtract.at(left, scene.pairs.minus, force)
+        np.add.at(left, scene.loads.block, scene.loads.force_kn)
+        np.maximum.at(load, scene.loads.block, np.sqrt((scene.loads.force_kn**2).sum(axis=1)))
+        off = np.sqrt((left * left).sum(axis=1))
+        known: Bools = self.free & self.touched & (off[:-1] < _BALANCED * np.maximum(load[:-1], 1e-300))
+        return known
+
+    def neighbourhood(self, shown: Bools) -> float:
+        """A length (m) that arrows and node pairs are drawn by: the extent of blocks shown (n,), or a few of them."""
+        own = shown & (self.sizes > 0.0)
+        if self.alone or not own.any():
+            return self.size
+        extent = np.ptp(self.scene.shapes.solids.vertices[own[self.of_vertex]], axis=0).max()
+        return min(float(extent), 2.5 * float(np.median(self.sizes[own])))
+
+    @cached_property
+    def plate_width(self) -> float:
+        """How wide plates are drawn, m: so that they are seen and do not touch; 0 without bolts."""
+        if self.scene.bolts is None:
+            return 0.0
+        size = min(self.size, self.neighbourhood(self.free))
+        return min(_PLATE * size, _CROWDED * nearest(self.scene.known_bolts.heads_m))
+
+    # -- how the blocks fail ------------------------------------------------------------------------------------------
+
+    @property
+    def mechanisms(self) -> Sequence[Mapping[str, Any]]:
+        """The mechanisms of many blocks in their order."""
+        return (self.document.get("assembly") or {}).get("mechanisms") or []
+
+    @cached_property
+    def without_strength(self) -> Bools:
+        """Blocks that fail whatever the strength: they move in a mechanism that has no factor, (n,)."""
+        return self._of_mechanisms(lambda one: one.get("fos") is None and one.get("status") != "not_converged")
+
+    @cached_property
+    def unsettled(self) -> Bools:
+        """Blocks of mechanisms that did not settle, (n,)."""
+        return self._of_mechanisms(lambda one: one.get("status") == "not_converged")
+
+    def _of_mechanisms(self, wanted: Callable[[Mapping[str, Any]], bool]) -> Bools:
+        numbers = [k for k, one in enumerate(self.mechanisms, 1) if wanted(one)]
+        in_mechanism: Bools = np.isin(self.scene.order, numbers)
+        return in_mechanism
+
+    def ways(self, step: int) -> dict[str, str]:
+        """How the blocks of a mechanism move, by name."""
+        if not 0 < step <= len(self.mechanisms):
+            return {}
+        return {str(block.get("name")): str(block.get("how")) for block in self.mechanisms[step - 1].get("blocks", [])}
+
+    # -- where it is seen from ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def out(self) -> Floats:
+        """(3,) unit and level: out of the slope."""
+        face = self._given("inputs", "face")
+        if isinstance(face, str):
+            return Line(parse_plane(face, "face").dip_direction_deg, 0.0).vector()
+        profile = self._given("inputs", "profile_m")
+        if profile:
+            ends = sorted(profile)
+            return np.array([1.0 if ends[-1][1] <= ends[0][1] else -1.0, 0.0, 0.0])
+        level = self.scene.velocity[:, :3].sum(axis=0) * [1.0, 1.0, 0.0]
+        length = math.sqrt(float(level @ level))
+        if length > 0.0:
+            unit: Floats = level / length
+            return unit
+        kind = known_kind(self.kind)
+        return np.array([-1.0 if kind is not None and kind.falls_west else 1.0, 0.0, 0.0])
+
+    @cached_property
+    def eye(self) -> Floats:
+        """(3,) unit, toward the eye: before the slope, or beside a section."""
+        if self.in_section:
+            along = cross(np.array([0.0, 0.0, 1.0]), self.out)
+            if not isinstance(self._given("inputs", "face"), str):
+                along = np.array([0.0, 1.0, 0.0])  # x to the right, z up
+            return _seen(-along, 12.0 if along @ cross(np.array([0.0, 0.0, 1.0]), self.out) > 0 else -12.0, 9.0)
+        return _seen(self.out, 32.0, 27.0)
+
+    # -- words --------------------------------------------------------------------------------------------------------
+
+    @property
+    def title(self) -> str:
+        """What was analysed."""
+        title = str(self.document.get("title") or "")
+        return title if len(title) <= _LETTERS else title[: _LETTERS - 1] + "…"
+
+    @property
+    def answer(self) -> str:
+        """Status, factor and check: never a bare factor of safety."""
+        fos = self.document.get("fos") or {}
+        limit, closed, lowest = fos.get("limit"), fos.get("closed_form"), fos.get("lowest")
+        parts = [str(self.document.get("status_text", ""))]
+        led = self.document.get("leading") or {}
+        name = str(led.get("name"))
+        parts += [f"FoS {led['fos']:.4f} ({JUDGED[name]}: acceptance hangs on it)"] if name in JUDGED else []
+        said = "limit, PRE-IE" if not led else "limit"
+        parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} ({said})")
+        known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
+        codes = {notice.get("code") for notice in self.document.get("warnings") or ()}
+        others = [how for code, how in OTHERWISE.items() if code in codes]
+        of = "same mechanism from"
+        if others:
+            of = " or ".join([*["under other forces"] * (fos.get("highest") is not None), *others]) + " from"
+        parts += [] if known else [f"{of} {lowest:.4f}"]
+        searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
+        parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
+        parts += [] if closed is None else [f"closed form {closed:.4f}"]
+        agree = self.document.get("agree")
+        if self.document.get("status") != "not_converged":
+            words = {True: "agree", False: "DO NOT AGREE", None: "not compared"}
+            nothing = closed is None and agree is None
+            parts.append("no closed form to compare with" if nothing else words[agree])
+        parts += ["moments govern"] if self.document.get("moments_govern") and limit is not None else []
+        accepted = self.document.get("accepted")
+        parts += [] if accepted is None else [f"acceptance {'met' if accepted else 'NOT MET'}"]
+        return " · ".join(parts)
+
+    # -- what stands about the blocks ---------------------------------------------------------------------------------
+
+    def rock(self, opacity: float = 1.0) -> list[Layer]:
+        """The bedrock: that of the model, or what lies about its one block."""
+        shapes = self.scene.shapes
+        if not self.alone:
+            if not shapes.fixed.any():
+                return []
+            colours = np.tile(np.array(ROCK), (len(shapes.names), 1))
+            return [blocks_layer("bedrock", shapes, shapes.fixed, colours, opacity=opacity)]
+        body, shortest = None, 0.0
+        if self.is_curved:
+            profile = self._given("inputs", "profile_m")
+            body, shortest = ground_below(shapes, profile) if profile else None, 0.03 * self.size
+        elif self.document.get("assembly") is None:
+            body = rock_around(shapes)
+        return [] if body is None else [layer("rock", body, ROCK, opacity, outlined=True, shortest=shortest)]
+
+    def block_colours(self) -> Ints:
+        """Blocks that move in the first mechanism, and the others, (n, 3)."""
+        colours = np.tile(np.array(STANDS), (len(self.scene.shapes.names), 1))
+        colours[self.scene.order == 1] = BLOCK
+        if self.alone:
+            colours[:] = BLOCK
+        return colours
+
+    def joint_names(self) -> list[str]:
+        """Joints as the legend has them: with their orientation where the design gives one."""
+        given: dict[str, Any] = {}
+        joints, sets = self._given("inputs", "joints"), self._given("inputs", "sets")
+        if isinstance(joints, Mapping):
+            given = dict(joints)
+        basal = self._given("inputs", "basal")
+        if isinstance(basal, Mapping):
+            given["basal"] = basal.get("plane")
+        if isinstance(sets, list):
+            given = {part["name"]: part["plane"] for part in sets if isinstance(part, Mapping)}
+        return [f"{name} {given[name]}" if isinstance(given.get(name), str) else name
+                for name in self.scene.shapes.joints]  # fmt: skip
+
+
+def joint_colour(joint: int) -> tuple[int, int, int]:
+    """The colour of a joint by its index."""
+    return JOINTS[joint % len(JOINTS)]
+
+
+def _seen(before: Floats, turned_deg: float, above_deg: float) -> Floats:
+    """A direction turned about the vertical and raised."""
+    turn, rise = math.radians(turned_deg), math.radians(above_deg)
+    x, y = float(before[0]), float(before[1])
+    level = np.array([x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), 0.0])
+    direction: Floats = math.cos(rise) * level + np.array([0.0, 0.0, math.sin(rise)])
+    return direction

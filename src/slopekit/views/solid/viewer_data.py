@@ -1,0 +1,270 @@
+"""The scene of a result as the rotatable view of the report takes it: local float32 about the middle, edges, motions.
+
+Map coordinates have seven digits before the point, float32 has seven in all: the middle is taken off in float64 first.
+"""
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined, unreadable
+from slopekit.core.arrays import Floats, Ints
+from slopekit.exchange.panels import triangles_of
+from slopekit.views.solid.layers import (
+    ACTIVE_BOLT,
+    BLOCK,
+    FALLS,
+    JOINTS,
+    MODE_COLOURS,
+    PASSIVE_BOLT,
+    ROCK,
+    STANDS,
+    UNSETTLED,
+)
+from slopekit.views.solid.stage import Stage
+
+_SMOOTH = np.cos(np.radians(30.0))  # triangles of one face that bend by less have no edge between them
+_FLAT = np.cos(np.radians(1.0))
+_FARTHEST = 0.25  # of the scene's size: the most that the mechanism's slider moves a block
+_AWAY = 0.7  # of its distance from the middle: how far the exploded view moves a block
+
+
+def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
+    """What the view draws, as JSON values; arrays are `{"type": ..., "base64": ...}`, little-endian, C order.
+
+    Parameters
+    ----------
+    document : the JSON of a result
+
+    Raises
+    ------
+    DesignError
+        E350 where its scene cannot be read. KeyError, TypeError, ValueError, IndexError where it is damaged.
+    """
+    return data_of(read_stage(document))
+
+
+def data_of(stage: Stage) -> dict[str, Any]:
+    """The same of a stage, whose scene need not have been packed."""
+    scene = _with_rock(stage)
+    rock = len(scene.shapes.names) - len(
+        stage.scene.shapes.names
+    )  # drawn about a lone block, without a colour of its own
+    shapes, pairs, loads, bolts = scene.shapes, scene.pairs, scene.loads, scene.known_bolts
+    vertices, triangles, owner = _owned(shapes.solids)
+    middle, size = _middle(vertices if len(vertices) else shapes.contacts.corners)
+    moved = _at(vertices, shapes.centroids, scene.velocity, owner)
+    fastest = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
+    scale = _FARTHEST * size / fastest if fastest > 0.0 else 0.0
+    corners, joint, minus, outline = _surfaces(shapes.contacts)
+    area = np.where(pairs.control_area_m2 > 0.0, pairs.control_area_m2, np.nan)
+    return {
+        "middle_m": [float(value) for value in middle],
+        "size_m": size,
+        "look_from": _look_from(stage.eye),
+        "names": list(shapes.names), "faces": list(shapes.solids.faces), "joints": list(shapes.joints),
+        "palette": [_hex(colour) for colour in JOINTS], "block_colour": _hex(BLOCK), "rock_colour": _hex(ROCK),
+        "falls_colour": _hex(FALLS), "unsettled_colour": _hex(UNSETTLED), "stands_colour": _hex(STANDS),
+        "plain": [_hex(colour) for colour in stage.block_colours().tolist()] + [_hex(ROCK)] * rock,
+        "falls": [*stage.without_strength.astype(int).tolist(), *[0] * rock],
+        "unsettled": [*stage.unsettled.astype(int).tolist(), *[0] * rock],
+        "mode_colours": [_hex(MODE_COLOURS[mode]) for mode in MODES],
+        "modes": list(MODES), "load_names": list(loads.names),
+        "fixed": shapes.fixed.astype(int).tolist(), "order": scene.order.astype(int).tolist(),
+        "factor": [float(value) if np.isfinite(value) else None for value in scene.factor],
+        "centroids": _single(shapes.centroids - middle),
+        "explode": _single(_explode(scene, middle, size)),
+        "velocity": _single(scene.velocity * scale),
+        "vertices": _single(vertices - middle), "triangles": _whole(triangles),
+        "triangle_block": _whole(shapes.solids.block), "triangle_face": _whole(shapes.solids.face),
+        "edges": _whole(_edges(vertices, triangles, shapes.solids.block, shapes.solids.face)),
+        "joint_corners": _single(corners - middle), "joint_of": _whole(joint), "joint_block": _whole(minus),
+        "joint_outline": _single(outline - middle),
+        "pairs": _single(pairs.points_m - middle), "pair_mode": _whole(pairs.mode),
+        "pair_block": _whole(np.where(pairs.plus >= 0, pairs.plus, pairs.minus)),
+        "pair_kpa": _single(pairs.normal_kn / area),
+        "pair_kn": _single(pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn),
+        "load_what": _whole(loads.what), "load_block": _whole(loads.block), "load_kn": _single(loads.force_kn),
+        "load_at": _single(loads.at_m - middle),
+        "bolt_number": _whole(bolts.number), "bolt_block": _whole(bolts.block),
+        "bolt_passive": _whole(bolts.passive.astype(np.int64)), "bolt_kn": _single(bolts.force_kn),
+        "bolt_heads": _single(bolts.heads_m - middle), "bolt_ends": _single(bolts.ends_m - middle),
+        "bolt_plates": _single(bolts.plates), "bolt_colours": [_hex(ACTIVE_BOLT), _hex(PASSIVE_BOLT)],
+        "bolt_plate_m": stage.plate_width,
+    }  # fmt: skip
+
+
+def read_stage(document: Mapping[str, Any]) -> Stage:
+    """The stage of a document, its arrays fitting each other.
+
+    Raises
+    ------
+    DesignError
+        E350 where its scene cannot be read, or its arrays do not fit.
+    """
+    stage = Stage.of(document)
+    try:
+        fits = _fits(stage.scene) and all(isinstance(name, str) for name in stage.scene.shapes.names)
+        eye, inputs = stage.eye, document.get("inputs") or {}
+        fits = fits and eye.shape == (3,)
+        np.asarray(inputs.get("profile_m") or [], dtype=np.float64).reshape(-1, 2)
+    except (TypeError, ValueError, AttributeError, IndexError) as error:
+        raise unreadable(f"{type(error).__name__}: {error}") from None
+    if not fits:
+        raise unreadable("its arrays do not fit each other")
+    return stage
+
+
+def _fits(scene: BlockScene) -> bool:
+    """Whether all arrays have the sizes and hold the indices that they need."""
+    shapes, pairs, loads = scene.shapes, scene.pairs, scene.loads
+    solids, contacts = shapes.solids, shapes.contacts
+    n, t, p, k, c = len(shapes.names), len(solids.triangles), len(pairs.joint), len(loads.what), len(contacts.joint)
+    bolts = scene.known_bolts
+    b = len(bolts)
+    sizes: list[tuple[Any, tuple[int, ...]]] = [
+        (shapes.fixed, (n,)), (shapes.centroids, (n, 3)), (scene.velocity, (n, 6)), (scene.order, (n,)),
+        (scene.factor, (n,)), (solids.vertices, (len(solids.vertices), 3)), (solids.triangles, (t, 3)),
+        (solids.block, (t,)), (solids.face, (t,)), (contacts.corners, (len(contacts.corners), 3)),
+        (contacts.first, (c + 1,)), (contacts.minus, (c,)), (contacts.joint, (c,)), (pairs.points_m, (p, 3)),
+        (pairs.control_area_m2, (p,)), (pairs.normals, (p, 3)), (pairs.plus, (p,)), (pairs.minus, (p,)),
+        (pairs.normal_kn, (p,)), (pairs.shear_kn, (p, 3)), (pairs.mode, (p,)), (loads.block, (k,)),
+        (loads.force_kn, (k, 3)), (loads.at_m, (k, 3)), (bolts.number, (b,)), (bolts.block, (b,)),
+        (bolts.heads_m, (b, 3)), (bolts.ends_m, (b, 3)), (bolts.plates, (b, 3)), (bolts.passive, (b,)),
+        (bolts.force_kn, (b,)), (bolts.length_m, (b,)),
+    ]  # fmt: skip
+    indices: list[tuple[Any, int, int]] = [
+        (solids.triangles, 0, len(solids.vertices)), (solids.block, 0, n), (solids.face, -1, len(solids.faces)),
+        (contacts.minus, -1, n), (contacts.joint, 0, len(shapes.joints)),
+        (contacts.first, 0, len(contacts.corners) + 1),
+        (pairs.plus, -1, n), (pairs.minus, -1, n), (pairs.mode, 0, len(MODES)), (loads.block, -1, n),
+        (loads.what, 0, len(loads.names)), (bolts.block, -1, n), (bolts.number, 1, 1 << 31),
+    ]  # fmt: skip
+    return all(np.shape(values) == size for values, size in sizes) and all(
+        not values.size or (values.min() >= low and values.max() < high) for values, low, high in indices
+    )
+
+
+def _with_rock(stage: Stage) -> BlockScene:
+    """The scene with the rock about a lone block, which the analysis needs no block for, as one of bedrock."""
+    scene, shapes = stage.scene, stage.scene.shapes
+    drawn = stage.rock() if stage.alone else []
+    if not drawn:
+        return scene
+    body = drawn[0].vertices, drawn[0].triangles
+    own = shapes.solids
+    vertices, triangles, of = joined([(own.vertices, own.triangles), body])
+    block = np.where(of == 0, np.append(own.block, np.zeros(len(body[1]), dtype=np.int64)), len(shapes.names))
+    face = np.append(own.face, np.full(len(body[1]), -1))
+    none = np.zeros((1, 6))
+    return replace(
+        scene,
+        shapes=Shapes(
+            (*shapes.names, "rock"), np.append(shapes.fixed, True),
+            np.concatenate([shapes.centroids, body[0].mean(axis=0)[None, :]]), shapes.joints,
+            Solids(vertices, triangles, block, face, own.faces), shapes.contacts,
+        ),
+        velocity=np.concatenate([scene.velocity, none]), order=np.append(scene.order, 0),
+        factor=np.append(scene.factor, np.nan),
+    )  # fmt: skip
+
+
+def _hex(colour: Sequence[int]) -> str:
+    return "#" + "".join(f"{part:02x}" for part in colour)
+
+
+def _single(values: Floats) -> dict[str, str]:
+    return {"type": "f32", "base64": base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode()}
+
+
+def _whole(values: Ints) -> dict[str, str]:
+    return {"type": "i32", "base64": base64.b64encode(np.ascontiguousarray(values, dtype="<i4").tobytes()).decode()}
+
+
+def _middle(points: Floats) -> tuple[Floats, float]:
+    """The middle of the box about points (n, 3), and its diagonal."""
+    if not len(points):
+        return np.zeros(3), 1.0
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (low + high) / 2.0, max(float(np.linalg.norm(high - low)), 1e-9)
+
+
+def _owned(solids: Solids) -> tuple[Floats, Ints, Ints]:
+    """Vertices (v, 3) that belong to one block each, triangles (t, 3), and the block of each vertex (v,)."""
+    if not len(solids.triangles):
+        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), np.zeros(0, dtype=np.int64)
+    keys = np.stack([np.repeat(solids.block, 3), solids.triangles.ravel()], axis=1)
+    used, index = np.unique(keys, axis=0, return_inverse=True)
+    return solids.vertices[used[:, 1]], index.reshape(-1, 3), used[:, 0]
+
+
+def _at(points: Floats, centroids: Floats, velocity: Floats, block: Ints) -> Floats:
+    """What points (n, 3) of blocks (n,) move by: u + ω × (x - c), small rotations."""
+    if not len(points):
+        return np.zeros((0, 3))
+    moved: Floats = velocity[block, :3] + np.cross(velocity[block, 3:], points - centroids[block])
+    return moved
+
+
+def _explode(scene: BlockScene, middle: Floats, size: float) -> Floats:
+    """How far each block (n, 3) goes in the exploded view: away from the middle, a lone one off its joints."""
+    shapes = scene.shapes
+    free = ~shapes.fixed
+    away = np.zeros_like(shapes.centroids)
+    if int(free.sum()) > 1:
+        away[free] = _AWAY * (shapes.centroids[free] - shapes.centroids[free].mean(axis=0))
+    elif len(scene.pairs):
+        own = scene.pairs.normals * scene.pairs.control_area_m2[:, None]
+        lift = np.where(scene.pairs.plus[:, None] >= 0, own, -own).sum(axis=0)
+        if (length := float(np.linalg.norm(lift))) > 0.0:
+            away[free] = 0.3 * size * lift / length
+    return away
+
+
+def _edges(vertices: Floats, triangles: Ints, block: Ints, face: Ints) -> Ints:
+    """Edges (e, 2) worth drawing: where faces meet at an angle, or a triangle has no neighbour.
+
+    Triangles of one known face are a curved surface: there only bends of more than 30° count.
+    """
+    if not len(triangles):
+        return np.zeros((0, 2), dtype=np.int64)
+    corner = vertices[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    whole = length > 0.0
+    normal[whole] /= length[whole, None]
+    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    of = np.tile(np.arange(len(triangles)), 3)
+    kept = whole[of]
+    ends, of = ends[kept], of[kept]
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    ends, of = ends[order], of[order]
+    starts = np.flatnonzero(np.append(True, (ends[1:] != ends[:-1]).any(axis=1)))
+    count = np.diff(np.append(starts, len(ends)))
+    one, two = of[starts], of[np.minimum(starts + 1, len(of) - 1)]
+    cosine = (normal[one] * normal[two]).sum(axis=1)
+    same = (face[one] == face[two]) & (face[one] >= 0)
+    drawn = (count != 2) | (cosine < np.where(same, _SMOOTH, _FLAT))
+    edges: Ints = ends[starts[drawn]]
+    return edges
+
+
+def _surfaces(contacts: Contacts) -> tuple[Floats, Ints, Ints, Floats]:
+    """The interfaces as triangles: corners (3t, 3), joint (t,), block they stay with (t,), outlines (2o, 3)."""
+    triangles, panel = triangles_of(contacts)
+    outline = np.zeros((0, 2), dtype=np.int64)
+    if len(contacts) <= 60 or np.ptp(contacts.joint) > 0:  # hundreds of triangles of a curved surface say nothing
+        after = np.arange(1, len(contacts.corners) + 1)
+        after[contacts.first[1:] - 1] = contacts.first[:-1]
+        outline = np.stack([np.arange(len(after)), after], axis=1)
+    corners, lines = (contacts.corners[index].reshape(-1, 3) for index in (triangles, outline))
+    return corners, contacts.joint[panel], contacts.minus[panel], lines
+
+
+def _look_from(eye: Floats) -> list[float]:
+    """Bearing of the eye and its height above the horizon, degrees."""
+    bearing, above = np.degrees(np.arctan2(eye[0], eye[1])), np.degrees(np.arcsin(np.clip(eye[2], -1.0, 1.0)))
+    return [float(bearing % 360.0), float(above)]
