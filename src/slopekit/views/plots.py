@@ -59,7 +59,7 @@ class Chart:
     Attributes
     ----------
     shows : what is seen; wants : which file has the data
-    drawn_by : module and function of `views`, of a figure and a document
+    drawn_by : module and function of `views.charts`, of a figure and a document
     given_by : whether a document has the data; what form they must have then the drawing says, see `needs`
     """
 
@@ -72,7 +72,7 @@ class Chart:
     def draw(self) -> Callable[..., None]:
         """Draws it, of a figure, a document and options; only now is loaded what draws."""
         module, function = self.drawn_by.split(".")
-        draw_chart: Callable[..., None] = getattr(import_module(f"slopekit.views.{module}"), function)
+        draw_chart: Callable[..., None] = getattr(import_module(f"slopekit.views.charts.{module}"), function)
         return draw_chart
 
 
@@ -118,80 +118,80 @@ CHARTS: Mapping[str, Chart] = {
     "stereonet": Chart(
         "planes, poles, lines, cones on the lower hemisphere",
         "a file with joints: slopekit kinematic, sets, run, wedge, combos or prob with -o DIR",
-        "charts.orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
+        "orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
     ),
     "elevation": Chart(
         "the face with its bolts by number",
         "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR",
-        "charts.elevation.draw_elevation", _has_bolts,
+        "elevation.draw_elevation", _has_bolts,
     ),
     "histogram": Chart(
         "factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR",
-        "charts.probability_charts.draw_histogram", lambda of: of.get("study") == "prob",
+        "probability_charts.draw_histogram", lambda of: of.get("study") == "prob",
     ),
     "curve": Chart(
         "the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR",
-        "charts.sweep_charts.draw_curve", lambda of: _sweeps(of, 1),
+        "sweep_charts.draw_curve", lambda of: _sweeps(of, 1),
     ),
     "contour": Chart(
         "the factor over two numbers", "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR",
-        "charts.sweep_charts.draw_contour", lambda of: _sweeps(of, 2),
+        "sweep_charts.draw_contour", lambda of: _sweeps(of, 2),
     ),
     "backbreak": Chart(
         "how much of the crest is lost along the bench, by height and face angle",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "charts.bench_charts.draw_backbreak", _of_benches,
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
     ),
     "face-angle": Chart(
         "the face angle that is left along the bench, by height and face angle",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "charts.bench_charts.draw_face_angle",
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_face_angle",
         _of_benches,
     ),
     "reliability": Chart(
         "which heights and face angles keep their berm",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "charts.bench_charts.draw_reliability",
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_reliability",
         _of_benches,
     ),
     "tornado": Chart(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
-        "charts.sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
+        "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
     ),
     "motion": Chart(
         "acceleration, velocity and displacement in the record that moves the block most",
-        "quake.json: slopekit quake design.yaml RECORD... -o DIR", "charts.quake_charts.draw_motion",
+        "quake.json: slopekit quake design.yaml RECORD... -o DIR", "quake_charts.draw_motion",
         lambda of: of.get("study") == "quake" and of.get("motion") is not None,
     ),
     "six": Chart(
         "displacement and turning in six degrees of freedom, beside the sliding one way",
-        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "charts.quake_charts.draw_six",
+        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "quake_charts.draw_six",
         lambda of: of.get("study") == "quake" and of.get("six_motion") is not None,
     ),
     "elastic-tractions": Chart(
         "normal tractions of each joint, rigid beside elastic",
         "result.json of elastic blocks: slopekit run design.yaml --elastic -o DIR",
-        "charts.elastic_charts.draw_elastic_tractions", lambda of: isinstance(of.get("elastic"), Mapping),
+        "elastic_charts.draw_elastic_tractions", lambda of: isinstance(of.get("elastic"), Mapping),
     ),
     "speed-error": Chart(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
-        "charts.charts.draw_speed_errors", lambda of: "ladder" in of,
+        "charts.draw_speed_errors", lambda of: "ladder" in of,
     ),
     "reduction": Chart(
         "failed node pairs and displacement over the strength reduction factor",
         "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
         "by slopekit run design.yaml -o DIR",
-        "charts.charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
+        "charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
     ),
     "normals": Chart(
         "true normals of a curved slip surface against those of facets",
         "check.json of a design of kind surface: slopekit check design.yaml -o DIR",
-        "charts.charts.draw_normals", lambda of: bool(of.get("normals")),
+        "charts.draw_normals", lambda of: bool(of.get("normals")),
     ),
 }  # fmt: skip
 #: The stereonets of studies of surveys, which have no result behind them, by kind.
 _OF_SURVEYS: Mapping[str, Chart] = {
     kind: replace(CHARTS["stereonet"], drawn_by=drawn_by)
     for kind, drawn_by in (
-        ("kinematic", "charts.kinematic_charts.draw_kinematic"),
-        ("sets", "charts.set_charts.draw_sets"),
+        ("kinematic", "kinematic_charts.draw_kinematic"),
+        ("sets", "set_charts.draw_sets"),
     )
 }
 _SCENE: Mapping[str, Any] = {
