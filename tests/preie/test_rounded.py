@@ -77,7 +77,7 @@ def test_sharpened_states_are_those_of_the_joints() -> None:
     assert exact.parameter == pytest.approx(sharp.reduction, rel=1e-7)
 
 
-@pytest.mark.parametrize("number", [33, 79, 85])
+@pytest.mark.parametrize("number", [33, 85, 117])
 def test_limits_are_those_of_histories(number) -> None:
     """Benches that run at a peak and come to rest again farther on, each with what is left of its cohesion.
 

@@ -388,7 +388,7 @@ def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had
 
 def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
     """Whatever the factor there has to do with cohesion, of the path in strength and of finer node pairs as well."""
-    bonds = Bonds(0.2, 2.0, 1, 0.03, 0.9, 0.95, 0.8, 1, 0.7, 0.6, finer_is_less=True)
+    bonds = Bonds(0.2, 2.0, 1, 0.03, 0.9, 0.95, 0.8, 1, 0.6, finer_is_less=True)
     notes = tuple(bond_notices(bonds, "{:.4f}".format, "factor of safety"))
     assert {notice.code for notice in notes} == {"W307", "W484", "W486", "W493", "W494", "W495"}
     point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))

@@ -150,7 +150,7 @@ def _limit_of(
             steps += settled.factorisations
             return _weaker(settled, 1.0 / unit), True
         peak = None if proposal is None or bond.tobytes() in snapped else proposal.peak()
-        if proposal is not None and peak is not None and model.cohesion.any():  # it may break bonds
+        if proposal is not None and peak is not None and model.has_cohesion:  # it may break bonds
             snapped.add(bond.tobytes())
             proposal.begins_with(peak.motion)
             return _weaker(peak, 1.0 / unit), False
@@ -161,13 +161,13 @@ def _limit_of(
             proposal.begins_with(path_end.motion)
         return path_end, True
 
-    if proposal is not None and bound.factor is not None and model.cohesion.any():
+    if proposal is not None and bound.factor is not None and model.has_cohesion:
         proposal.begins_with(bound.velocity.ravel())
     try:
         ended = with_bonds(model, once, drive.working, False, bond)
     except EffortSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
-        whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
+        whole = model.lines is None and not model.has_cohesion  # a rest says little where cohesion may yet be lost
         held = proposal.held() if whole and proposal is not None else None
         return replace(
             unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None,
@@ -318,7 +318,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     def once(bond: Floats, falls: bool, _: bool) -> tuple[PathLimit, bool]:
         bed = Bed(model, Drive(own, grows, reduction), bond)
         try:
-            return (fall if falls and model.cohesion.any() else follow)(bed, first), True
+            return (fall if falls and model.has_cohesion else follow)(bed, first), True
         except EffortSpentError:
             none = np.zeros(bed.size)
             return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)), True
@@ -404,7 +404,7 @@ def _on_path(
     start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    bonded = bool(bed.cohesion.any())
+    bonded = bool((bed.model.cohesion * bed.bond)[bed.model.joint_pairs].any())
     path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
     path_end = path_end or (fall if bonded and falls else follow)(bed, start, live and bed.tangents == 1)
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1

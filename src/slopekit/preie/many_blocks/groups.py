@@ -209,7 +209,7 @@ class Groups:
             flow, gap = self._rest_of_all(bed, solution), 0.0
             if flow is None or factor > top:
                 flow, gap = rests_before(bed, below, RESTS_NEAR)
-            if flow.ended == "rest" and model.cohesion.any():
+            if flow.ended == "rest" and model.has_cohesion:
                 bed, flow = _without_open(bed, flow, 1.0 / (below * (1.0 - gap)))
             if flow.ended == "rest":
                 if factor > top * (1.0 + BOUND_ACCURACY):

@@ -290,7 +290,7 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         twists = _twisting(part)
         if not twists.any():
             break
-        if part.limit.basis is Basis.PEAK and part.model.cohesion.any() and _large(part.model):
+        if part.limit.basis is Basis.PEAK and part.model.has_cohesion and _large(part.model):
             return replace(part, limit=replace(part.limit, unrefined=Unrefined.UNSETTLED))
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
@@ -298,14 +298,14 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             return _unrefined(part, Unrefined.TOO_MANY)
         model, patch = model_patch
-        by_groups = _large(model) and bool(model.cohesion.any())
+        by_groups = _large(model) and model.has_cohesion
         groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
         lost = np.bincount(part.model.pair_contact, part.limit.bond, len(part.model.plus)) == 0.0
         model, limit = component_limit(model, groups, np.where(lost[model.pair_contact], 0.0, 1.0))
         if not limit.factor:
             return _unrefined(part, Unrefined.NO_FACTOR)
         assert part.limit.factor is not None  # what twists contacts has one
-        if limit.basis is Basis.PEAK and model.cohesion.any():
+        if limit.basis is Basis.PEAK and model.has_cohesion:
             return replace(part, limit=replace(part.limit, finer=limit.factor))
         change = abs(limit.factor / part.limit.factor - 1.0)
         part = replace(

@@ -101,6 +101,11 @@ class AssemblyModel:
         return slice(len(self.control_area) - len(self.bolts))
 
     @property
+    def has_cohesion(self) -> bool:
+        """Whether any joint has it; what bolts pull is none that contacts could lose."""
+        return bool(self.cohesion[self.joint_pairs].any())
+
+    @property
     def unknowns(self) -> int:
         """Unknowns of one block."""
         return int(self.load.shape[1])
