@@ -1,6 +1,6 @@
 """Plane failures over arrays against the scalar functions, one by one: the same outcomes, the same factors to 1e-12.
 
-Independent source: `geometry.section.plane_section`, then `scalar_plane.plane_failure` with the water that
+Independent source: `geometry.sections.section.plane_section`, then `scalar_plane.plane_failure` with the water that
 `kinds.plane` gives it. Cutting the block takes milliseconds, and only the height of its outline goes into the closed
 form: where blocks are many, the points between which each lies stand for it; the cut itself is made for a few.
 """

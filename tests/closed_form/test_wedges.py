@@ -1,7 +1,7 @@
 """Wedges over arrays against the scalar functions, one by one: the same outcomes, the same factors to 1e-12.
 
-Independent source: `geometry.rockmass.wedge_rock_mass` and `scalar_wedge.hoek_bray_wedge`, which share no line with the
-arrays.
+Independent source: `geometry.rock.rockmass.wedge_rock_mass` and `scalar_wedge.hoek_bray_wedge`, which share no line
+with the arrays.
 """
 
 import dataclasses

@@ -1,5 +1,6 @@
 """Bonds of many blocks: rounds of limits against histories in which bonds break, and what the rounds do by hand."""
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -11,6 +12,7 @@ from benchmarks import populations
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
+from slopekit.geometry.patches import BEDROCK
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import NEAR_RUNNING, fall
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
@@ -20,8 +22,10 @@ from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.system.assembly import AssemblyModel
-from tests.preie.block_scenes import boxes_in_space
+from tests.preie.block_scenes import boxes_in_space, section_patches, weighed
 from tests.preie.path_oracle import breaking, model_of
+
+DIP = math.radians(30.0)
 
 # -- against a history ------------------------------------------------------------------------------------------------
 
@@ -445,3 +449,37 @@ def test_a_bench_whose_limit_needs_a_pair_that_pulls_has_its_number() -> None:
     design = populations.bench(241)
     design["strength"]["joint"]["c"] = 2.0
     assert sk.run(sk.load(design)).fos.limit == pytest.approx(1.6854, rel=2e-4)
+
+
+@pytest.mark.parametrize(("phi_deg", "cohesion"), [(20.0, 10.0), (20.0, 500.0), (5.0, 50.0), (0.0, 50.0)])
+def test_a_roof_that_nothing_presses_holds_nothing(phi_deg, cohesion) -> None:
+    """A block in a slot that dips 30°, its roof bonded: tan φ / tan 30°, by hand, however strong the bond is."""
+    along, up = np.array([math.cos(DIP), math.sin(DIP)]), np.array([-math.sin(DIP), math.cos(DIP)])
+    floor = [np.zeros(2), 2.0 * along]
+    roof = [corner + up for corner in floor]
+    patches = section_patches([0, 0], [BEDROCK, BEDROCK], [floor, roof], [up, -up], [0, 1])
+    middle = along + 0.5 * up
+    slot = weighed(patches, [2.0], [[middle[0], 0.0, middle[1]]], True)
+    found = limit_of_blocks(slot.model([phi_deg, 0.0], [0.0, cohesion]), ranged=False)
+    if phi_deg == 0.0:
+        assert found.factor is None
+        return
+    assert found.factor == pytest.approx(math.tan(math.radians(phi_deg)) / math.tan(DIP), rel=1e-9)
+
+
+@pytest.mark.parametrize(("number", "toward"), [(30, 1.0), (30, -1.0), (12, 1.0)])
+def test_a_load_on_cohesive_blocks_is_that_of_their_factor(number, toward) -> None:
+    """The load at which a strength just holds, put on: the factor is what the strength was divided by.
+
+    Forces of the path in a load balance that load too: held against the blocks' own alone no limit was one.
+    """
+    design = populations.bench(number)
+    design["strength"]["joint"]["c"] = 5.0
+    model = model_of(design)
+    factor = limit_of_blocks(model, ranged=False).factor
+    sideways = np.zeros_like(model.load)
+    sideways[:, 0] = toward * np.abs(model.load[:, 2])
+    path_end, _ = blocks.load_limit(model, sideways, 1.0 / (0.7 * factor))
+    assert path_end.outcome is PathOutcome.LIMIT
+    loaded = replace(model, load=model.load + path_end.parameter * sideways)
+    assert limit_of_blocks(loaded, ranged=False).factor == pytest.approx(0.7 * factor, rel=1e-8)

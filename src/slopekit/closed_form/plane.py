@@ -113,7 +113,7 @@ def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
         The arrays do not fit together.
 
     Formula: F = (c L + (W (cos ψ - k sin ψ) - U - V sin ψ + T_n) tan φ) / (W (sin ψ + k cos ψ) + V cos ψ - T_s)
-    (Wyllie & Mah 2004, eq. 6.4 and 6.11-6.22). Codes are those of `geometry.section.plane_section`.
+    (Wyllie & Mah 2004, eq. 6.4 and 6.11-6.22). Codes are those of `geometry.sections.section.plane_section`.
 
     >>> found = plane_failures(PlaneArrays(
     ...     face_dip_deg=60, upper_dip_deg=0, plane_dip_deg=[35, 35, 65], height_m=12, cohesion_kpa=25, friction_deg=37,
@@ -151,7 +151,7 @@ def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
     return ClosedFormPlanes(outcome, *numbers)
 
 
-# -- the block (the tests of geometry.section, in its order) ----------------------------------------------------------
+# -- the block (the tests of geometry.sections.section, in its order) -------------------------------------------------
 
 
 class _PlaneBlock(NamedTuple):

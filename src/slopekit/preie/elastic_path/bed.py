@@ -167,6 +167,11 @@ class Bed:
         if held is None:  # of a few blocks hardly anybody asks
             self._at_first = self._elastic()
 
+    @property
+    def has_bonds(self) -> bool:
+        """Whether any joint has cohesion left."""
+        return bool((self.model.cohesion * self.bond)[self.model.joint_pairs].any())
+
     @cached_property
     def rows(self) -> Any:
         """B, (m + g t, N)."""

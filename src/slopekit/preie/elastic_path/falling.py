@@ -13,7 +13,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed
-from slopekit.preie.elastic_path.path import Ran, at_rest_first, at_rest_next, follow
+from slopekit.preie.elastic_path.path import ROUGHER, Ran, at_rest_first, at_rest_next, follow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.tolerances import FARTHEST, LIMIT_BALANCED, RUNS
 
@@ -30,7 +30,7 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
 
     Parameters
     ----------
-    start, brief : of the path (`preie.path.follow`), which is followed without a history where none begins
+    start, brief : of the path (`elastic_path.path.follow`), which is followed without a history where none begins
 
     Raises
     ------
@@ -39,10 +39,14 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     """
     if brief and at_rest_first(bed, start, 0)[1].ended != "rest":
         return follow(bed, start, brief)
-    fallen = _fallen(bed, start * _STUCK if bed.drive.ramp is None else start)
-    if fallen is None:
+    begun = _begun(bed, start * _STUCK if bed.drive.ramp is None else start)
+    if begun is None:
         return follow(bed, start, brief)
-    left, ran, snaps = fallen
+    left, parameter, flow = begun
+    if flow.ended != "rest":  # what held them was cohesion of contacts that do not touch
+        moved = flow.at - flow.before
+        return replace(result_of(left, PathOutcome.NO_REST, None, None, flow.at, moved, flow.forces), started=start)
+    left, ran, snaps = _fallen(left, parameter, flow)
     if ran.flow.ended == "rest":
         stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
         return replace(stands, started=start)
@@ -62,21 +66,40 @@ def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
     in space, where a flow that goes on leads to another motion, as that of blocks without any cohesion.
     """
     assert ended.parameter is not None
-    off = bed.model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
+    _, load = bed.drive.at(ended.parameter)
+    model = replace(bed.model, load=load.reshape(bed.model.load.shape))
+    off = model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
     past = bed.drive.gap(ended.parameter, ran.bad) - 1.0
     drops = NEAR_RUNNING if snaps else _DROPS if bed.tangents > 1 else math.inf
     return -NEAR_RUNNING <= past <= drops and float(np.abs(off).max()) < LIMIT_BALANCED
 
 
-def _fallen(bed: Bed, start: float) -> tuple[Bed, Ran, bool] | None:
-    """The joints as they are where the blocks run, or stand without strength, and whether bonds broke as they ran.
+def _begun(bed: Bed, start: float) -> tuple[Bed, float, Flow] | None:
+    """The joints, the parameter and the flow that a history begins with; None where they rest at none with all bonds.
 
-    None where they rest nowhere.
+    Contacts that are open all over at that rest have lost their bonds. Where the blocks run without them, the history
+    begins at more strength, until they rest so too, or at none.
     """
-    parameter, flow = at_rest_first(bed, start, 0)
-    bed, flow = _broken(bed, flow, parameter)
+    parameter, flow = at_rest_first(bed, start, ROUGHER)
     if flow.ended != "rest":
         return None
+    bed, flow = _broken(bed, flow, parameter)
+    for _ in range(ROUGHER if bed.drive.ramp is None else 0):
+        if flow.ended == "rest":
+            break
+        parameter, flow = at_rest_first(bed, 2.0 * parameter, 0)
+        bed, flow = _broken(bed, flow, parameter)
+    return bed, parameter, flow
+
+
+def _fallen(bed: Bed, parameter: float, flow: Flow) -> tuple[Bed, Ran, bool]:
+    """The joints as they are where the blocks run, or stand without strength, and whether bonds broke as they ran.
+
+    Parameters
+    ----------
+    parameter, flow : at rest to begin with, no bond left on contacts that are open all over
+    """
+    start = parameter
     stride = _STRIDE
     while True:
         trial = bed.drive.harder(parameter, math.exp(-stride))

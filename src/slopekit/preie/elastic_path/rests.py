@@ -84,7 +84,7 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
     # with cohesion a leap to the last gap at once fails as a rule, and in twice the time that the shorter ones take
-    leap = _LEAP_OF_HUNDREDS if hundreds and not bed.cohesion.any() else _LEAP
+    leap = _LEAP_OF_HUNDREDS if hundreds and not bed.has_bonds else _LEAP
     while flow.ended == "rest" and gap > JUST and leap < _CLOSER:
         trial = max(leap * gap, JUST)
         ahead_of_it = (rest_of_hundreds if hundreds else rest_from)(bed, flow.at, 1.0 / (factor * (1.0 - trial)))

@@ -4,7 +4,8 @@
     F   the limit of the elastic path (`elastic_path.path`) from the strength 2/S downwards
     B   a contact that is open all over at rest as strength falls, and a flat one that the limit's motion opens
         anywhere, which touches along a line at most, lose all their cohesion: the path starts again
-    (`many_blocks.bonds`) M   [lowest, highest]: what the same mechanism can have under any admissible forces
+        (`many_blocks.bonds`)
+    M   [lowest, highest]: what the same mechanism can have under any admissible forces
 
 Where the blocks come to rest at no strength with all loads on at once, or where their motion does not settle, the loads
 beside weight and water (earthquake, forces) come on afterwards, at one strength after the other: F is where they just
@@ -404,7 +405,7 @@ def _on_path(
     start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    bonded = bool((bed.model.cohesion * bed.bond)[bed.model.joint_pairs].any())
+    bonded = bed.has_bonds
     path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
     path_end = path_end or (fall if bonded and falls else follow)(bed, start, live and bed.tangents == 1)
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1

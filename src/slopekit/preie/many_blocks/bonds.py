@@ -68,7 +68,8 @@ class _Rounds:
         self, model: AssemblyModel, once: Search, working: Floats, load_grows: bool, begun: Floats
     ) -> None:  # fmt: skip
         self.model, self.once, self.working, self.load_grows, self.begun = model, once, working, load_grows, begun
-        self.bonded = np.bincount(model.pair_contact, model.cohesion, len(model.plus)) > 0.0
+        joints = model.joint_pairs  # what bolts pull is no bond of a contact
+        self.bonded = np.bincount(model.pair_contact[joints], model.cohesion[joints], len(model.plus)) > 0.0
         self.asked, self.all_rest = (begun, True), False  # what the limit was looked for with; whether all blocks rest
         self.opens = np.zeros_like(self.bonded)  # contacts that its motion opens, and another one would without them
 

@@ -1,4 +1,4 @@
-"""The cracked base: one block on an elastic bed without tension (`bed`), followed until its motion runs.
+"""The cracked base: one block on an elastic bed without tension (`polygon_bed`), followed until its motion runs.
 
 From a strength that holds the block λ = 1/F goes down and the displacement u is followed by arc length in (u, ln λ).
 F = 1/λ at the least λ. Either λ passes through a least value while the block is still at rest (the pressed part, and

@@ -50,7 +50,7 @@ NO_BASE, SLIDING_BASE, RELEASE, OBLIQUE_RELEASE = range(4)
 OF_JOINTS = ("planar", "planar_without_limits", "flexural", "base_sliding", "base_release", "base_oblique")
 OF_LINES = ("wedge", "wedge_primary", "wedge_secondary", "wedge_on_both", "wedge_by_friction", "direct", "oblique")
 _ANGLE = 1e-9  # degrees
-_TOUCHES = 1e-12  # cosine, as in geometry.rockmass
+_TOUCHES = 1e-12  # cosine, as in geometry.rock.rockmass
 
 Words = NDArray[np.int8]
 

@@ -31,7 +31,7 @@ class WorstCracks:
     Attributes
     ----------
     mean_m, least_m, most_m : of those that have such a place, None where none has
-    where : how many of each kind, see `kinds.worst_crack.WHERE`
+    where : how many of each kind, see `kinds.single_block.worst_crack.WHERE`
     """
 
     mean_m: float | None
