@@ -214,18 +214,36 @@ def test_tension_that_a_rest_may_have_is_beyond_the_static_bound() -> None:
     assert scene.bound_without(np.zeros(len(scene.model.area), dtype=bool)) is None
 
 
-def test_a_limit_that_nothing_holds_without_the_cohesion_is_not_for_want_of_work() -> None:
-    """Three slabs between two walls, held by cohesion that pulls open by half: with what is left they do not rest."""
-    slabs = {
+def slabs(phi_deg: float) -> dict:
+    """Three slabs of half a metre between two walls, 3 m high, held by cohesion that pulls open in part."""
+    outlines = {
         f"B{k}": {"polygon": [[0.5 * k, 0], [0.5 * k + 0.5, 0], [0.5 * k + 0.5, 3], [0.5 * k, 3]]} for k in range(3)
     }
     left, right = [[-3, -1], [0, -1], [0, 4], [-3, 4]], [[1.5, -1], [4.5, -1], [4.5, 4], [1.5, 4]]
-    found = sk.run({
+    return {
         "slopekit": 1, "kind": "blocks", "section": {"thickness": "1 m"},
-        "blocks": {"L": {"polygon": left, "fixed": True}, "R": {"polygon": right, "fixed": True}} | slabs,
-        "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 150, "phi": 30}},
+        "blocks": {"L": {"polygon": left, "fixed": True}, "R": {"polygon": right, "fixed": True}} | outlines,
+        "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 150, "phi": phi_deg}},
         "rock": {"unit_weight": 26, "modulus": "5 GPa", "poisson": 0.25},
-    }, elastic=True)  # fmt: skip
+    }  # fmt: skip
+
+
+def test_slabs_between_walls_hang_on_the_cohesion_that_is_left() -> None:
+    """No friction: c A / W, by hand, with all of it and with the 5/24 that stay whole on the walls at F = 1."""
+    found = sk.run(slabs(0.0), elastic=True)
+    whole = 2.0 * 150.0 * 3.0 / (1.5 * 3.0 * 26.0)
+    assert found.fos.limit == pytest.approx(whole, rel=1e-9)
+    assert found.elastic.limit == pytest.approx(5.0 / 24.0 * whole, rel=1e-9)
+
+
+def test_a_limit_that_nothing_holds_without_the_cohesion_is_not_for_want_of_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def without_limit(*given):
+        return replace(scene_of_many(*given), limit_without=lambda parted: (None, False))
+
+    monkeypatch.setattr("slopekit.kinds.elastic.scene_of_many", without_limit)
+    found = sk.run(slabs(30.0), elastic=True)
     said = {one.code: one.message for one in found.warnings}
     assert found.elastic.limit is None
     assert "W360" not in said
