@@ -228,12 +228,25 @@ def slabs(phi_deg: float) -> dict:
     }  # fmt: skip
 
 
-def test_slabs_between_walls_hang_on_the_cohesion_that_is_left() -> None:
-    """No friction: c A / W, by hand, with all of it and with the 5/24 that stay whole on the walls at F = 1."""
-    found = sk.run(slabs(0.0), elastic=True)
-    whole = 2.0 * 150.0 * 3.0 / (1.5 * 3.0 * 26.0)
-    assert found.fos.limit == pytest.approx(whole, rel=1e-9)
-    assert found.elastic.limit == pytest.approx(5.0 / 24.0 * whole, rel=1e-9)
+def test_slabs_between_walls_hang_on_the_cohesion_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No friction: Σ c A / W, by hand, over both walls whole, and over the pairs of theirs that do not pull open."""
+    left: list[float] = []
+
+    def watched(*given):
+        scene = scene_of_many(*given)
+        at_wall = np.isclose(scene.points[:, 0] % 1.5, 0.0) | np.isclose(scene.points[:, 0] % 1.5, 1.5)
+
+        def limit_without(parted):
+            left.append(150.0 * float(scene.model.area[at_wall & ~parted].sum()))
+            return scene.limit_without(parted)
+
+        return replace(scene, limit_without=limit_without)
+
+    monkeypatch.setattr("slopekit.kinds.elastic.scene_of_many", watched)
+    found, weight = sk.run(slabs(0.0), elastic=True), 1.5 * 3.0 * 26.0
+    assert found.fos.limit == pytest.approx(2.0 * 150.0 * 3.0 / weight, rel=1e-9)
+    assert 0.0 < left[0] < 900.0
+    assert found.elastic.limit == pytest.approx(left[0] / weight, rel=1e-9)
 
 
 def test_a_limit_that_nothing_holds_without_the_cohesion_is_not_for_want_of_work(
