@@ -25,7 +25,7 @@ _LAWS = ("tests/strength/test_laws.py",)
 _CURVES = ("tests/strength/test_curved_strength.py",)
 _WEDGES = ("tests/closed_form/test_wedges.py", "tests/closed_form/test_wedge.py")
 _PLANES = ("tests/closed_form/test_planes.py", "tests/closed_form/test_plane.py")
-_RESTS = ("tests/preie/test_undilated.py", "tests/preie/test_groups.py")
+_RESTS = ("tests/preie/test_local_viscosity.py", "tests/preie/test_groups.py")
 _PATHS = ("tests/preie/test_path.py",)
 _CASES = ("tests/studies/test_cases.py",)
 _FACTORS = ("tests/design/test_partial_factors.py",)
@@ -407,12 +407,8 @@ MUTATIONS = (
     ),
     *_group(
         "paths of many blocks",
-        ("a search along the slope", "preie/elastic_path/undilated.py", "(length, high) if now > 0.0",
-         "(length, high) if now < 0.0",
+        ("what may stay unbalanced", "preie/elastic_path/local_viscosity.py", "_ENOUGH = 0.3 ", "_ENOUGH = 30.0 ",
          _RESTS),
-        ("joints that dilate in full", "preie/elastic_path/undilated.py", "bed.dilating(1.0, parameter)",
-         "bed.dilating(0.5, parameter)", _RESTS),
-        ("what may stay unbalanced", "preie/elastic_path/undilated.py", "_ENOUGH = 0.3 ", "_ENOUGH = 30.0 ", _RESTS),
         ("just before a factor", "preie/elastic_path/rests.py", "(factor * (1.0 - trial)), flow",
          "(factor * (1.0 + trial)), flow",
          _RESTS),

@@ -1,16 +1,18 @@
 """Rests of joints whose law is rounded: their forces against balance and strength, their end against sharp rests."""
 
+from dataclasses import replace
+
 import pytest
 
 from slopekit.preie.elastic_path import rests
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.lagged import lagged_rest
+from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.rests import rests_before
-from slopekit.preie.elastic_path.undilated import rest_of_hundreds
 from slopekit.preie.kernels import compiled
 from slopekit.preie.tolerances import LAGGED_ROUNDING, RESTS_NEAR
 from tests.preie.test_flow import model_of_bench
-from tests.preie.test_undilated import LIMIT, admissible
+from tests.preie.test_local_viscosity import LIMIT, admissible
 
 pytestmark = pytest.mark.skipif(compiled() is None, reason="its steps are compiled")
 
@@ -27,7 +29,7 @@ def test_it_is_near_a_sharp_rest(bed):
     """Forces that balance every block within strength, and the work of the rest that Newton's method finds."""
     factor = 0.95 * LIMIT
     rest = lagged_rest(bed, 1.0 / factor)
-    sharp = rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / factor)
+    sharp = rest_from(bed, bed.elastic_displacement, 1.0 / factor)
     assert rest is not None
     assert sharp is not None
     assert 0.0 < rest.rounding < LAGGED_ROUNDING
@@ -42,7 +44,8 @@ def test_beyond_a_limit_there_is_none(bed, part, rests_there):
 
 
 def test_joints_that_dilate_have_none(bed):
-    assert lagged_rest(bed.dilating(0.5, 1.0), 1.0) is None
+    model = replace(bed.model, tan_dilation=0.5 * bed.friction)
+    assert lagged_rest(Bed(model, bed.drive), 1.0) is None
 
 
 def test_thousands_of_blocks_rest_so(bed, monkeypatch):

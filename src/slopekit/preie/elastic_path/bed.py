@@ -466,14 +466,6 @@ class Bed:
             other._law = self._kernels.law(self._pattern.contacts, *given)
         return other
 
-    def dilating(self, part: float, parameter: float) -> "Bed":
-        """The same blocks on joints that dilate by a part of their friction angle (its tangent) at a strength λ."""
-        other = copy.copy(self)
-        reduction, _ = self.drive.at(parameter)
-        other.model = replace(self.model, tan_dilation=part * reduction * self.friction)
-        other.dilates = True
-        return other
-
     def polished(self, at: Floats, parameter: float) -> tuple[Floats, BedForces]:
         """A state at rest nearer to balance, so that slivers are too, and its forces."""
         there = self.forces(at, parameter)

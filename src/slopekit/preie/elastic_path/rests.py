@@ -11,24 +11,19 @@ import numpy as np
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.elastic_path.lagged import lagged_rest
+from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathLimit
-from slopekit.preie.elastic_path.undilated import rest_from, rest_of_hundreds, rest_without_dilation
 from slopekit.preie.solvers.effort import EffortSpentError, part
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 
 _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
-_LEAP, _LEAP_OF_HUNDREDS, _CLOSER = (
-    0.1,
-    0.01,
-    0.5,
-)  # from one to the next in parts of it, and where they come to rest at none so near
-_HUNDREDS = 600  # unknowns in space from which on that first rest is looked for with a viscosity of each block, ...
-_THOUSANDS = 4000  # ... and, where it is not found, by way of joints that dilate
+#: From one gap to the next in parts of it: in one leap, with cohesion, where that fails as a rule and takes twice as
+#: long, in shorter ones; and where they come to rest at none so near.
+_LEAP, _LEAP_WITH_BONDS, _CLOSER = 0.01, 0.1, 0.5
 #: Unknowns from which, and up to which, the last rest is looked for at once: of 1,987 blocks that takes half as long as
 #: the first rest and a leap from it, of 939 hardly less; of 7,251 it is not found so.
-_AT_ONCE, _MOST_AT_ONCE = 6000, 24000
+_AT_ONCE, _MOST_AT_ONCE = 6000, 24000  # and from the last on there is only a rest but for a rounding
 _OF_AT_ONCE = 0.4  # of the work that is left, for that
-_OF_NEAR = 0.8  # of how near a rest has to be to be an answer, where one of its own is looked for
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _OF_LEFT = 0.7  # of the work that is left
@@ -65,29 +60,25 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
 
 def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, float]]:
     """The last rest each time, and how near to the factor it is; at the end what `rests_before` returns."""
-    gap = _FIRST
+    gap, space = _FIRST, bed.tangents > 1
     strong = 1.0 / (factor * (1.0 - gap))
-    many = bed.size > _THOUSANDS
-    hundreds = bed.tangents > 1 and bed.size > _HUNDREDS
-    last = _last_at_once(bed, factor) if hundreds and _AT_ONCE < bed.size < _MOST_AT_ONCE else None
+    last = _last_at_once(bed, factor) if space and _AT_ONCE < bed.size < _MOST_AT_ONCE else None
     if last is not None:
         yield last, JUST
         return
-    if hundreds and bed.size >= _MOST_AT_ONCE:  # Newton's method finds none of so many
+    if space and bed.size >= _MOST_AT_ONCE:  # Newton's method finds none of so many
         nearly = lagged_rest(bed, 1.0 / (factor * (1.0 - near)))
         if nearly is not None:
             yield nearly, near
             return
-    at_once = rest_of_hundreds(bed, bed.elastic_displacement, strong) if hundreds else None
-    at_once = at_once or (rest_without_dilation(bed, strong) if many else None)
+    at_once = rest_from(bed, bed.elastic_displacement, strong) if space else None
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
-    # with cohesion a leap to the last gap at once fails as a rule, and in twice the time that the shorter ones take
-    leap = _LEAP_OF_HUNDREDS if hundreds and not bed.has_bonds else _LEAP
+    leap = _LEAP_WITH_BONDS if bed.has_bonds else _LEAP
     while flow.ended == "rest" and gap > JUST and leap < _CLOSER:
         trial = max(leap * gap, JUST)
-        ahead_of_it = (rest_of_hundreds if hundreds else rest_from)(bed, flow.at, 1.0 / (factor * (1.0 - trial)))
+        ahead_of_it = rest_from(bed, flow.at, 1.0 / (factor * (1.0 - trial)))
         if ahead_of_it is None or not _near(bed, flow, ahead_of_it):
             leap = math.sqrt(leap)
             continue
@@ -104,14 +95,8 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
                 stride = math.sqrt(stride)
                 continue
             ahead_of_it = relaxed(bed, flow.at, parameter, THICK, runs_at=RUNS, patience=_TO_REST)
-        if ahead_of_it.ended in ("slow", "lost"):
-            if gap < near:
-                return
-            if many and gap > (nearer := _OF_NEAR * near):  # no way from here: a rest of its own there
-                at_once = rest_without_dilation(bed, 1.0 / (factor * (1.0 - nearer)), True)
-                many = False
-                if at_once is not None:
-                    ahead_of_it, trial = at_once, nearer
+        if ahead_of_it.ended in ("slow", "lost") and gap < near:
+            return
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
         yield flow, gap
@@ -121,7 +106,7 @@ def _last_at_once(bed: Bed, factor: float) -> Flow | None:
     """The rest just before a factor from joints that stick; None where it is not found, or is far away from them."""
     try:
         with part(_OF_AT_ONCE):
-            last = rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - JUST)))
+            last = rest_from(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - JUST)))
     except EffortSpentError:
         return None
     far = last is None or abs(float(bed.working @ last.at)) >= _FAR * bed.elastic_work

@@ -9,9 +9,9 @@ from slopekit.geometry.patches import Assembly
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import open_all_over
 from slopekit.preie.elastic_path.flow import Flow
+from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
 from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rests_before
-from slopekit.preie.elastic_path.undilated import rest_of_hundreds
 from slopekit.preie.many_blocks.blocks import first_limit, unit_bound
 from slopekit.preie.many_blocks.blocks_limit import Span
 from slopekit.preie.many_blocks.key_blocks import slide_alone
@@ -135,7 +135,7 @@ class Groups:
         model, unit = self.model, small.force_scale / small.area_scale
         moved = limit.displacement * unit * model.area_scale / model.force_scale
         at = self._moved(small, moved, bed.elastic_displacement)
-        return rest_of_hundreds(bed, at, limit.parameter)
+        return rest_from(bed, at, limit.parameter)
 
     def _moved(self, small: AssemblyModel, motion: Floats, others: Floats) -> Floats:
         """A motion of the blocks of a group and that of all others (N,)."""
@@ -241,7 +241,7 @@ class Groups:
 def _without_open(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
     """From a rest of all blocks to one without the bonds of contacts that are open all over, if that is found."""
     while (left := open_all_over(bed, flow)) is not None:
-        after = rest_of_hundreds(bed.with_bonds(left), flow.at, parameter)
+        after = rest_from(bed.with_bonds(left), flow.at, parameter)
         if after is None:
             break
         bed, flow = bed.with_bonds(left), after

@@ -1,15 +1,12 @@
-"""Many blocks in space brought to rest at one strength: from any displacement, or by way of joints that dilate.
+"""Many blocks brought to rest at one strength, from any displacement.
 
-Joints that dilate by all of their reduced friction angle have an energy, and it is convex: Newton's method with a line
-search along its slope finds their rest wherever there is one. From there the dilation is taken away, by a tenth a step,
-and a step is one of Newton's with viscosity in its stiffness alone (pseudo-transient continuation: Kelley & Keyes 1998,
+A step is one of Newton's with viscosity in its stiffness alone (pseudo-transient continuation: Kelley & Keyes 1998,
 SIAM J. Numer. Anal. 35, 508). Every block has a viscosity of its own (local time steps): as much as it is out of
 balance, more where that grows, less where it does not, so that the slivers of one place do not hold up all the others.
-The few blocks that are out of balance in the end are settled by themselves, all others held (`elastic_path.flow`).
 
-Without dilation the same steps lead from the joints that stick, or a rest at another strength, if they are cut short
-where more gets out of balance, and if what holds up all others is settled by itself on the way: single blocks, those
-with their neighbours, and places with two rings around them (nonlinear elimination: Cai & Keyes 2002).
+A step is cut short where more gets out of balance. What holds up all others is settled by itself on the way: single
+blocks, those with their neighbours, and places with two rings around them (nonlinear elimination: Cai & Keyes 2002).
+The few blocks that are out of balance in the end are settled with all others held (`elastic_path.flow`).
 """
 
 import numpy as np
@@ -18,23 +15,12 @@ from scipy.sparse.csgraph import connected_components
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
-from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces
 from slopekit.preie.elastic_path.flow import Flow, relaxed
 from slopekit.preie.system.assembly import AssemblyModel
 
-_CONVEX, _HALVINGS, _FLAT = 60, 12, 0.5  # Newton steps of joints that dilate, trials of a length, part of the slope
-_LESS, _NONE = 0.9, 2e-3  # dilation from step to step, and what is taken away beside
-_WAITS = 3  # steps after which dilation goes on falling in any case
-#: Mean unbalance up to which it falls at once; steps in all, and after it has gone.
-_CALMER = ((0.2, 150, 60), (0.1, 400, 150), (0.05, 600, 200))
-_FROM_NEAR, _SLOWLY = 80, 0.75  # steps from a rest to another, and what viscosity falls by on the way
-_FROM_ANYWHERE, _QUICKLY, _THICKER = (
-    250,
-    0.5,
-    0.1,
-)  # steps to a rest from anywhere; by what viscosity falls, and what it is
+_STEPS = 250  # to a rest
 _LESS_OUT, _HOPE, _HOPE_ALONE = 0.8, 40, 20  # of what is out of balance; steps in which it has to fall to that
 _LENGTHS, _MORE = (1.0, 0.5, 0.25, 0.1), 1.1  # parts of a step, and how much more may be out of balance after it
 _CALM = 0.01  # part of the blocks out of balance from which on those are settled by themselves
@@ -42,55 +28,15 @@ _FAR_OUT, _NEARLY = 1e4, 1e2  # what is out of balance of a block that is settle
 _SPOTS, _SPOTS_ALONE = 0.05, 0.2  # part of the blocks that these may be, and of those that are calmed by themselves
 _PLACES = 0.02  # part of the blocks out of balance from which on those are
 _EVERY, _RINGS = 5, 2  # steps after which the places that are out of balance are, and how far around them
-_LOST = 0.2  # part of the blocks out of balance: more are not settled by themselves
 _FEW = 0.05  # part of the blocks out of balance from which on they are settled by themselves
-_VISCOUS, _THINNEST, _THICKEST = 0.03, 1e-7, 0.3  # viscosity by what is out of balance, its least, its most
-_GREW, _UP, _DOWN = 1.15, 2.0, 0.6  # what is out of balance grows by more: viscosity times these
+_VISCOUS, _THINNEST, _THICKEST = 0.1, 1e-7, 0.3  # viscosity by what is out of balance, its least, its most
+_GREW, _UP, _DOWN = 1.15, 2.0, 0.5  # what is out of balance grows by more: viscosity times these
 _OUT = 3.0  # of a block's load: more out of balance counts as that
 _ENOUGH = 0.3  # of what may stay unbalanced
 _ROUNDS, _ALONE, _PATIENCE = 9, 25, 150  # of settling blocks by themselves; steps, factorisations for it
 
 
-def rest_without_dilation(bed: Bed, parameter: float, calmly: bool = False) -> Flow | None:
-    """All blocks at rest at one strength λ; None where they do not come to rest this way.
-
-    Only for joints that do not dilate, without bolts.
-
-    Parameters
-    ----------
-    calmly : with the smallest steps at once
-    """
-    say("rest of all blocks, strength divided by", 1.0 / parameter)
-    if bed.dilates or bed.bolted is not None:
-        return None
-    begun = _dilated(bed, parameter)
-    if begun is None:
-        return None
-    for calm, most, after in _CALMER[-1:] if calmly else _CALMER:
-        at = _eased(bed, begun, parameter, calm, most, after)
-        if (_out(bed, bed.forces(at, parameter)) > 1.0).mean() < _LOST:
-            rest = _settled(bed, at, parameter)
-            if rest is not None:
-                return rest
-    return None
-
-
 def rest_from(bed: Bed, at: Floats, parameter: float) -> Flow | None:
-    """All blocks at rest at one strength, from their displacement (N,) at rest at another; None where they are not."""
-    control, out, many = _ViscosityControl(bed, _SLOWLY), 0, _FEW * len(bed.model.load)
-    for _ in range(_FROM_NEAR):
-        there = bed.forces(at, parameter)
-        out = int((_out(bed, there) > 1.0).sum())
-        if out == 0 or (out <= many and control.steady):
-            break
-        trial = control.step(bed, at, there, parameter)
-        if trial is None:
-            return None
-        at = trial
-    return _settled(bed, at, parameter) if out <= many else None
-
-
-def rest_of_hundreds(bed: Bed, at: Floats, parameter: float) -> Flow | None:
     """All blocks at rest at one strength, from a displacement (N,), as that of rest at another; None where they are not
 
     A step is cut short where much more is out of balance after it. The few blocks that are far out of balance are
@@ -108,8 +54,8 @@ def _calmed(bed: Bed, here: "_State", parameter: float, alone: bool = False) -> 
     alone : all others are held: until none is out of balance, with larger parts of the blocks far out of it
     """
     spots, few = (_SPOTS_ALONE, 0.0) if alone else (_SPOTS, _CALM * len(here.out))
-    control, least, last = _ViscosityControl(bed, _QUICKLY, _THICKER), here.total, 0
-    for turn in range(1, _FROM_ANYWHERE + 1):
+    control, least, last = _ViscosityControl(bed), here.total, 0
+    for turn in range(1, _STEPS + 1):
         if np.count_nonzero(here.out > 1.0) <= (few if control.steady else 0.0):
             break
         way = control.way(bed, here.there, parameter)
@@ -210,7 +156,7 @@ def _spots_settled(bed: Bed, here: _State, parameter: float, spots: float) -> _S
         blocks, label = np.flatnonzero(far), _labels(bed.model, far)
         those = (blocks[:, None] * u + np.arange(u)).ravel()
         few = bed.among(blocks, here.displacement)
-        control, alone = _ViscosityControl(few, _QUICKLY, _THICKER), _State.at(few, here.displacement[those], parameter)
+        control, alone = _ViscosityControl(few), _State.at(few, here.displacement[those], parameter)
         for _ in range(_ALONE):
             settled = np.bincount(label, alone.out > _NEARLY) == 0
             way = None if settled.all() else control.way(few, alone.there, parameter)
@@ -239,66 +185,11 @@ def _share(out: Floats, most: float = _OUT) -> Floats:
     return part
 
 
-def _dilated(bed: Bed, parameter: float) -> Floats | None:
-    """The rest (N,) of joints that dilate by all of their reduced friction angle."""
-    rough, at = bed.dilating(1.0, parameter), bed.elastic_displacement
-    there = rough.forces(at, parameter)
-    for _ in range(_CONVEX):
-        if _out(rough, there).max() < 1.0:
-            return at
-        try:
-            way = bed.factored(rough.tangent(there, parameter), True)(there.unbalanced)
-        except SolverError:
-            return None
-        slope, low, high, length = float(there.unbalanced @ way), 0.0, np.inf, 1.0
-        for _ in range(_HALVINGS):
-            there = rough.forces(at + length * way, parameter)
-            now = float(there.unbalanced @ way)
-            if abs(now) < _FLAT * abs(slope):
-                break
-            low, high = (length, high) if now > 0.0 else (low, length)
-            length = 2.0 * length if high == np.inf else 0.5 * (low + high)
-        at = at + length * way
-        there = rough.forces(at, parameter)
-    return None
-
-
-def _eased(bed: Bed, at: Floats, parameter: float, calm: float, most: int, most_after: int) -> Floats:
-    """From joints that dilate to joints that do not: a displacement (N,) with few blocks out of balance.
-
-    Parameters
-    ----------
-    calm : mean unbalance up to which dilation goes on falling; most, most_after : steps, and those without dilation
-    """
-    control = _ViscosityControl(bed)
-    part, waits, after = 1.0, 0, 0
-    last = _out(bed, bed.dilating(part, parameter).forces(at, parameter))
-    for _ in range(most):
-        unbalance = float(np.sqrt((_share(last, 1.0) ** 2).mean()))
-        if part > 0.0 and (unbalance < calm or waits == _WAITS):
-            part, waits = max(_LESS * part - _NONE, 0.0), 0
-        else:
-            waits += 1
-        now = bed if part == 0.0 else bed.dilating(part, parameter)
-        there = now.forces(at, parameter)
-        if part == 0.0:
-            after += 1
-            out = int((_out(bed, there) > 1.0).sum())
-            if (out <= _FEW * len(last) and control.steady) or after > most_after:
-                break
-        trial = control.step(now, at, there, parameter)
-        if trial is None:
-            break
-        at = trial
-        last = _out(bed, now.forces(at, parameter))
-    return at
-
-
 class _ViscosityControl:
     """Newton steps with a viscosity (n,) of each block in the stiffness, which goes with what is out of balance."""
 
-    def __init__(self, bed: Bed, down: float = _DOWN, viscous: float = _VISCOUS) -> None:
-        model, self.down, self.viscous = bed.model, down, viscous
+    def __init__(self, bed: Bed) -> None:
+        model = bed.model
         self.plus, self.minus = model.plus, np.where(model.minus < 0, model.plus, model.minus)
         self.viscosity: Floats | None = None
         self.before, self.count, self.least = np.zeros(0), np.inf, 0
@@ -308,23 +199,18 @@ class _ViscosityControl:
         """Whether fewer blocks are out of balance no more from step to step."""
         return self.least >= 2
 
-    def step(self, bed: Bed, at: Floats, there: BedForces, parameter: float) -> Floats | None:
-        """A step on from a displacement (N,)."""
-        way = self.way(bed, there, parameter)
-        return None if way is None else at + way
-
     def way(self, bed: Bed, there: BedForces, parameter: float) -> Floats | None:
-        """That step (N,)."""
+        """A step on (N,)."""
         out = _out(bed, there)
         share, count = _share(out), float((out > 1.0).sum())
         self.least = self.least + 1 if count >= 0.9 * self.count else 0
         self.count = min(count, self.count)
-        wanted = np.clip(self.viscous * share, _THINNEST, _THICKEST)
+        wanted = np.clip(_VISCOUS * share, _THINNEST, _THICKEST)
         if self.viscosity is None:
             self.viscosity = wanted
         else:
             more = np.maximum(np.minimum(_UP * self.viscosity, _THICKEST), 0.3 * wanted)
-            self.viscosity = np.where(share > _GREW * self.before, more, self.down * self.viscosity)
+            self.viscosity = np.where(share > _GREW * self.before, more, _DOWN * self.viscosity)
             self.viscosity = np.clip(self.viscosity, _THINNEST, 3.0 * wanted)
         self.before = share
         around = self.viscosity.copy()
@@ -352,30 +238,19 @@ def _settled(bed: Bed, at: Floats, parameter: float) -> Flow | None:
         for blocks in _clusters(bed.model, out):
             those = (blocks[:, None] * size + np.arange(size)).ravel()
             few = bed.among(blocks, at)
-            there_alone = _alone(few, at[those], parameter)
-            if there_alone is not None:
-                trial[those] = there_alone
+            calm = _calmed(few, _State.at(few, at[those], parameter), parameter, alone=True)
+            if calm.out.max() < 1.0:
+                trial[those] = calm.displacement
+                continue
+            flow = relaxed(few, at[those], parameter, 0.0, runs_at=1e6, patience=_PATIENCE)
+            if flow.ended == "rest":
+                trial[those] = flow.at
         step = bed.newton(trial, trial, parameter, 0.0, None, downhill=True)
         if step.settled:
             return Flow(step.at, step.forces, "rest", step.at, 0.0)
         left = [int((_out(bed, forces) > _ENOUGH).sum()) for forces in (step.forces, bed.forces(trial, parameter))]
         at = step.at if left[0] <= left[1] else trial
     return None
-
-
-def _alone(few: Bed, at: Floats, parameter: float) -> Floats | None:
-    """A few blocks at rest, all others held."""
-    control, here = _ViscosityControl(few), at
-    for _ in range(_ALONE):
-        there = few.forces(here, parameter)
-        if _out(few, there).max() < 1.0:
-            return here
-        trial = control.step(few, here, there, parameter)
-        if trial is None:
-            break
-        here = trial
-    flow = relaxed(few, at, parameter, 0.0, runs_at=1e6, patience=_PATIENCE)
-    return flow.at if flow.ended == "rest" else None
 
 
 def _clusters(model: AssemblyModel, among: Bools) -> list[Ints]:

@@ -1,19 +1,17 @@
-"""Rests by way of joints that dilate: what they prove, against cone programs, and what they are when none dilates."""
+"""Rests found with a viscosity of each block: what they are, how blocks and places settle by themselves."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from slopekit.preie.elastic_path import rests, undilated
-from slopekit.preie.elastic_path.bed import Bed, Drive, NewtonStep
+from slopekit.preie.elastic_path import local_viscosity, rests
+from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.flow import Flow, relaxed
+from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.rests import JUST, rests_before
-from slopekit.preie.elastic_path.undilated import rest_from, rest_of_hundreds, rest_without_dilation
-from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.effort import EffortSpentError
 from slopekit.preie.system.assembly import AssemblyModel
-from tests.preie.block_scenes import random_bench
 from tests.preie.test_flow import model_of_bench
 
 LIMIT = 0.70020754  # of the benches of `benchmarks.benches` without cohesion, those of every size
@@ -27,90 +25,6 @@ def admissible(model: AssemblyModel, factor: float, normal, friction, strength) 
     assert np.abs(model.unbalanced(normal, friction)).max() < 1e-5
     assert (np.hypot(*friction.T) <= strength / factor * (1.0 + 1e-12) + 1e-15).all()
     assert normal.min() >= 0.0
-
-
-@pytest.mark.parametrize("seed", [3, 5, 8, 12])
-def test_joints_that_dilate_by_their_friction_angle_rest_up_to_the_static_bound(seed) -> None:
-    """Of a cone program: their forces balance at a factor below it, and none do above."""
-    scene, phi = random_bench(seed)
-    model = scene.model(phi)
-    bound = static_bound(model).factor
-    assert bound is not None
-    bed = bed_of(model)
-    below, above = 0.99 * bound, 1.01 * bound
-    at = undilated._dilated(bed, 1.0 / below)
-    assert at is not None
-    forces = bed.dilating(1.0, 1.0 / below).forces(at, 1.0 / below)
-    admissible(model, below, forces.normal, forces.friction, forces.strength)
-    assert undilated._dilated(bed, 1.0 / above) is None
-
-
-@pytest.mark.parametrize("part", [0.3, 1.0])
-def test_a_bed_that_dilates_is_one_of_a_model_that_does(part) -> None:
-    scene, phi = random_bench(3)
-    model = scene.model(phi)
-    bed, factor = bed_of(model), 0.8
-    other = bed_of(replace(model, tan_dilation=part * model.tan_friction / factor))
-    at = 1.3 * bed.elastic_displacement
-    found, wanted = bed.dilating(part, 1.0 / factor).forces(at, 1.0 / factor), other.forces(at, 1.0 / factor)
-    assert found.unbalanced == pytest.approx(wanted.unbalanced, abs=1e-13 * wanted.largest)
-    plain = bed.forces(at, 1.0 / factor)  # and the bed itself does not dilate from then on
-    assert np.abs(plain.unbalanced - wanted.unbalanced).max() > 1e-3 * wanted.largest
-
-
-def test_blocks_rest_without_dilation(monkeypatch) -> None:
-    """74 blocks a tenth before their limit: in balance, within their strength, with no dilation left."""
-    model = model_of_bench(monkeypatch, 1.6)
-    bed = bed_of(model)
-    rest = rest_without_dilation(bed, 1.0 / 0.63)
-    assert rest is not None
-    assert rest.ended == "rest"
-    forces = bed.forces(rest.at, 1.0 / 0.63)
-    admissible(model, 0.63, forces.normal, forces.friction, forces.strength)
-    # what is out of balance by a little more than it may be is no rest yet
-    shaken = rest.at + 1e-6 * bed.elastic_displacement
-    assert 1.0 < undilated._out(bed, bed.forces(shaken, 1.0 / 0.63)).max() < 30.0
-    again = undilated._settled(bed, shaken, 1.0 / 0.63)
-    assert again is not None
-    assert undilated._out(bed, again.forces).max() < 1.0
-    # Newton's method from the rest of the joints that dilate does not get there
-    begun = undilated._dilated(bed, 1.0 / 0.63)
-    assert begun is not None
-    assert not bed.newton(begun, begun, 1.0 / 0.63, 0.0, None, downhill=True).settled
-
-
-def test_where_nothing_balances_the_loads_there_is_no_rest(monkeypatch) -> None:
-    model = model_of_bench(monkeypatch, 1.9)
-    assert rest_without_dilation(bed_of(model), 1.0 / 3.0) is None
-
-
-def test_large_assemblies_come_to_rest_that_way(monkeypatch) -> None:
-    """As thousands of blocks do: from that first rest on to a thousandth before the limit."""
-    model = model_of_bench(monkeypatch, 1.6)
-    bed = bed_of(model)
-    monkeypatch.setattr(rests, "_THOUSANDS", 0)
-    monkeypatch.setattr(rests, "relaxed", lambda *_, **__: pytest.fail("viscous flow from the start"))
-    flow, gap = rests_before(bed, LIMIT, 5e-2)
-    assert flow.ended == "rest"
-    assert gap <= JUST
-
-
-def test_smaller_steps_where_larger_ones_lose_their_way(monkeypatch) -> None:
-    """What more than a fifth of the blocks are out of balance at is not settled block by block."""
-    model = model_of_bench(monkeypatch, 1.6)
-    bed, hasty, calm = bed_of(model), (0.2, 3, 1), undilated._CALMER[-1]
-    seen = []
-    settled = undilated._settled
-    monkeypatch.setattr(undilated, "_settled", lambda *args: seen.append(1) or settled(*args))
-    monkeypatch.setattr(undilated, "_CALMER", (hasty,))
-    assert rest_without_dilation(bed, 1.0 / 0.63) is None
-    assert seen == []
-    monkeypatch.setattr(undilated, "_CALMER", (hasty, calm))
-    rest = rest_without_dilation(bed, 1.0 / 0.63)
-    assert rest is not None
-    assert len(seen) == 1
-    forces = bed.forces(rest.at, 1.0 / 0.63)
-    admissible(model, 0.63, forces.normal, forces.friction, forces.strength)
 
 
 @pytest.mark.parametrize("spacing", [1.6, 1.2])
@@ -136,17 +50,17 @@ def test_from_joints_that_stick_straight_to_a_rest(monkeypatch, spacing) -> None
     """A hair before the limit at once, and none beyond it."""
     model = model_of_bench(monkeypatch, spacing)
     bed, factor = bed_of(model), (1.0 - JUST) * LIMIT
-    rest = rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / factor)
+    rest = rest_from(bed, bed.elastic_displacement, 1.0 / factor)
     assert rest is not None
     forces = bed.forces(rest.at, 1.0 / factor)
     admissible(model, factor, forces.normal, forces.friction, forces.strength)
-    assert rest_of_hundreds(bed, bed.elastic_displacement, 1.0 / (1.01 * LIMIT)) is None
+    assert rest_from(bed, bed.elastic_displacement, 1.0 / (1.01 * LIMIT)) is None
 
 
 def test_hundreds_of_blocks_come_to_rest_without_viscous_flow(monkeypatch) -> None:
     """A tenth before the limit, and from there a thousandth."""
     bed = bed_of(model_of_bench(monkeypatch, 1.2))
-    for name in ("relaxed", "stepped", "rest_without_dilation"):
+    for name in ("relaxed", "stepped"):
         monkeypatch.setattr(rests, name, lambda *_, **__: pytest.fail("another way"))
     flow, gap = rests_before(bed, LIMIT)
     assert flow.ended == "rest"
@@ -159,10 +73,10 @@ def watched_rests(monkeypatch, first=None) -> list[float]:
 
     def looked_for(bed, at, parameter):
         strengths.append(parameter)
-        found = rest_of_hundreds(bed, at, parameter)
+        found = rest_from(bed, at, parameter)
         return found if first is None or len(strengths) > 1 else first(found)
 
-    monkeypatch.setattr(rests, "rest_of_hundreds", looked_for)
+    monkeypatch.setattr(rests, "rest_from", looked_for)
     monkeypatch.setattr(rests, "_AT_ONCE", 0)
     return strengths
 
@@ -199,6 +113,25 @@ def test_a_last_rest_not_found_at_once_is_led_to_by_the_first(monkeypatch, first
     assert gap <= JUST
 
 
+def test_what_is_a_little_out_of_balance_is_no_rest_yet(monkeypatch) -> None:
+    """By a little more than it may be: the blocks settle, each and all within their strength."""
+    model = model_of_bench(monkeypatch, 1.6)
+    bed, parameter = bed_of(model), 1.0 / 0.63
+    rest = rest_from(bed, bed.elastic_displacement, parameter)
+    assert rest is not None
+    shaken = rest.at + 1e-6 * bed.elastic_displacement
+    assert 1.0 < local_viscosity._out(bed, bed.forces(shaken, parameter)).max() < 30.0
+    again = local_viscosity._settled(bed, shaken, parameter)
+    assert again is not None
+    assert local_viscosity._out(bed, again.forces).max() < 1.0
+    admissible(model, 0.63, again.forces.normal, again.forces.friction, again.forces.strength)
+
+
+def test_where_nothing_balances_the_loads_there_is_no_rest(monkeypatch) -> None:
+    bed = bed_of(model_of_bench(monkeypatch, 1.9))
+    assert rest_from(bed, bed.elastic_displacement, 1.0 / 3.0) is None
+
+
 def pushed(bed: Bed, at, block: int, by: float):
     """A block out of its place by so many of its elastic displacements."""
     at = at.reshape(-1, 6).copy()
@@ -209,13 +142,13 @@ def pushed(bed: Bed, at, block: int, by: float):
 def test_a_block_out_of_its_place_is_settled_by_itself(monkeypatch) -> None:
     """The others stay where they are, or, where it takes them, its neighbours settle too; all is better then."""
     bed, parameter = bed_of(model_of_bench(monkeypatch, 1.6)), 1.0 / 0.63
-    rest = rest_of_hundreds(bed, bed.elastic_displacement, parameter)
+    rest = rest_from(bed, bed.elastic_displacement, parameter)
     assert rest is not None
     moved = 0
     for block in range(0, len(bed.model.load), 7):
-        begun = undilated._State.at(bed, pushed(bed, rest.at, block, 1e-3), parameter)
-        found = undilated._spots_settled(bed, begun, parameter, 0.05)
-        near = bed.model.touching(begun.out > undilated._FAR_OUT)
+        begun = local_viscosity._State.at(bed, pushed(bed, rest.at, block, 1e-3), parameter)
+        found = local_viscosity._spots_settled(bed, begun, parameter, 0.05)
+        near = bed.model.touching(begun.out > local_viscosity._FAR_OUT)
         stays = (found.displacement == begun.displacement).reshape(-1, 6).all(axis=1)
         assert stays[~near].all()
         if not stays.all():
@@ -227,19 +160,19 @@ def test_a_block_out_of_its_place_is_settled_by_itself(monkeypatch) -> None:
 def test_a_place_out_of_balance_is_calmed_by_itself(monkeypatch) -> None:
     """Two blocks pushed out of their places: they and what is around them come back, all others stay."""
     bed, parameter = bed_of(model_of_bench(monkeypatch, 1.2)), 1.0 / 0.63
-    rest = rest_of_hundreds(bed, bed.elastic_displacement, parameter)
+    rest = rest_from(bed, bed.elastic_displacement, parameter)
     assert rest is not None
     last = len(bed.model.load) - 1
     at = pushed(bed, pushed(bed, rest.at, 3, 1e-4), last, 1e-4)
-    begun = undilated._State.at(bed, at, parameter)
-    monkeypatch.setattr(undilated, "_PLACES", 0.001)
-    assert undilated._parts_calmed(bed, begun, parameter) is begun  # too much of the bench
-    monkeypatch.setattr(undilated, "_PLACES", 0.2)
-    found = undilated._parts_calmed(bed, begun, parameter)
+    begun = local_viscosity._State.at(bed, at, parameter)
+    monkeypatch.setattr(local_viscosity, "_PLACES", 0.001)
+    assert local_viscosity._parts_calmed(bed, begun, parameter) is begun  # too much of the bench
+    monkeypatch.setattr(local_viscosity, "_PLACES", 0.2)
+    found = local_viscosity._parts_calmed(bed, begun, parameter)
     assert found.total < 1e-3 * begun.total
-    assert found.out[[3, last]].max() < undilated._NEARLY
-    near = begun.out > undilated._NEARLY
-    for _ in range(undilated._RINGS):
+    assert found.out[[3, last]].max() < local_viscosity._NEARLY
+    near = begun.out > local_viscosity._NEARLY
+    for _ in range(local_viscosity._RINGS):
         near = bed.model.touching(near)
     stays = (found.displacement == at).reshape(-1, 6).all(axis=1)
     assert stays[~near].all()
@@ -249,18 +182,18 @@ def test_a_place_out_of_balance_is_calmed_by_itself(monkeypatch) -> None:
 def test_each_spot_takes_steps_of_its_own_length(monkeypatch) -> None:
     """Two blocks that do not touch: a step to their rest is taken whole, one far beyond it is cut; a third is best."""
     bed, parameter = bed_of(model_of_bench(monkeypatch, 1.6)), 1.0 / 0.63
-    rest = rest_of_hundreds(bed, bed.elastic_displacement, parameter)
+    rest = rest_from(bed, bed.elastic_displacement, parameter)
     assert rest is not None
     one = 0
     other = int(np.flatnonzero(~bed.model.touching(np.arange(len(bed.model.load)) == one))[-1])
     few = bed.among(np.array([one, other]), rest.at)
-    label = undilated._labels(bed.model, np.isin(np.arange(len(bed.model.load)), [one, other]))
+    label = local_viscosity._labels(bed.model, np.isin(np.arange(len(bed.model.load)), [one, other]))
     assert label.tolist() == [0, 1]
     goal = rest.at.reshape(-1, 6)[[one, other]]
     away = np.full((2, 6), 1e-3 * np.abs(goal).max()) * [[1.0], [-1.0]]
-    here = undilated._State.at(few, (goal + away).ravel(), parameter)
+    here = local_viscosity._State.at(few, (goal + away).ravel(), parameter)
     way = -away * [[1.0], [10.0]]
-    found = undilated._cut_short(few, here, way.ravel(), parameter, label)
+    found = local_viscosity._cut_short(few, here, way.ravel(), parameter, label)
     assert found.displacement.reshape(2, 6) == pytest.approx(goal, abs=1e-12 * np.abs(goal).max())
     assert found.off(label) == pytest.approx(np.zeros(2), abs=1e-3)
 
@@ -273,21 +206,4 @@ def test_where_no_leap_lands_the_way_is_shorter_steps(monkeypatch) -> None:
     stepwise = rests_before(bed_of(model), LIMIT)
     assert [way[0].ended for way in (leapt, stepwise)] == ["rest", "rest"]
     assert max(leapt[1], stepwise[1]) <= JUST
-    assert len(work) == 2
-
-
-def test_a_rest_of_its_own_near_a_limit_where_no_way_leads_there(monkeypatch) -> None:
-    """Blocks in thousands that do not come from a tenth before a limit to nearer than a twentieth."""
-    model = model_of_bench(monkeypatch, 1.6)
-    bed = bed_of(model)
-    monkeypatch.setattr(rests, "_THOUSANDS", 0)
-    nowhere = Flow(bed.elastic_displacement, bed.forces(bed.elastic_displacement, 1.0), "slow", np.zeros(bed.size), 1.0)
-    monkeypatch.setattr(rests, "relaxed", lambda *args, **kwargs: nowhere)
-    monkeypatch.setattr(rests, "rest_from", lambda *args: None)
-    monkeypatch.setattr(rests, "stepped", lambda bed, at, *rest: NewtonStep(at, 1.0, nowhere.forces, False, 0))
-    flow, gap = rests_before(bed, LIMIT, 0.05)
-    assert flow.ended == "rest"
-    assert gap == pytest.approx(0.04)
-    factor = LIMIT * (1.0 - gap)
-    forces = bed.forces(flow.at, 1.0 / factor)
-    admissible(model, factor, forces.normal, forces.friction, forces.strength)
+    assert len(work) == 4  # the first rest, and leaps to 1e-3, 1e-2 and 3e-2
