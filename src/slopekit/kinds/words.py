@@ -117,6 +117,15 @@ def size_in_words(mass_t: float, sizes: Sizes | BlockSizes, per: str = "") -> st
     return "  ".join(parts)
 
 
+def mass_in_words(mass_t: float) -> str:
+    """A mass in t, of less than one in kg.
+
+    >>> mass_in_words(0.065), mass_in_words(112.04)
+    ('65 kg', '112 t')
+    """
+    return f"{_short(mass_t * 1e3)} kg" if mass_t < 1.0 else f"{_short(mass_t)} t"
+
+
 def _short(value: float) -> str:
     """Four digits."""
     return size_number(float(f"{value:.4g}"))
