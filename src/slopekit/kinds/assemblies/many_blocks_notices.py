@@ -156,13 +156,16 @@ def said_of_bonds(failure: Failure) -> Iterator[Notice]:
 
 def bonds_of(failure: Failure) -> Bonds:
     """What the limit of a mechanism says of cohesion; without a factor what is lost alone."""
-    limit, joints = failure.limit, failure.parts[0].model.joint_pairs
-    lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
+    limit, model = failure.limit, failure.parts[0].model
+    joints = model.joint_pairs
+    gone, of = limit.bond[joints] == 0.0, model.pair_contact[joints]
+    lost = float(gone.mean()) if gone.size else 0.0
+    contacts = len(np.unique(of[gone])), len(np.unique(of[(model.cohesion[joints] > 0.0) | gone]))
     if not limit.factor:
-        return Bonds(lost, limit.bonded, entire=limit.entire)
+        return Bonds(lost, limit.bonded, entire=limit.entire, contacts=contacts)
     return Bonds(
         lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
-        limit.finer, limit.finer_is_less, limit.unrefined, limit.entire,
+        limit.finer, limit.finer_is_less, limit.unrefined, limit.entire, contacts,
     )  # fmt: skip
 
 

@@ -216,7 +216,7 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
     """How many node pairs stick, slip and are open, of all."""
     if not by_mode:
         return []
-    verbs = {"stick": "stick", "slip": "slip", "open": "are open"}
+    verbs = {"stick": "stick", "slip": "slip", "open": "are open (they carry nothing, or part)"}
     parts = [f"{count} {verbs.get(mode, mode)}" for mode, count in by_mode.items()]
     return [f"of {sum(by_mode.values())} node pairs " + ", ".join(parts)]
 
