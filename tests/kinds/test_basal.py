@@ -410,3 +410,13 @@ def test_a_socket_asks_whether_its_height_was_meant() -> None:
     assert "W411 a socket wedge: basal.height is -3 m, so it lies under J1 and J2" in said
     assert "(is 3 m meant?)" in said
     assert "fos >= 1.3 (limit): MET (it stands without any strength: there is no factor to judge)" in said
+
+
+def test_the_height_of_the_slope_is_told_from_that_of_the_block() -> None:
+    """The block above a basal joint is lower than its slope: `height 20 m (total 16.7 m)` read like a contradiction."""
+    found = sk.run(path_of("wedge-basal"))
+    corners = found.scene.shapes.solids.vertices[:, 2]
+    size = next(line for line in str(found).splitlines() if line.startswith("SIZE"))
+    assert f"height 20 m from toe to crest, the block itself {np.ptp(corners):.6g} m  volume" in size
+    whole = str(sk.run(path_of("wedge"))).partition("SIZE")[2]
+    assert whole.split("\n")[0].lstrip().startswith("height 64.89 m (total 100.01")
