@@ -386,8 +386,10 @@ def test_a_socket_that_closes_toward_the_face_is_no_block_that_could_fall(dip, l
 
     Without a crack behind it the rock between them goes on to the upper slope, or without end (Goodman & Shi).
     """
-    assert math.degrees(math.atan(math.tan(math.radians(80)) * math.cos(math.radians(80)))) == pytest.approx(44.6, 1e-2)
-    design = put(MIRRORED, basal={"plane": f"{dip}/180", "height": -3, "strength": "base"}, crack={"plane": "85/180", "distance": "3 m"})
+    steep = math.radians(80)
+    assert math.degrees(math.atan(math.tan(steep) * math.cos(steep))) == pytest.approx(44.6, 1e-2)
+    basal = {"plane": f"{dip}/180", "height": -3, "strength": "base"}
+    design = put(MIRRORED, basal=basal, crack={"plane": "85/180", "distance": "3 m"})
     if not locked:
         assert sk.run(design).status != "no_driving_force"
         return
@@ -404,7 +406,8 @@ def test_a_socket_that_closes_toward_the_face_is_no_block_that_could_fall(dip, l
 
 def test_a_socket_asks_whether_its_height_was_meant() -> None:
     """It stands, and no strength is called on: the sheet says that its rule is met without a number."""
-    found = sk.run(put(MIRRORED, basal={"plane": "30/180", "height": -3, "strength": "base"}, acceptance={"rules": ["fos >= 1.3"]}))
+    basal = {"plane": "30/180", "height": -3, "strength": "base"}
+    found = sk.run(put(MIRRORED, basal=basal, acceptance={"rules": ["fos >= 1.3"]}))
     assert (found.status, found.accepted) == ("no_driving_force", True)
     said = " ".join(str(found).split())
     assert "W411 a socket wedge: basal.height is -3 m, so it lies under J1 and J2" in said

@@ -80,7 +80,8 @@ def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bond
 
 
 @pytest.mark.parametrize(("without", "sooner", "in_w484", "in_w494"), [
-    (0.9, 0.9, False, "gone already that the mechanism breaks as it begins"), (0.9, 0.8, True, "with other cohesion left"),
+    (0.9, 0.9, False, "gone already that the mechanism breaks as it begins"),
+    (0.9, 0.8, True, "with other cohesion left"),
     (0.9, None, True, None), (None, 0.8, False, "with other cohesion left"),
 ])  # fmt: skip
 def test_a_number_stands_in_one_notice_with_one_meaning(without, sooner, in_w484, in_w494) -> None:

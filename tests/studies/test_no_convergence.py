@@ -1,4 +1,4 @@
-"""Where PRE-IE does not converge a study says so, refuses no input for it, and ends with 4: what it asks may be there."""
+"""Where PRE-IE does not converge a study says so, refuses no input, and ends with 4: what it asks may be there."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_factor
 from slopekit.studies.solve.by_probability import Estimate, for_probability
 from tests.commands import slopekit
-from tests.studies.test_solve_load import KEY, _slab
+from tests.studies.test_solve_load import _slab
 
 PHI = "strength.joint.phi"  # of the slab: F = tan φ / tan 20°, 1 at 20
 

@@ -622,7 +622,7 @@ def test_a_slope_that_hardly_stands_is_named_as_the_reason() -> None:
     """At k_y = tan(φ - β) = 1e-6 it slides on for v² / 2 k g: kilometres, in a record that is right."""
     phi = 35.0 + math.degrees(1e-6)
     weak = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": phi}}})
-    with pytest.raises(sk.DesignError, match="E524 north: a displacement of .* km is none of an earthquake") as error:
+    with pytest.raises(sk.DesignError, match=r"E524 north: a displacement of .* km is none of an earthquake") as error:
         sk.quake(weak, record_of("north", *_sine(50, 0.1 * G)))
     assert error.value.faults[0].advice.startswith("The slope hardly stands")
     stands = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": 35.0 + math.degrees(1e-4)}}})

@@ -289,7 +289,7 @@ def accept(result: Result) -> list[str]:
 
 
 def _judged_on(result: Result, rule: Rule) -> str:
-    """The number that a rule judged, and why that: a bare `fos` is the criterion's, of many blocks the first to fail."""
+    """The number that a rule judged, and why that: a bare `fos` is the criterion's, of blocks the first to fail."""
     value, name = result.value_of(rule), result.name_of(rule)
     called = {"limit": "limit", **JUDGED}[name]
     if value is None:

@@ -166,7 +166,8 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     if basal.height_m < 0.0:
         height, meant = number(basal.height_m), number(-basal.height_m)
         yield Notice("W411", f"a socket wedge: basal.height is {height} m, so it lies under J1 and J2, below the point "
-                     f"where they and the face meet; what lies above them is not looked at (is {meant} m meant?)")  # fmt: skip
+                     "where they and the face meet; what lies above them is not looked at (is "
+                     f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
         held = "; acceptance is held against it too" if design.rules else ""
         yield Notice(

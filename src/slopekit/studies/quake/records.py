@@ -164,8 +164,9 @@ def _are_seconds(name: str, steps: Floats) -> None:
     if not (usual > _COARSEST and len(steps) >= _MADE_BY_HAND) and long <= _LONGEST:
         return
     what = f"the time step is {usual:.6g} s and it lasts {long:.6g} s: no record of an earthquake in seconds"
-    advice = f"Times in ms are written in s, {number(float(f'{usual * 1e-3:.6g}'))} s apart; numbers of samples times the "
-    raise _refused(name, "E514", what, advice=advice + "step between them.")
+    apart = number(float(f"{usual * 1e-3:.6g}"))
+    advice = f"Times in ms are written in s, {apart} s apart; numbers of samples times the step between them."
+    raise _refused(name, "E514", what, advice=advice)
 
 
 def _refused(name: str, code: str, what: str, line: int | None = None, advice: str = "") -> DesignError:

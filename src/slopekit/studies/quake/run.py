@@ -415,10 +415,10 @@ def _too_far(one: Shaken, coefficient: float) -> Fault:
     record = one.record
     message = (
         f"{record.name}: a displacement of {one.larger_m * 1e-3:.3g} km is none of an earthquake, at k_y "
-        f"{shown_k(coefficient)} in {record.duration_s:.4g} s with a peak velocity of the ground of {record.pgv_m_s:.3g} "
-        "m/s (the highest measured are about 4)"
+        f"{shown_k(coefficient)} in {record.duration_s:.4g} s with a peak velocity of the ground of "
+        f"{record.pgv_m_s:.3g} m/s (the highest measured are about 4)"
     )
-    advice = "Write times in s and name the unit: time (s),acceleration (g). A baseline that drifts has to be corrected."
+    advice = "Write times in s and name the unit: time (s),acceleration (g). Correct a baseline that drifts."
     if coefficient < _HARDLY_STANDS:
         advice = f"The slope hardly stands: its factor of safety without shaking is next to 1. {advice}"
     return Fault("E524", message, record.name, advice)
