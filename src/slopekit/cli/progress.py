@@ -1,4 +1,4 @@
-"""Progress on stderr, not with --json or --quiet: bars and the stage of a run on a terminal, else now and then a line."""
+"""Progress on stderr, not with --json or --quiet: on a terminal bars and the stage of a run, else a line at times."""
 
 import os
 import sys
