@@ -8,6 +8,7 @@ import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
+from pathlib import Path
 
 import pytest
 
@@ -346,3 +347,23 @@ def test_a_pipe_that_closes_is_no_criterion(command, tmp_path) -> None:
     line = f"{sys.executable} -m slopekit.cli {command} | true; exit ${{PIPESTATUS[0]}}"
     run = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, cwd=tmp_path)
     assert (run.returncode, run.stderr) == (141, "")
+
+
+@pytest.mark.parametrize(("arguments", "codes"), [
+    (("wedge", "--dips", "45/115", "95/245", "--phi", "30", "--phi", "95", "--c", "-3"),
+     ["E133", "E101", "E114", "E115"]),
+    (("wedge", "--phi", "3", "--phi", "4"), ["E133", "E100"]),  # no --dips
+    (("wedge", "--dips", "45/115", "45/245", "--phi", "30", "--phi", "40", "--hight", "3"), ["E133", "E100"]),
+    (("run", "templates/wedge.yaml", "--case", "a", "--case", "b", "--set", "slope.height=-1"), ["E133", "E116"]),
+    (("run", "nowhere.yaml", "--case", "a", "--case", "b", "--picture", "out.txt"), ["E133", "E141", "E147"]),
+    (("prob", "templates/wedge-scatter.yaml", "-n", "x", "--seed", "1", "--seed", "2", "--fos", "y"),
+     ["E133", "E106", "E106"]),
+    (("lint", "templates/wedge.yaml", "--case", "a", "--case", "b"), ["E133"]),
+    (("run", "templates/wedge.yaml", "-o", "a", "-o", "b"), ["E133"]),
+    (("wedge", "--dips", "45/115", "45/245", "--force", "1@180/-5", "--force", "2@180/-5"), []),
+])  # fmt: skip
+def test_an_option_given_twice_hides_no_other_fault(arguments, codes) -> None:
+    """Every fault at once; nothing is analysed, and what may be repeated is no fault."""
+    done = slopekit(*arguments, cwd=Path(__file__).parents[1])
+    assert [line.split()[0] for line in done.stderr.splitlines() if re.match(r"E\d{3} ", line)] == codes
+    assert (done.returncode, bool(done.stdout)) == ((2, False) if codes else (0, True))

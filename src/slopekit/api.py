@@ -116,20 +116,34 @@ def wedge(
     >>> round(wet.fos.limit, 4), wet.accepted
     (1.039, False)
     """
-    given = {key: value for key, value in locals().items() if key not in _NO_INPUTS} | unknown
+    given = locals() | unknown
     for name, asked in (("elastic", elastic), ("elastic_bracket", elastic_bracket)):
         if not isinstance(asked, bool):
             raise wrong_kind("wedge", name, "True or False", asked)
+    design = design_of_wedge(given)
     from slopekit.kinds import analyse as analyse_design
-    from slopekit.kinds.wedge.design import wedge_design
 
-    design = wedge_design(given) if desk is DESK else wedge_design(given, desk.named)
     result = analyse_design(design, elastic, elastic_bracket)
     idle = [name for name in _OF_ELASTIC if given[name] is not None]
     if not idle or elastic or elastic_bracket:
         return result
     message = f"{' and '.join(idle)}: of elastic blocks, which were not asked for (--elastic); nothing was done with it"
     return replace(result, warnings=(*result.warnings, Notice("W457", message)))
+
+
+def design_of_wedge(given: Mapping[str, Any]) -> "Design":
+    """The design of what `wedge` is given by its names, checked and not analysed.
+
+    Raises
+    ------
+    DesignError
+        With every fault of the input.
+    """
+    from slopekit.kinds.wedge.design import wedge_design
+
+    desk = given.get("desk", DESK)
+    inputs = {key: value for key, value in given.items() if key not in _NO_INPUTS}
+    return wedge_design(inputs) if desk is DESK else wedge_design(inputs, desk.named)
 
 
 def load(

@@ -75,8 +75,8 @@ class Bonds:
 
     Attributes
     ----------
-    lost : part of the node pairs that have lost it; begins : where the first motion begins with all of it, if farther,
-        or, if not `entire`, with what is left of it until then
+    lost : part of the node pairs that have lost it; contacts : how many have, of those that had any
+    begins : where the first motion begins with all of it, if farther, or, if not `entire`, with what is left until then
     kept, share : contacts that the motion opens and whose cohesion stands until then; the part of its work left out
     without : where blocks would move without that of `kept`, None where it was not asked
     unsettled : where a motion began that broke cohesion and had not settled, None where all had
@@ -98,6 +98,7 @@ class Bonds:
     finer_is_less: bool = False
     unrefined: str | None = None
     entire: bool = True
+    contacts: tuple[int, int] = (0, 0)
 
 
 def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterator[Notice]:
@@ -110,11 +111,16 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
     if bonds.lost > 0.0:
         of_it = "all of it" if bonds.entire else "what is left of it until then"
         before = f"; with {of_it} the first motion begins at {shown(bonds.begins)}" if bonds.begins else ""
+        gone, of_all = bonds.contacts
         yield Notice("W307", "contacts that are open before blocks move, or that the mechanism or motions on the way "
-                     f"to it open, have lost their cohesion ({_percent(bonds.lost)} of the node pairs): the {of} "
-                     f"jumps where that happens{before}")  # fmt: skip
+                     f"to it open, have lost their cohesion ({gone} of {of_all}, with {_percent(bonds.lost)} of the "
+                     f"node pairs; open pairs of other contacts keep theirs): the {of} jumps where that happens"
+                     f"{before}")  # fmt: skip
+    as_kept = bonds.kept > 0 and bonds.sooner == bonds.without  # one fact: W494 has it
     if bonds.kept:
-        without = f" (without it blocks would move at {shown(bonds.without)})" if bonds.without is not None else ""
+        without = ""
+        if bonds.without is not None and not as_kept:
+            without = f" (without it blocks would move at {shown(bonds.without)})"
         yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
                      f"{bonds.kept} contact{'s' if bonds.kept > 1 else ''}: what it would do there, "
                      f"{_percent(bonds.share)} of the work, is left out of the {of}")  # fmt: skip
@@ -126,7 +132,11 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
     if bonds.counted:
         yield Notice("W493", f"cohesion counts on {bonds.counted} contact{'s' if bonds.counted > 1 else ''} open "
                      f"before the blocks move, as the motion has not settled: the {of} may be lower")  # fmt: skip
-    if bonds.sooner is not None:
+    if bonds.sooner is not None and as_kept:
+        yield Notice("W494", "were the cohesion gone already that the mechanism breaks as it begins, by blasting, "
+                     f"water or old movements, blocks would move in another way at {shown(bonds.sooner)}: strength "
+                     "that falls, or a load that grows, alone does not come to that")  # fmt: skip
+    elif bonds.sooner is not None:
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
     if bonds.finer is not None and bonds.finer_is_less:

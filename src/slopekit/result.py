@@ -185,8 +185,7 @@ class Result(Shown):
         if not judged or limit is None:
             return None
         _, value, rule = min(judged, key=lambda one: one[:2])
-        name = rule.name.partition(".")[2] or ("limit" if self.design.criterion == "limit" else "all_pairs_failed")
-        return (name, value) if value < limit * (1.0 - _SAME) else None
+        return (self.name_of(rule), value) if value < limit * (1.0 - _SAME) else None
 
     def judged(self, rule: Rule) -> bool:
         """Whether the result meets a rule; what stands without strength meets every least factor of safety.
@@ -200,6 +199,16 @@ class Result(Shown):
         if self.status == "not_converged" or self.agree is False:
             return False  # a number that the two methods dispute is no reason to accept
         return rule.met(self.value_of(rule))
+
+    def name_of(self, rule: Rule) -> str:
+        """The number that a rule judges: one of `fos`, or of `methods`, or residual.
+
+        A bare `fos` is the limit, and by the criterion of all pairs the lower of it and the factor of that.
+        """
+        _, _, name = rule.name.partition(".")
+        limit, pairs = self.fos.limit, self.fos.all_pairs_failed
+        by_pairs = self.design.criterion == "all-pairs" and (limit is None or pairs is None or pairs < limit)
+        return name or ("all_pairs_failed" if by_pairs else "limit")
 
     def value_of(self, rule: Rule) -> float | None:
         """The number that a rule judges, None where there is none."""
@@ -363,6 +372,14 @@ class Result(Shown):
             bolts = placed(self.design.bolts, shapes)
         return BlockScene(shapes, self.node_pairs, self.acting, velocity, order, factor, displacement, bolts)
 
+    def _rule(self, rule: Rule) -> dict[str, Any]:
+        """A rule with the number that it judged, null where there is none."""
+        value = self.value_of(rule)
+        name = None if value is None else self.name_of(rule)
+        if self.without_basal is not None and not self.without_basal.meets(rule):
+            name, value = "without_basal", self.without_basal.closed_form
+        return {"rule": str(rule), "met": self.judged(rule), "judged": name, "fos": json_of(value)}
+
     def _mechanism(self) -> dict[str, Any] | None:
         if self.findings is not None:
             blocks = self.findings.mechanisms[0].blocks if self.findings.mechanisms else ()
@@ -427,7 +444,7 @@ class Result(Shown):
             **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,
-            "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],
+            "rules": [self._rule(rule) for rule in self.design.rules],
             "geometry": json_of(self.geometry) | {"mass_t": self.mass_t},
             "forces_kn": json_of(self.forces),
             "model": json_of(self.model),

@@ -214,6 +214,8 @@ def test_slivers() -> None:
     assert patches.areas[~level].sum() == pytest.approx(2 * 200.0)
     with pytest.raises(GeometryError, match="E225"):
         cut_bench(BOX, found, min_volume=1e6)
+    with pytest.raises(GeometryError, match="E225 min_volume = 5000 m³ joins all 9 blocks into one, on no"):
+        cut_bench(BOX, found, min_volume=5000.0)  # of 6000: it was a block that falls, with no contact
 
 
 def test_slivers_that_choose() -> None:

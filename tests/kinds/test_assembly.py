@@ -304,6 +304,8 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "on 2 contacts: what it would do there, 1 % of the work" in both["W484"]
     bond = np.array([1.0, 0.0, 1.0])
     assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307", "W309"}
+    lost = "(1 of 1, with 33 % of the node pairs; open pairs of other contacts keep theirs): the factor of safety jumps"
+    assert lost in said(bond=bond)["W307"]
     assert "for 0.4 % of the elastic energy" in said(rounding=0.0042)["W502"]
     assert said(loads_last=True, carried=1.2).keys() == {"W361"}
     lost = said(loads_last=True, carried=0.4321, factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)

@@ -372,3 +372,54 @@ def test_a_block_that_ends_before_the_crest_has_no_worst_crack() -> None:
     assert sk.run(put(design, basal__height=-2)).fos.limit is not None
     with pytest.raises(DesignError, match="E459 no place of the crack"):
         sk.load(put(design, basal__height=-2, crack={"plane": "85/180", "distance": "worst"}))
+
+
+#: J1 and J2 mirror each other: their line plunges due south by atan(tan 80° cos 80°) = 44.6°, the face faces south.
+MIRRORED = put(
+    TROUGH, joints__J1__plane="80/100", joints__J2__plane="80/260", slope__face="70/180", slope__upper="5/180",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("dip", "locked"), [(30, True), (40, True), (47, False), (50, False)])
+def test_a_socket_that_closes_toward_the_face_is_no_block_that_could_fall(dip, locked) -> None:
+    """Its roof falls outward at 44.6°: a base that is flatter locks it, a steeper one lets it out, by both methods.
+
+    Without a crack behind it the rock between them goes on to the upper slope, or without end (Goodman & Shi).
+    """
+    steep = math.radians(80)
+    assert math.degrees(math.atan(math.tan(steep) * math.cos(steep))) == pytest.approx(44.6, 1e-2)
+    basal = {"plane": f"{dip}/180", "height": -3, "strength": "base"}
+    design = put(MIRRORED, basal=basal, crack={"plane": "85/180", "distance": "3 m"})
+    if not locked:
+        assert sk.run(design).status != "no_driving_force"
+        return
+    for analysed in (sk.run, lambda given: closed_form(sk.load(given))):
+        with pytest.raises(GeometryError, match="E232") as error:
+            analysed(design)
+        assert error.value.exit_code == 3
+    with pytest.raises(GeometryError, match="E232 the block cannot leave the slope") as error:
+        sk.run(design)
+    assert error.value.faults[0].advice.endswith("as the height of the basal joint is -3 m: was 3 m meant?")
+    swept = sk.sweep(sk.load(design), {"basal.height": [-3.0, 3.0]}, methods="closed-form")
+    assert [point.code for point in swept.points] == ["E232", ""]
+
+
+def test_a_socket_asks_whether_its_height_was_meant() -> None:
+    """It stands, and no strength is called on: the sheet says that its rule is met without a number."""
+    basal = {"plane": "30/180", "height": -3, "strength": "base"}
+    found = sk.run(put(MIRRORED, basal=basal, acceptance={"rules": ["fos >= 1.3"]}))
+    assert (found.status, found.accepted) == ("no_driving_force", True)
+    said = " ".join(str(found).split())
+    assert "W411 a socket wedge: basal.height is -3 m, so it lies under J1 and J2" in said
+    assert "(is 3 m meant?)" in said
+    assert "fos >= 1.3 (limit): MET (it stands without any strength: there is no factor to judge)" in said
+
+
+def test_the_height_of_the_slope_is_told_from_that_of_the_block() -> None:
+    """The block above a basal joint is lower than its slope: `height 20 m (total 16.7 m)` read like a contradiction."""
+    found = sk.run(path_of("wedge-basal"))
+    corners = found.scene.shapes.solids.vertices[:, 2]
+    size = next(line for line in str(found).splitlines() if line.startswith("SIZE"))
+    assert f"height 20 m from toe to crest, the block itself {np.ptp(corners):.6g} m  volume" in size
+    whole = str(sk.run(path_of("wedge"))).partition("SIZE")[2]
+    assert whole.split("\n")[0].lstrip().startswith("height 64.89 m (total 100.01")

@@ -1,6 +1,7 @@
 """Bonds of many blocks: rounds of limits against histories in which bonds break, and what the rounds do by hand."""
 
 import math
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -13,6 +14,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
 from slopekit.geometry.patches import BEDROCK
+from slopekit.notices import Bonds, bond_notices
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import NEAR_RUNNING, fall
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
@@ -71,8 +73,25 @@ def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bond
     assert [found.judged(rule) for rule in found.design.rules] == [True, False]
     said = " ".join(str(found).split())
     assert "MET, but not with any forces locked in or other cohesion left (W494: down to 2.21" in said
-    assert "W494 with other cohesion left than at the limit a motion would begin at 2.21" in said
+    assert "W494 were the cohesion gone already that the mechanism breaks as it begins, by blasting" in said
+    assert "blocks would move in another way at 2.21" in said
+    assert "without it blocks would move" not in said  # W484 leaves that to W494
     assert "or others with other cohesion left (W494)" in said
+
+
+@pytest.mark.parametrize(("without", "sooner", "in_w484", "in_w494"), [
+    (0.9, 0.9, False, "gone already that the mechanism breaks as it begins"),
+    (0.9, 0.8, True, "with other cohesion left"),
+    (0.9, None, True, None), (None, 0.8, False, "with other cohesion left"),
+])  # fmt: skip
+def test_a_number_stands_in_one_notice_with_one_meaning(without, sooner, in_w484, in_w494) -> None:
+    """Without the bonds that W484 keeps: where that round is the one that moves first, W494 alone has its number."""
+    bonds = Bonds(0.0, kept=2, share=0.03, without=without, sooner=sooner)
+    said = {notice.code: notice.message for notice in bond_notices(bonds, "{:.4f}".format, "factor of safety")}
+    assert ("(without it blocks would move at 0.9000)" in said["W484"]) == in_w484
+    assert (in_w494 in said["W494"]) if in_w494 else "W494" not in said
+    numbers = [number for message in said.values() for number in re.findall(r"0\.[89]000", message)]
+    assert len(numbers) == len(set(numbers))
 
 
 def test_the_lowest_factor_knows_of_blocks_that_do_not_fail_first() -> None:

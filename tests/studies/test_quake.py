@@ -604,3 +604,27 @@ def test_a_plain_wedge_loads_nothing_of_it() -> None:
         "print([name for name in sys.modules if 'quake' in name])"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_a_displacement_of_kilometres_is_refused() -> None:
+    """Every record of such at once, with the peak velocity of the ground that it would need: 0.5 g for 300 s."""
+    pulses = ["rectangular:0.5g,300s", "rectangular:0.5g,0.3s", "rectangular:0.4g,500s"]
+    with pytest.raises(sk.DesignError) as error:
+        sk.quake(sk.load(WEDGE), pulses)
+    assert error.value.codes == ("E524", "E524")
+    first = error.value.faults[0].message
+    assert first.startswith("rectangular:0.5g,300s: a displacement of ")
+    assert f"with a peak velocity of the ground of {0.5 * 9.80665 * 300.0:.3g} m/s" in first
+    assert "hardly stands" not in str(error.value)
+
+
+def test_a_slope_that_hardly_stands_is_named_as_the_reason() -> None:
+    """At k_y = tan(φ - β) = 1e-6 it slides on for v² / 2 k g: kilometres, in a record that is right."""
+    phi = 35.0 + math.degrees(1e-6)
+    weak = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": phi}}})
+    with pytest.raises(sk.DesignError, match=r"E524 north: a displacement of .* km is none of an earthquake") as error:
+        sk.quake(weak, record_of("north", *_sine(50, 0.1 * G)))
+    assert error.value.faults[0].advice.startswith("The slope hardly stands")
+    stands = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": 35.0 + math.degrees(1e-4)}}})
+    far = sk.quake(stands, record_of("north", *_sine(50, 0.1 * G)))
+    assert 10.0 < far.shaken[0].larger_m < 1000.0

@@ -115,13 +115,33 @@ def test_the_unit_may_be_given(tmp_path) -> None:
         read_records(["sine:0.5g,1Hz"], "feet")
 
 
-@pytest.mark.parametrize(("points", "codes"), [("NPTS= 200, DT= 20.0 SEC", ["W497"]), ("NPTS= 200, DT= .1 SEC", [])])
-def test_times_that_may_be_in_milliseconds_are_said(tmp_path, points, codes) -> None:
+@pytest.mark.parametrize(("points", "codes"), [("NPTS= 200, DT= 1.0 SEC", ["W497"]), ("NPTS= 200, DT= .1 SEC", [])])
+def test_steps_longer_than_those_of_records_are_said(tmp_path, points, codes) -> None:
     path = tmp_path / "north.AT2"
     path.write_text(_at2(points=points), encoding="utf-8")
     record = read_record(path)
     assert [one.code for one in record.notices] == codes
-    assert all("the time step is 20 s" in one.message for one in record.notices)
+    assert all("the time step is 1 s" in one.message for one in record.notices)
+
+
+@pytest.mark.parametrize(("step", "samples", "refused"), [
+    (20.0, 200, True), (5.0, 21, True), (1.01, 4000, True), (1.0, 4000, True), (0.5, 40_000, True),  # ms, of 2 kHz last
+    (1.0, 600, False), (0.001, 600_001, False), (2.0, 5, False), (0.02, 100_000, False),  # 1 Hz, 1 kHz, ten minutes
+])  # fmt: skip
+def test_times_in_milliseconds_under_a_head_of_seconds_are_refused(tmp_path, step, samples, refused) -> None:
+    """Displacements of 181 km came of them; what instruments write and what is drawn by hand is read as it is."""
+    values = 0.1 * np.sin(np.arange(samples))
+    if not refused:
+        assert record_of("made", step * np.arange(samples), values, "g").duration_s == pytest.approx(
+            step * (samples - 1)
+        )
+        return
+    path = tmp_path / "north.csv"
+    lines = "".join(f"{step * k:.6g},{value:.6f}\n" for k, value in enumerate(values))
+    path.write_text(f"time (s),acceleration (g)\n{lines}", encoding="utf-8")
+    with pytest.raises(sk.DesignError, match=f"E514 north.csv: the time step is {step:g} s and it lasts") as error:
+        read_record(path)
+    assert error.value.faults[0].advice.startswith(f"Times in ms are written in s, {step * 1e-3:g} s apart; numbers of")
 
 
 def test_a_file_whose_name_is_like_a_pulse_is_a_file(tmp_path, monkeypatch) -> None:

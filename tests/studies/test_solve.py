@@ -259,7 +259,7 @@ def test_a_jump_beside_a_root_is_told() -> None:
     """A root, and further on a jump across the same target: the slope is on the other side of it there."""
     found = solved("wedge", "strength.weak.c", 1.3)
     for how, says in (("jump", "also jumps across 1.3 at 70 kPa: 1.4 below, 1.1 above"),
-                      ("gap", "also passes (where the input is refused) 1.3")):  # fmt: skip
+                      ("gap", "also passes (where there is no factor) 1.3")):  # fmt: skip
         other = replace(found.answer, how=how, value=70.0, bracket=((70.0, 1.4), (70.1, 1.1)))
         (notice,) = notices(replace(found, pre_ie=replace(found.pre_ie, others=(other,))))
         assert notice.code == "W358"

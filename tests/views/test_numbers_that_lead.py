@@ -187,3 +187,42 @@ def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -
         [factor_text(third.fos).strip(), "1", "B2"],
     ]
     assert "at once: 1 slides (B1)" in str(result)
+
+
+@pytest.mark.parametrize(("rules", "limit", "pairs", "criterion", "said", "judged"), [
+    ("fos >= 1.5", 1.5574, None, "limit", "(limit 1.5574): MET", ("limit", 1.5574)),
+    ("fos >= 1.5", 1.5574, 1.5489, "all-pairs", "(all pairs failed 1.5489, no higher than the limit): MET",
+     ("all_pairs_failed", 1.5489)),
+    ("fos >= 1.5", 1.52, 1.5489, "all-pairs", "(limit 1.5200, no higher than the factor of all pairs): MET",
+     ("limit", 1.52)),
+    ("fos >= 1.5", 1.52, None, "all-pairs", "(all-pairs): NOT MET (there is no such number here)", (None, None)),
+    ("fos.closed_form >= 1.5", 1.2, None, "limit", "(1.5571): MET", ("closed_form", 1.5571)),
+    ("fos >= 1.5", 1.49999996, None, "limit", "(limit 1.49999996): NOT MET", ("limit", 1.49999996)),
+])  # fmt: skip
+def test_a_rule_says_which_number_it_judged(rules, limit, pairs, criterion, said, judged) -> None:
+    """By name and value, on the sheet and in JSON; in as many digits as show on which side of the rule it lies."""
+    found = sk.run(path_of("paper-wedge"), set={"acceptance.rules": [rules], "analysis.criterion": criterion})
+    found = replace(found, fos=replace(found.fos, limit=limit, closed_form=1.5571, all_pairs_failed=pairs))
+    (line,) = [line for line in str(found).splitlines() if line.startswith("ACCEPT")]
+    assert line == f"ACCEPT    {rules} {said}"
+    (rule,) = found.to_dict()["rules"]
+    assert (rule["judged"], rule["fos"]) == judged
+
+
+def test_a_rule_on_many_blocks_says_how_large_its_mechanism_is() -> None:
+    found = sk.run(path_of("topple"), set={"acceptance.rules": ["fos >= 1.2", "fos.lowest >= 1.2"]})
+    first, lowest = found.findings.mechanisms[0].size.volume_m3, f"{found.fos.lowest:.4f}"
+    lines = str(found).splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith("ACCEPT"))
+    of_first = f"fos >= 1.2 (limit {found.fos.limit:.4f} of what fails first, {first:.4g} m³)"
+    assert lines[at : at + 2] == [
+        f"ACCEPT    {of_first}: MET, by the lowest {lowest} too",
+        f"{'':10}fos.lowest >= 1.2 ({lowest}): MET",
+    ]
+
+
+def test_what_nothing_drives_meets_a_rule_without_a_number_and_says_so() -> None:
+    found = sk.run(path_of("paper-wedge"), set={"acceptance.rules": ["fos >= 1.5"]})
+    found = replace(found, status="no_driving_force", fos=replace(found.fos, limit=None, all_pairs_failed=None))
+    assert "fos >= 1.5 (all-pairs): MET (it stands without any strength: there is no factor to judge)" in str(found)
+    assert found.to_dict()["rules"] == [{"rule": "fos >= 1.5", "met": True, "judged": None, "fos": None}]

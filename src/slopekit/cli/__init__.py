@@ -20,7 +20,7 @@ try:
     from typer.core import TyperGroup
 
     from slopekit._version import __version__
-    from slopekit.cli.common import print_faults
+    from slopekit.cli.common import print_faults, repeats
     from slopekit.core.errors import DesignError, Fault, SlopekitError
     from slopekit.studies.protocol import STUDIES
 except ModuleNotFoundError as error:
@@ -64,6 +64,8 @@ class _Commands(TyperGroup):
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
             _refuse_swallowed(command.params, rest)
+            if name in _WRITTEN:  # the others say it with what else is wrong, once all is read
+                repeats(rest).refuse()
         return name, command, rest
 
 
@@ -106,25 +108,10 @@ def _slopekit(
     """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
 
 
-#: Two spellings of one option.
-_SPELLINGS = {"--accept-fos": "--accept", "--accept-pf": "--accept", "--target": "--fos"}
-
-
 def _refuse_no_output() -> None:
     """Refuse a shell's `>&-`, under which everything would be worked out and nothing said."""
     if cast(object, sys.stdout) is None:
         raise DesignError([Fault("E129", "the output cannot be written: it is closed", "stdout", "Try > /dev/null.")])
-
-
-def _refuse_repeats(arguments: list[str]) -> None:
-    """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
-    given = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
-    names = [_SPELLINGS.get(name, name) for name in given]
-    twice = sorted(
-        {name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--limit", "--set", "--project"}
-    )
-    if twice:
-        raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
 
 
 def _refuse_swallowed(declared: Iterable[Any], arguments: Sequence[str]) -> None:
@@ -154,9 +141,10 @@ def main() -> NoReturn:
     atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
         _refuse_no_output()
-        _refuse_repeats(sys.argv[1:])
         code = app(standalone_mode=False)
     except SlopekitError as error:
+        if isinstance(error, DesignError):
+            error = _with_repeats(error)
         print_faults(error)
         sys.exit(error.exit_code)
     except typer.Abort:
@@ -165,7 +153,7 @@ def main() -> NoReturn:
         if type(error).__name__ == "NoArgsIsHelpError":  # nothing was asked for: the help, as it is
             typer.echo(_said(error), err=True)
             sys.exit(2)
-        wrong = DesignError([Fault("E100", _said(error), "", _advice(sys.argv[1:]))])
+        wrong = _with_repeats(DesignError([Fault("E100", _said(error), "", _advice(sys.argv[1:]))]))
         print_faults(wrong)
         sys.exit(wrong.exit_code)
     except ModuleNotFoundError as error:
@@ -188,6 +176,12 @@ def main() -> NoReturn:
     except Exception as error:
         _say_bug(error)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _with_repeats(error: DesignError) -> DesignError:
+    """The same with the options that are given twice, where what is wrong came up before they were said."""
+    twice = [fault for fault in repeats(sys.argv[1:]) if fault not in error.faults]
+    return DesignError([*twice, *error.faults]) if twice else error
 
 
 def start() -> NoReturn:

@@ -1,7 +1,9 @@
 """What the commands share: options, reading a design, folders, faults as text or JSON."""
 
 import os
+import re
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -23,8 +25,20 @@ QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
 FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt, bolts.csv and pictures (extra: plot).")
 SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
 CASE = typer.Option("--case", help="One load case of the design, by name [all of them].", metavar="NAME")
+#: Two spellings of one option; options that are repeated for more.
+_SPELLINGS = {"--accept-fos": "--accept", "--accept-pf": "--accept", "--target": "--fos"}
+_OPTION = re.compile(r"--|-[a-z]$")  # no negative number
+_FOR_MORE = {"--force", "--bolt", "--limit", "--set", "--project"}
 _HANG = " " * 5  # what stands below the first line of a fault
 FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
+
+
+def repeats(arguments: Sequence[str]) -> Faults:
+    """Options that take one value and are given twice, of which the parser would let the last one win."""
+    given = [argument.partition("=")[0] for argument in arguments if _OPTION.match(argument)]
+    names = [_SPELLINGS.get(name, name) for name in given]
+    twice = sorted({name for name in names if names.count(name) > 1} - _FOR_MORE)
+    return Faults(Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice)
 
 
 def load_design(design: str, sets: list[str] | None, case: str | None = None) -> "Design":

@@ -1,4 +1,4 @@
-"""Progress on stderr, only where that is a terminal, and not with --json or --quiet: bars, and the stage of one run."""
+"""Progress on stderr, not with --json or --quiet: on a terminal bars and the stage of a run, else a line at times."""
 
 import os
 import sys
@@ -15,6 +15,7 @@ from slopekit.core.onlooker import onlooker
 Advance = Callable[[int], None]
 _SILENT = ("--json", "--quiet")
 _FIRST_S, _EVERY_S = 1.0, 0.2  # what is shorter shows nothing; how often the time is written anew
+_LINE_S, _RARELY_S = 5.0, 60.0  # no terminal: the first line, and twice the time to each, to
 _STILL_S = 2.0  # a bar that has not moved for so long says how long it has taken, and at what it is
 _WIDE, _BESIDE = 24, 28  # columns of a bar, and of brackets, part, time to come (with days) and gaps beside it
 _GUESSED = ("evaluations", "probabilities")  # what begins so has a total that is guessed: no time to come is told by it
@@ -45,11 +46,36 @@ class _ProgressBar:
 _BARS: list[_ProgressBar] = []  # the last has the line of the terminal
 
 
+class _Count:
+    """What a bar would show, in words."""
+
+    def __init__(self, label: str, total: int) -> None:
+        self.label, self.total, self.done = label, total, 0
+
+    def advance(self, by: int) -> None:
+        """Move on."""
+        self.done += by
+
+    def __str__(self) -> str:
+        of = "" if self.label.startswith(_GUESSED) else f" of {self.total}"
+        return f"{self.label}: {self.done}{of}"
+
+
+_COUNTS: list[_Count] = []
+
+
 @contextmanager
 def progress(label: str, total: int) -> Iterator[Advance]:
-    """A bar that is moved on by so many of `total`; nothing is shown where stderr is no terminal."""
-    if not _shown() or total < 2:
+    """A bar that is moved on by so many of `total`; where stderr is no terminal the lines there say how many."""
+    if _is_silent() or total < 2:
         yield lambda _: None
+        return
+    if not sys.stderr.isatty():
+        _COUNTS.append(_Count(label, total))
+        try:
+            yield _COUNTS[-1].advance
+        finally:
+            _COUNTS.pop()
         return
     with typer.progressbar(
         length=total,
@@ -72,12 +98,13 @@ def progress(label: str, total: int) -> Iterator[Advance]:
 def watched(stage: str = "") -> Iterator[None]:
     """A line with the time and the stage of what runs within, from its second second on; it is wiped at the end.
 
-    While a bar is shown the line is silent; a bar that stands still says the same.
+    While a bar is shown the line is silent; a bar that stands still says the same. Where stderr is no terminal, whole
+    lines say it, from five seconds on and ever more rarely.
     """
-    if not _shown():
+    if _is_silent():
         yield
         return
-    line = _Line(sys.stderr, stage)
+    line = (_Line if sys.stderr.isatty() else _Lines)(sys.stderr, stage)
     with onlooker(line.hear):
         thread = threading.Thread(target=line.tick, daemon=True)
         thread.start()
@@ -101,8 +128,8 @@ def aside() -> Iterator[None]:
         yield
 
 
-def _shown() -> bool:
-    return sys.stderr is not None and sys.stderr.isatty() and not any(word in sys.argv[1:] for word in _SILENT)
+def _is_silent() -> bool:
+    return sys.stderr is None or any(word in sys.argv[1:] for word in _SILENT)
 
 
 class _Line:
@@ -161,3 +188,20 @@ class _Line:
             self.to.flush()
         except OSError:  # the terminal is gone: the numbers are not
             self.over.set()
+
+
+class _Lines(_Line):
+    """The same for a file or a pipe, in which every line stays."""
+
+    def text(self) -> str:
+        """With what a bar would show."""
+        counts = [str(count) for count in _COUNTS[-1:]]
+        return "   ".join([super().text().strip(), *counts])
+
+    def tick(self) -> None:
+        """Write a line, and the next after twice the time, until it is over."""
+        pause = _LINE_S
+        while not self.over.wait(pause):
+            with self.lock:
+                self._write(f"{self.text()}\n")
+            pause = min(2.0 * pause, _RARELY_S)

@@ -1,6 +1,7 @@
 """A command made of its function, of a result or a study: options, one driver for files, printing, pictures, exit."""
 
 import inspect
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
@@ -19,6 +20,7 @@ from slopekit.cli.common import (
     json_text,
     load_design,
     print_faults,
+    repeats,
     write,
 )
 from slopekit.cli.progress import aside, progress, watched
@@ -145,22 +147,27 @@ def _help_of(function: Callable[..., Any]) -> str:
 
 def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str) -> None:
     """Read what was given, call the function, write and print and draw what it comes to, leave with its exit code."""
-    folder = None if given["output"] is None else folder_of(Path(given["output"]))
-    image = results.scene_of(given["picture"]) if "no_pictures" in given else checked_image(given.get("picture"))
+    faults, folder, image = repeats(sys.argv[1:]), None, None
+    is_twice = bool(faults)
+    if given["output"] is not None:
+        folder = faults.of(folder_of, Path(given["output"]))
+    image = faults.of(results.scene_of if "no_pictures" in given else checked_image, given.get("picture"))
     values, taken = dict[str, Any](), {*_ORDER, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():
-        value, names = _value(key, parameter, given)
-        taken |= names
-        if value is not None:
+        taken |= _names(key, parameter)
+        if (value := faults.of(_value, key, parameter, given)) is not None:
             values[key] = value
     for name in given:
         if given[name] not in (None, False, []) and name not in taken:
             option = "--" + name.replace("_", "-")
-            raise DesignError([Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out.")])
+            faults.append(Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out."))
     if "desk" in parameters:
         flags = {key: _flag(key, how) for key, one in parameters.items() if isinstance(how := given_by(one), Option)}
         values["desk"] = Workplace(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
+    if is_twice and function is api.wedge:
+        faults.of(api.design_of_wedge, values)
+    faults.refuse()
     with watched():
         outcome = function(**values)
         _deliver(outcome, folder, image, given)
@@ -184,26 +191,35 @@ def _check_design(
         raise DesignError([Fault("E271", message)])
 
 
-def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> tuple[Any, set[str]]:
-    """What a parameter of the study is given, None where that is left to it; and the names it was given by."""
+def _names(key: str, parameter: inspect.Parameter) -> set[str]:
+    """The names by which a command line gives a parameter."""
     how = given_by(parameter)
     if how is None:
-        return None, set()
+        return set()
+    flags = {_name(flag) for flag in how.choices} if isinstance(how, Option) else set()
+    return flags or {getattr(how, "called", "") or key}
+
+
+def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> Any:
+    """What a parameter of the study is given, None where that is left to it."""
+    how = given_by(parameter)
+    if how is None:
+        return None
     if isinstance(how, Option) and how.choices:
         chosen = [flag for flag in how.choices if given[_name(flag)]]
         if len(chosen) > 1:
             raise DesignError([Fault("E313", f"{' and '.join(chosen)} exclude each other", "", "Leave both out.")])
-        return (how.choices[chosen[0]][0] if chosen else None), {_name(flag) for flag in how.choices}
+        return how.choices[chosen[0]][0] if chosen else None
     key = getattr(how, "called", "") or key
     text = given[key]
     if how == DESIGN:
         with watched("reading"):
-            return load_design(text, given.get("sets"), given.get("case")), {key}
+            return load_design(text, given.get("sets"), given.get("case"))
     if isinstance(how, Argument) and how.many:
-        return how.reads(text or [], key), {key}
+        return how.reads(text or [], key)
     if text is None or isinstance(text, bool):
-        return text or None, {key}
-    return how.reads(text, how.metavar if isinstance(how, Argument) else _flag(key, how)), {key}
+        return text or None
+    return how.reads(text, how.metavar if isinstance(how, Argument) else _flag(key, how))
 
 
 def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Mapping[str, Any]) -> None:

@@ -47,6 +47,7 @@ from slopekit.core.records import dataclass
 OUTCOMES: Final = (
     "slides_on_J1_and_J2", *STATUSES[1:], "slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal",
     "E434", "E206", "E209", "E441", "E443", "E442", "E440", "E444", "E207",
+    "E232",
 )  # fmt: skip
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
 _REFUSED: Final = _NUMBER["E434"]
@@ -205,11 +206,23 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
         depth = np.where(on, np.maximum(*deep), 0.0).max(axis=0)
     none = areas <= _NONE * areas.sum(axis=0)
     block_code = _last_of(
+        (~_leaves(inward, none), "E232"),
         (none[_CRACK] if len(names) > _CRACK else np.zeros(count, dtype=np.bool_), "E207"),
         (none[_J1] | none[_J2], "E444"), (none[_BASAL], "E440"), (none[_FACE], "E442"), (edges.endless, "E443"),
         (~edges.endless & ~(volume > 0.0), "E441"),
     )  # fmt: skip
     return _ConvexBlock(inward, areas, volume, height, depth, np.where(code, code, block_code))
+
+
+def _leaves(inward: Vector, none: Bools) -> Bools:
+    """Whether a movement that the joints allow leads out of a free face that a block has, (m,), as in `rock.basal`."""
+    leaves = np.zeros(none.shape[1], dtype=np.bool_)
+    for one, other, third in ((_J1, _J2, _BASAL), (_J1, _BASAL, _J2), (_J2, _BASAL, _J1)):
+        line = cross(rows(inward, one), rows(inward, other))
+        edge = times(line, np.copysign(1.0, dot(line, rows(inward, third))))
+        for free in (_FACE, _UPPER):
+            leaves |= ~none[free] & (dot(edge, rows(inward, free)) < -SAME_DIRECTION)
+    return leaves
 
 
 def _last_of(*rules: tuple[Bools, str]) -> Codes:

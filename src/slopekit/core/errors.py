@@ -57,7 +57,7 @@ class SlopekitError(Exception):
     ----------
     faults : in the order in which they were found
     codes : of each
-    exit_code : what a command ends with: 2 bad input, 3 no block, 5 a bug of ours
+    exit_code : what a command ends with: 2 bad input, 3 no block, 4 no convergence, 5 a bug of ours
 
     Examples
     --------
@@ -127,6 +127,18 @@ class MisfitError(GeometryError):
     """
 
     exit_code = 2
+
+
+class NoConvergenceError(DesignError):
+    """The input is sound, and what a study needs of it first was not found: PRE-IE did not converge. Exit code 4.
+
+    Examples
+    --------
+    >>> NoConvergenceError([Fault("E520", "the design has no factor of safety without an earthquake")]).exit_code
+    4
+    """
+
+    exit_code = 4
 
 
 class SolverError(SlopekitError):

@@ -39,7 +39,14 @@ from slopekit.kinds.single_block.closed_forms import (
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of
 from slopekit.kinds.single_block.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
-from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import (
+    heights_in_words,
+    loads_part,
+    size_number,
+    size_part,
+    strength_in_words,
+    water_in_words,
+)
 from slopekit.loads import Hull, Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.result import Result, Words
@@ -507,8 +514,7 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
         where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
         entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{design.crack_in_words}")
     yield sheet.Section("PLANES", entries)
-    total = size_number(geometry.total_height_m)
-    yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)", " per metre")
+    yield size_part(result, heights_in_words(design.height_m, geometry.total_height_m), " per metre")
     crack = design.crack.water_m if design.crack is not None else None
     in_crack = [f"water {crack:.4g} m deep in the crack, falling to nothing at the toe"] if crack else []
     own = design.ground_in_words()

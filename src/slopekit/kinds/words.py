@@ -25,6 +25,7 @@ WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
 _NUMBERS = r"([0-9]+)"
 _FEW_BOLTS = 6
 _FEW_TRACES = 6
+_SAME_HEIGHT = 1e-6  # of a height, which files give in as many digits
 
 T = TypeVar("T")
 
@@ -87,6 +88,18 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
 # -- one design ----------------------------------------------------------------------------------------------------
 
 
+def heights_in_words(height_m: float, total_m: float) -> str:
+    """The height of a slope and that of its block from its lowest to its highest point, which a basal joint shortens.
+
+    >>> heights_in_words(64.89, 100.01), heights_in_words(20.0, 16.6885)
+    ('height 64.89 m (total 100.01 m)', 'height 20 m from toe to crest, the block itself 16.6885 m')
+    """
+    height, total = size_number(height_m), size_number(total_m)
+    if total_m < height_m * (1.0 - _SAME_HEIGHT):
+        return f"height {height} m from toe to crest, the block itself {total} m"
+    return f"height {height} m (total {total} m)"
+
+
 def size_part(result: Result, heights: str, per: str = "") -> Section:
     """Height, volume and weight of one block; `per` stands behind the volume."""
     volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
@@ -115,6 +128,15 @@ def size_in_words(mass_t: float, sizes: Sizes | BlockSizes, per: str = "") -> st
     listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
     parts += [f"traces on face + upper slope {listed}"] if listed else []
     return "  ".join(parts)
+
+
+def mass_in_words(mass_t: float) -> str:
+    """A mass in t, of less than one in kg.
+
+    >>> mass_in_words(0.065), mass_in_words(112.04)
+    ('65 kg', '112 t')
+    """
+    return f"{_short(mass_t * 1e3)} kg" if mass_t < 1.0 else f"{_short(mass_t)} t"
 
 
 def _short(value: float) -> str:

@@ -22,6 +22,8 @@ Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 _NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name != "notes")
+#: The status where PRE-IE ended without a number that it would vouch for.
+UNSETTLED = "not_converged"
 #: The record of a task that kills every worker that takes it.
 GIVEN_UP: Record = [_BUG, "its worker died, three times"]
 
@@ -42,7 +44,7 @@ class Point:
     @property
     def is_in_doubt(self) -> bool:
         """Whether the methods disagree, or PRE-IE did not converge."""
-        return self.factors is not None and (self.factors.agree is False or self.factors.status == "not_converged")
+        return self.factors is not None and (self.factors.agree is False or status_of(self, "pre_ie") == UNSETTLED)
 
     def to_dict(self) -> dict[str, Any]:
         """What both methods say, as JSON values."""
@@ -106,7 +108,7 @@ def factor_at(point: Point, method: Method) -> float | None:
         return factor
     if status == "no_driving_force":
         return math.inf
-    open_ = status in ("not_converged", "") or (method == "pre_ie" and not factors.settled)
+    open_ = status in (UNSETTLED, "") or (method == "pre_ie" and not factors.settled)
     return None if open_ else 0.0
 
 
@@ -117,7 +119,7 @@ def status_of(point: Point, method: Method) -> str:
     if method == "closed_form":
         return point.factors.closed_status or ""
     unsettled = point.factors.limit is None and not point.factors.settled
-    return "not_converged" if unsettled else point.factors.status
+    return UNSETTLED if unsettled else point.factors.status
 
 
 def point_from_record(record: Mapping[str, Any]) -> Point:

@@ -12,6 +12,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.geometry.rock.cutting import Block, half_spaces_cut
 from slopekit.geometry.rock.rockmass import traces_of
@@ -106,7 +107,7 @@ def cut_basal_wedge(rock: BasalRockMass) -> Block:
     ------
     GeometryError
         E441 nothing lies above the basal joint, E443 no closed block, E442 the block has no part of the face, E440 the
-        basal joint does not bound it, E444 J1 or J2 does not, E207 the crack does not.
+        basal joint does not bound it, E444 J1 or J2 does not, E207 the crack does not, E232 the block cannot leave.
     """
     for plane, name in ((J1, "J1"), (J2, "J2")):
         sine = cross(rock.outward[plane], rock.outward[BASAL])
@@ -142,7 +143,27 @@ def cut_basal_wedge(rock: BasalRockMass) -> Block:
         message = "the crack does not bound the block above the basal joint"
         advice = "It passes behind the block, or in front of it: leave it out or move it."
         raise GeometryError([Fault("E207", message, "", advice)])
+    if not _leaves(rock, [plane for plane in (FACE, UPPER) if plane not in missing]):
+        message = "the block cannot leave the slope: its joints let it move into the rock behind the crack alone"
+        height = float(rock.basal_at[2])
+        shown, meant = (number(float(f"{size:.6g}")) for size in (height, -height))
+        advice = f"It lies under J1 and J2, as the height of the basal joint is {shown} m: was {meant} m meant?"
+        raise GeometryError([Fault("E232", message, "", advice)])
     return block
+
+
+def _leaves(rock: BasalRockMass, free: list[int]) -> bool:
+    """Whether a movement that opens no joint the wrong way leads out of a free face of the block.
+
+    The movements fill the cone n·s >= 0 of the normals into the block, whose edges are the lines of two joints.
+    """
+    inward = {plane: -rock.outward[plane] for plane in (J1, J2, BASAL)}
+    for one, other, third in ((J1, J2, BASAL), (J1, BASAL, J2), (J2, BASAL, J1)):
+        line = cross(inward[one], inward[other])
+        edge = line * math.copysign(1.0, float(line @ inward[third]))
+        if any(float(edge @ rock.outward[plane]) > SAME_DIRECTION for plane in free):
+            return True
+    return False
 
 
 def _corners(rock: BasalRockMass) -> Floats:

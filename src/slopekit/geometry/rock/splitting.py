@@ -278,6 +278,9 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     if joined.count == 0:
         message = f"the bench has {body_volume * half**3:.4g} m³, less than min_volume = {min_volume:.4g} m³"
         raise GeometryError([Fault("E225", message)])
+    if joined.count == 1 and joined.joined:
+        message = f"min_volume = {min_volume:.4g} m³ joins all {len(cells.volumes)} blocks into one, on no joint"
+        raise GeometryError([Fault("E225", message, "", "It is the volume of slivers: 0.01 m3.")])
     where = (middle, half)
     patches = _patches(soup, faces, below, other[below], joined.block, planes.joint, normals, where)
     assembly = _assembly(soup, cells, faces, other, joined, patches, where)

@@ -19,7 +19,13 @@ from slopekit.design.reading.reader import Reader
 from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
-from slopekit.kinds.assemblies.many_blocks_notices import bonds_of, notices_of, said_of_bonds, without_turning
+from slopekit.kinds.assemblies.many_blocks_notices import (
+    bonds_of,
+    notices_of,
+    said_of_bonds,
+    said_of_size,
+    without_turning,
+)
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.assemblies.many_blocks_states import (
     assembly_arrows,
@@ -149,7 +155,7 @@ def kind_of_many_blocks(
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(reached, status, closed, design.agree_within)
-        notes = tuple(said_of_bonds(ravelling.failures[0])) if factor else ()
+        notes = (*said_of_size(design, scene, ravelling), *said_of_bonds(ravelling.failures[0])) if factor else ()
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
 
     def ladder(design: A) -> "Ladder":

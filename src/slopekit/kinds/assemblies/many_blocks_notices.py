@@ -9,7 +9,7 @@ from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
-from slopekit.kinds.words import many_times
+from slopekit.kinds.words import many_times, mass_in_words, size_number
 from slopekit.notices import (
     SQUARE,
     Bonds,
@@ -28,6 +28,9 @@ from slopekit.preie.tolerances import SAME_FACTOR
 
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
+_SMALL = 0.01  # of the volume that can move: the factor of less says little of the slope
+_BOULDER_M3 = 1.0  # a piece that may be left to its neighbours; a larger one is a failure of its own
+_FEW = 3  # mechanisms, of which one is mostly larger
 
 
 def notices_of(
@@ -45,6 +48,7 @@ def notices_of(
     if not mechanisms:
         return
     first, limit = mechanisms[0], ravelling.failures[0].limit
+    yield from said_of_size(design, scene, ravelling)
     yield from headless_notices(design)
     if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
         yield undrawn_notice()
@@ -90,6 +94,36 @@ def notices_of(
     yield from said_of_bonds(ravelling.failures[0])
 
 
+def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling) -> Iterator[Notice]:
+    """W503: the factor is that of a small part of what can move, and how to come to larger ones."""
+    assembly, first = scene.assembly, ravelling.failures[0]
+    whole = float(assembly.volumes[~assembly.fixed].sum())
+    volumes = [float(assembly.volumes[failure.blocks].sum()) for failure in ravelling.failures]
+    small = volumes[0]
+    if not first.limit.factor or small >= _SMALL * whole:
+        return
+    weight_kn = float(assembly.volumes[first.blocks] @ scene.unit_weights[first.blocks])
+    mass = f" ({mass_in_words(weight_kn / design.gravity_m_s2)})" if weight_kn else ""
+    share = f"{max(small / whole * 100.0, 0.001):.2g} %"
+    larger = next((k for k, volume in enumerate(volumes) if volume >= _SMALL * whole), None)
+    more = ""
+    if larger is not None:
+        factor = ravelling.failures[larger].limit.factor
+        has = "no number" if factor is None else f"{factor:.4f}"
+        more = f"; the first larger one under NEXT, n {larger + 1}, has {has}, those before it taken away"
+    elif ravelling.ended == "count":
+        more = f"; analysis.mechanisms: {max(_FEW, 2 * design.mechanisms)} goes on to what fails after it"
+    if getattr(design, "min_volume_m3", None) is not None and small < _BOULDER_M3:
+        more += f"; a cut.min_volume above {_four(small)} m3 joins such pieces to their neighbours"
+    yield Notice("W503", f"the factor of safety is that of {_four(small)} m³{mass}, {share} of the {_four(whole)} m³ "
+                 f"that can move{more}")  # fmt: skip
+
+
+def _four(volume: float) -> str:
+    """Four digits."""
+    return size_number(float(f"{volume:.4g}"))
+
+
 def without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
     """The factor at which a block would slide without turning, where that is lower than the limit of its motion.
 
@@ -122,13 +156,16 @@ def said_of_bonds(failure: Failure) -> Iterator[Notice]:
 
 def bonds_of(failure: Failure) -> Bonds:
     """What the limit of a mechanism says of cohesion; without a factor what is lost alone."""
-    limit, joints = failure.limit, failure.parts[0].model.joint_pairs
-    lost = float((limit.bond[joints] == 0.0).mean()) if limit.bond[joints].size else 0.0
+    limit, model = failure.limit, failure.parts[0].model
+    joints = model.joint_pairs
+    gone, of = limit.bond[joints] == 0.0, model.pair_contact[joints]
+    lost = float(gone.mean()) if gone.size else 0.0
+    contacts = len(np.unique(of[gone])), len(np.unique(of[(model.cohesion[joints] > 0.0) | gone]))
     if not limit.factor:
-        return Bonds(lost, limit.bonded, entire=limit.entire)
+        return Bonds(lost, limit.bonded, entire=limit.entire, contacts=contacts)
     return Bonds(
         lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
-        limit.finer, limit.finer_is_less, limit.unrefined, limit.entire,
+        limit.finer, limit.finer_is_less, limit.unrefined, limit.entire, contacts,
     )  # fmt: skip
 
 

@@ -53,7 +53,7 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("ACCEPT", shared.accept(result))
     yield Section("MOVES", _moves(result, first))
-    yield Section("NEXT", _next(result, findings, order), hang=32)
+    yield Section("NEXT", _next(result, findings, order), hang=43)
     yield Section("BY BLOCK", _by_block(findings, order))
     yield Section("TABLE", toppling_rows(result, findings.table))
     yield Section("METHODS", shared.methods(result))
@@ -217,8 +217,9 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
     if not by_mode:
         return []
     verbs = {"stick": "stick", "slip": "slip", "open": "are open"}
+    open_ = " (they carry nothing, or part)" if by_mode.get("open") else ""
     parts = [f"{count} {verbs.get(mode, mode)}" for mode, count in by_mode.items()]
-    return [f"of {sum(by_mode.values())} node pairs " + ", ".join(parts)]
+    return [f"of {sum(by_mode.values())} node pairs " + ", ".join(parts) + open_]
 
 
 # -- what comes after -----------------------------------------------------------------------------------------------
@@ -251,11 +252,12 @@ def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[
     columns: list[Column[_SequenceStep]] = [
         Column("n", attrgetter("number"), "n", width=3),
         Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
-        Column("bound", lambda row: row.mechanism.static_bound, "static_bound", width=9,
+        Column("bound", lambda row: row.mechanism.static_bound, "static_bound", width=11,
                show=lambda bound: "none" if bound is None else factor_text(bound)),
+        Column("m³", lambda row: row.mechanism.size and row.mechanism.size.volume_m3, "volume_m3", "m³", _volume, 9),
         Column("mode", lambda row: row.mechanism.status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
                about="  {}"),
-        Column("what fails, once all that failed before is taken away", attrgetter("what"), "what", width=1),
+        Column("what fails once all before it is gone", attrgetter("what"), "what", width=1),
         Column("the fastest toward", lambda row: _toward(row.mechanism), "toward"),
     ]  # fmt: skip
     table = Table(columns, rows, ends=(_FIRST_MECHANISMS, _LAST_MECHANISMS))
@@ -264,6 +266,10 @@ def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[
     within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
     blocks = counted(sum(len(one.blocks) for one in hidden), "block")
     return [replace(table, rest=f"... {len(hidden)} more: {blocks}{within} ..."), *left]
+
+
+def _volume(volume_m3: float | None) -> str:
+    return "-" if volume_m3 is None else size_number(float(f"{volume_m3:.4g}"))
 
 
 def _follows_at_once(one: Mechanism, highest: float | None) -> bool:

@@ -289,21 +289,42 @@ def accept(result: Result) -> list[str]:
 
 
 def _judged_on(result: Result, rule: Rule) -> str:
-    named: str = result.design.criterion if rule.name == "fos" else ""
-    return f" ({named})" if named else ""
+    """The number that a rule judged, and why that: a bare `fos` is the criterion's, of blocks the first to fail."""
+    value, name = result.value_of(rule), result.name_of(rule)
+    called = {"limit": "limit", **JUDGED}[name]
+    if value is None:
+        return f" ({result.design.criterion})" if rule.name == "fos" else ""
+    said = f"{called} {_as_judged(value, rule)}" if rule.name == "fos" else _as_judged(value, rule)
+    if rule.name == "fos" and result.design.criterion == "all-pairs":
+        other = "the limit" if name == "all_pairs_failed" else "the factor of all pairs"
+        said += f", no higher than {other}"
+    first = result.findings.mechanisms[0] if result.findings is not None and result.findings.mechanisms else None
+    if name == "limit" and first is not None and first.size is not None:
+        said += f" of what fails first, {size_number(float(f'{first.size.volume_m3:.4g}'))} m³"
+    return f" ({said})"
+
+
+def _as_judged(value: float, rule: Rule) -> str:
+    """A factor in four decimals, or as many as show on which side of what is asked it lies."""
+    texts = (f"{value:.{digits}f}" for digits in range(4, 16))
+    return next((text for text in texts if rule.met(float(text)) == rule.met(value)), repr(value))
 
 
 def _judgement(result: Result, rule: Rule) -> str:
     if result.judged(rule):
         lowest = result.fos.lowest
-        if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
-            if of_another_motion(result):
-                forces = "with any forces locked in or " if has_range(result) else ""
-                other = _otherwise(result)[:-1]
-                other = other.removeprefix("with ") if forces and other.startswith("with ") else other
-                return f"MET, but not {forces}{other}: down to {lowest:.4g})"
-            return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
-        return "MET"
+        if result.value_of(rule) is None:  # nothing drives it
+            return "MET (it stands without any strength: there is no factor to judge)"
+        if lowest is None or rule.name not in ("fos", "fos.limit") or rule.relation not in (">=", ">"):
+            return "MET"
+        if rule.met(lowest):
+            return f"MET, by the lowest {_as_judged(lowest, rule)} too"
+        if of_another_motion(result):
+            forces = "with any forces locked in or " if has_range(result) else ""
+            other = _otherwise(result)[:-1]
+            other = other.removeprefix("with ") if forces and other.startswith("with ") else other
+            return f"MET, but not {forces}{other}: down to {_as_judged(lowest, rule)})"
+        return f"MET, but not for every locked-in force (same mechanism down to {_as_judged(lowest, rule)})"
     if result.without_basal is not None and not result.without_basal.meets(rule):
         return f"NOT MET (the whole wedge, without the basal joint: {result.without_basal.in_words()})"
     if result.agree is False or result.status == "not_converged":

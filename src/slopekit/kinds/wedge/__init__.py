@@ -36,7 +36,15 @@ from slopekit.kinds.single_block.secants import changed_laws
 from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
-from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import (
+    heights_in_words,
+    line_in_words,
+    loads_part,
+    size_number,
+    size_part,
+    strength_in_words,
+    water_in_words,
+)
 from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.system.model import build_model
@@ -559,8 +567,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         length = size_number(geometry.line_length_m)
         entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
     yield Section("PLANES", entries)
-    total = size_number(geometry.total_height_m)
-    size = size_part(result, f"height {size_number(float(f'{_height(design):.6g}'))} m (total {total} m)")
+    size = size_part(result, heights_in_words(float(f"{_height(design):.6g}"), geometry.total_height_m))
     if design.limits is not None:
         from slopekit.kinds.wedge import limits
 

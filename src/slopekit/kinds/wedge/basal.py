@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError, Notice
-from slopekit.core.orientation import Line, Plane
+from slopekit.core.orientation import Line, Plane, number
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.basal import (
@@ -164,7 +164,10 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     basal = design.basal
     assert basal is not None
     if basal.height_m < 0.0:
-        yield Notice("W411", "a socket wedge: it lies below the point where J1, J2 and the face meet")
+        height, meant = number(basal.height_m), number(-basal.height_m)
+        yield Notice("W411", f"a socket wedge: basal.height is {height} m, so it lies under J1 and J2, below the point "
+                     "where they and the face meet; what lies above them is not looked at (is "
+                     f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
         held = "; acceptance is held against it too" if design.rules else ""
         yield Notice(

@@ -41,6 +41,9 @@ _LARGEST_G = 10.0  # no record of an earthquake has more than half of it
 _UNEVEN = 0.01  # of a step
 _GAP = 10.0  # times the usual step
 _COARSE = 0.1  # s: a step with which hardly a wave of an earthquake is seen
+_COARSEST = 1.000001  # s: 1 Hz; no instrument of strong motion takes its samples so far apart, ...
+_MADE_BY_HAND = 20  # ... and a motion of fewer samples may have been drawn
+_LONGEST = 3600.0  # s: the longest earthquakes shake for some ten minutes
 _DRIFTS = 0.1  # of the highest velocity of the ground
 _MOST_FAULTS = 8
 _PARTS = 100  # of a rectangular or triangular pulse
@@ -123,8 +126,8 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
     Raises
     ------
     DesignError
-        E511 the unit, E513 no numbers, E514 times that do not rise, E516 too few samples or nothing but zeros, E519 an
-        acceleration that none has.
+        E511 the unit, E513 no numbers, E514 times that do not rise or are not in seconds, E516 too few samples or
+        nothing but zeros, E519 an acceleration that none has.
     """
     t, a = np.asarray(times_s, dtype=np.float64).ravel(), np.asarray(accelerations, dtype=np.float64).ravel()
     if len(t) != len(a):
@@ -142,6 +145,8 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
         k = int(falls[0])
         message = f"time does not rise from sample {k + 1} ({number(t[k])} s) to the next ({number(t[k + 1])} s)"
         raise _refused(name, "E514", message)
+    if not is_pulse:
+        _are_seconds(name, steps)
     largest = float(np.abs(a).max()) / GRAVITY
     if largest > _LARGEST_G:
         in_other = (
@@ -151,6 +156,17 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
         raise _refused(name, "E519", message, advice=in_other if unit in ("g", "m/s2") else "")
     record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
     return record if is_pulse else replace(record, notices=tuple(_said_of(record)))
+
+
+def _are_seconds(name: str, steps: Floats) -> None:
+    """Whether times with these steps may be those of an earthquake in seconds: sliding goes with their square."""
+    usual, long = float(np.median(steps)), float(steps.sum())
+    if not (usual > _COARSEST and len(steps) >= _MADE_BY_HAND) and long <= _LONGEST:
+        return
+    what = f"the time step is {usual:.6g} s and it lasts {long:.6g} s: no record of an earthquake in seconds"
+    apart = number(float(f"{usual * 1e-3:.6g}"))
+    advice = f"Times in ms are written in s, {apart} s apart; numbers of samples times the step between them."
+    raise _refused(name, "E514", what, advice=advice)
 
 
 def _refused(name: str, code: str, what: str, line: int | None = None, advice: str = "") -> DesignError:

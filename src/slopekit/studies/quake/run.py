@@ -18,7 +18,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
@@ -46,6 +46,8 @@ _ABOUT = 150  # evaluations: for the bar
 _MOST_DRAWN = 2000  # points of a motion in JSON
 _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
+_FARTHEST_M = 1000.0  # no slope slides so far while it is shaken
+_HARDLY_STANDS = 1e-3  # a k_y below which shaking of any kind moves the slope far
 _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
 Way = Literal["as recorded", "reversed"]
@@ -319,7 +321,7 @@ def quake(
     DesignError
         E510 to E519 for the records, E518 for a peak, E520 a slope that does not stand, E521 components that do not go
         together, E522 a design that --six has no answer for, E523 a design without a seismic coefficient or a direction
-        of it, E280 a design without a file.
+        of it, E524 a displacement of a kilometre, E280 a design without a file.
 
     Notes
     -----
@@ -387,6 +389,7 @@ def _shaken(
         return tuple(Shaken(record, 0.0, 0.0, 0.0, 0.0, 0.0) for record in records), None
     limit, factor = ours.coefficient * static.gravity_m_s2, ours.factor or 1.0
     shaken: list[Shaken] = []
+    faults = Faults()
     most: tuple[float, Record, Way, RecordSlide] | None = None
     for record in records:
         slides = {way: slide(record.times_s, sign * record.accelerations, limit) for way, sign in _WAYS.items()}
@@ -397,11 +400,28 @@ def _shaken(
         )
         if slides[way].displacement_m > (0.0 if most is None else most[0]):
             most = slides[way].displacement_m, record, way, slides[way]
+        if shaken[-1].larger_m > _FARTHEST_M:
+            faults.append(_too_far(shaken[-1], ours.coefficient))
         advance(1)
+    faults.refuse()
     if most is None:
         return tuple(shaken), None
     _, record, way, of = most
     return tuple(shaken), _motion(record, way, of, limit, factor, static.gravity_m_s2)
+
+
+def _too_far(one: Shaken, coefficient: float) -> Fault:
+    """E524: a slope that would slide out of sight."""
+    record = one.record
+    message = (
+        f"{record.name}: a displacement of {one.larger_m * 1e-3:.3g} km is none of an earthquake, at k_y "
+        f"{shown_k(coefficient)} in {record.duration_s:.4g} s with a peak velocity of the ground of "
+        f"{record.pgv_m_s:.3g} m/s (the highest measured are about 4)"
+    )
+    advice = "Write times in s and name the unit: time (s),acceleration (g). Correct a baseline that drifts."
+    if coefficient < _HARDLY_STANDS:
+        advice = f"The slope hardly stands: its factor of safety without shaking is next to 1. {advice}"
+    return Fault("E524", message, record.name, advice)
 
 
 def _beside(moves: SixMotion, static: Design, ours: Yield, records: Sequence[Record]) -> Motion | None:

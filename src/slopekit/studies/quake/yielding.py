@@ -14,7 +14,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
-from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
+from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
@@ -23,11 +23,11 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.registry import KINDS, record_of
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
-from slopekit.studies.points import Method, factor_at, point_of, status_of
+from slopekit.studies.points import UNSETTLED, Method, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
-from slopekit.studies.solve.solutions import Solution
+from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
 MOST_K = 2.0  # where a design's coefficient ends
@@ -125,8 +125,11 @@ def check_stands(static: Design) -> None:
     point = point_of(static, {})
     before = factor_at(point, "pre_ie")
     if before is None:
-        said = f"{point.code} {point.message}" if point.code else f"PRE-IE ends as {status_of(point, 'pre_ie')}"
-        raise DesignError([Fault("E520", f"the design has no factor of safety without an earthquake: {said}")])
+        ends = status_of(point, "pre_ie")
+        said = NO_CONVERGENCE if ends == UNSETTLED else f"PRE-IE ends as {ends}"
+        said = f"{point.code} {point.message}" if point.code else said
+        fault = Fault("E520", f"the design has no factor of safety without an earthquake: {said}")
+        raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
     if before <= 1.0:
         shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
         message = f"the slope does not stand without an earthquake: its factor of safety is {shown}"
@@ -137,8 +140,8 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
     """The yield coefficient by PRE-IE, and by the closed form where there is one, of a slope that stands."""
     solution = for_factor(static, KEY, 1.0, None, crew, advance, lower=True)
     reason = solution.pre_ie.reason
-    if reason is not None and (solution.spent or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
-        raise DesignError([reason])
+    if reason is not None and (solution.is_open or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
+        raise (NoConvergenceError if solution.is_open else DesignError)([reason])
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
     yields = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
     if yields and yields[0].method == "pre_ie":

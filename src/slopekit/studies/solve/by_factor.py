@@ -18,13 +18,14 @@ from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
 from slopekit.preie.solvers import effort
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import Evaluation, Method, Point, checked_target, factor_at, status_of
+from slopekit.studies.points import UNSETTLED, Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew, run_all
 from slopekit.studies.solve.roots import Crossing, RootSearch, Sample, near_by, places
 from slopekit.studies.solve.solutions import (
     ALIKE,
+    NO_CONVERGENCE,
     TOLERANCE,
     Answers,
     Solution,
@@ -346,7 +347,7 @@ def _not_compared(asked: _FactorRequest, solved: SolvedValue, cut: bool, beyond:
         return ""
     there = asked.points.get(solved.value)
     status = "" if there is None else status_of(there, "pre_ie")
-    if status in ("", "not_converged"):
+    if status in ("", UNSETTLED):
         return "the work for their factor with the strength divided last was done, or it was not found"
     return f"with the strength divided last they have no factor there ({status})"
 
@@ -531,7 +532,7 @@ def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:
     for run in _runs(samples, lambda sample: "" if sample.level is not None else sample.label):
         low, high = run[0].at, run[-1].at
         middle = min(run, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
-        yield low, high, middle.label, middle.found.message
+        yield low, high, middle.label, NO_CONVERGENCE if middle.label == UNSETTLED else middle.found.message
 
 
 def _rounded(solution: Solution, asked: _FactorRequest) -> tuple[float, float] | None:

@@ -106,8 +106,9 @@ class ProbabilitySolution(StudyOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 found, 1 there is no such value, 4 the methods disagree at it."""
-        if self.answer is not None and self.answer.estimate.disagree:
+        """0 found, 1 there is no such value, 4 the methods disagree at it or, without one, at the design as it is."""
+        led = self.before if self.answer is None else self.answer.estimate
+        if led is not None and led.disagree:
             return 4
         return 0 if self.roots else 1
 

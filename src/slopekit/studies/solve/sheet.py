@@ -10,7 +10,7 @@ from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
-from slopekit.studies.points import Point
+from slopekit.studies.points import UNSETTLED, Point
 from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution, ProbableValue
 from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
 from slopekit.studies.words import BRIEF, head, status_words
@@ -247,7 +247,7 @@ def _refused(solution: Solution) -> list[str]:
     for low, high, code, message in answers.refused[:_MOST_REFUSED]:
         ends = solution.key.shown(low, 7)
         ends += f" to {solution.key.shown(high, 7)}" if high > low else ""
-        entries.append(f"{ends}: {code} {message}".rstrip())
+        entries.append(f"{ends}: {message if code == UNSETTLED else f'{code} {message}'}".rstrip())
     if len(answers.refused) > _MOST_REFUSED:
         entries.append(f"… {len(answers.refused) - _MOST_REFUSED} more stretches, see the JSON")
     return entries

@@ -14,7 +14,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.kinds import notices_of_inputs
 from slopekit.studies.keys import Key
-from slopekit.studies.points import Method, Point
+from slopekit.studies.points import UNSETTLED, Method, Point
 from slopekit.studies.protocol import StudyOutcome
 
 #: What putting a value back may miss the target by.
@@ -23,7 +23,10 @@ TOLERANCE: dict[Method, float] = {"closed_form": 1e-9, "pre_ie": 1e-6}
 ALIKE = 1e-9
 _HUGE = 1e6
 GREATEST_K = 1.0  # of the ground's acceleration in g: hardly a record of a strong earthquake has more
+#: Why there is no factor at a value whose input is sound.
+NO_CONVERGENCE = "PRE-IE did not converge"
 _MOST_LISTED = 6
+_LESS_WORK = "Fewer or larger blocks, or a narrower range: {}=lo:hi."
 End = tuple[float, float] | None
 
 
@@ -33,7 +36,8 @@ class SolvedValue:
 
     Attributes
     ----------
-    how : root; jump: the factor passes the target without taking it; gap: the input is refused there
+    how : root; jump: the factor passes the target without taking it; gap: there is no factor, as the input is refused
+        or PRE-IE does not converge
     value : of the key; of a jump or a gap the side that is nearer to the target
     factor, status : of the method at that value, put back
     bracket : values on both sides, with the factors there (inf where nothing drives, 0 where nothing holds)
@@ -86,7 +90,8 @@ class Answers:
     roots : the one nearest to the present value first
     others : jumps across the target and gaps in which it is passed
     least, most : (value, factor) where the factor is least and greatest; None where there is none
-    refused : (from, to, code, message) of values that form no block or are refused, in order
+    refused : (from, to, code, message) of values that form no block or are refused, in order, or at which PRE-IE did
+        not converge (not_converged in place of a code)
     looked : (from, to) where the method was asked; evaluations : how often
     reason : why there is no root, None where there is one
     """
@@ -161,12 +166,23 @@ class Solution(StudyOutcome):
         return answer is not None and answer.both.factors is not None and answer.both.factors.moments_govern
 
     @property
+    def is_open(self) -> bool:
+        """Whether no value was found and there may be one: the work was done first, or PRE-IE did not converge.
+
+        Where the factor was seen to jump across the target there is none.
+        """
+        reason = self.reason
+        if reason is None or reason.code == "E317":
+            return reason is not None and self.spent
+        return self.spent or any(code == UNSETTLED for _, _, code, _ in self.pre_ie.refused)
+
+    @property
     def exit_code(self) -> int:
         """0 found, 1 there is no such value, 4 the methods disagree there, or no convergence."""
         answer = self.answer
         if answer is None:
-            return 4 if self.spent else 1
-        return 4 if self.agree is False or answer.status == "not_converged" else 0
+            return 4 if self.is_open else 1
+        return 4 if self.agree is False or answer.status == UNSETTLED else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
@@ -231,11 +247,12 @@ def reason_of(
     if least is None or most is None:
         _, _, code, message = refused[0]
         more = f" (and {len(refused) - 1} more reasons)" if len(refused) > 1 else ""
-        text = f"no value of {key.path} {span} gives a block with a factor: {code} {message}{more}"
+        why = message if code == UNSETTLED else f"{code} {message}"
+        text = f"no value of {key.path} {span} gives a block with a factor: {why}{more}"
         return Fault("E318", text, "", f"Another range: {key.path}=lo:hi.")
     low, high = least[1], most[1]
     if high - low <= ALIKE * max(low, 1.0) if math.isfinite(high) else low == high:
-        text = f"the factor of safety does not depend on {key.path}: it is {shown(low)} {span}"
+        text = f"the factor of safety does not depend on {key.path}: it is {shown(low)} {span}{_open(key, refused)}"
         return Fault("E316", text, "", _without_factor(low) or _unused(key))
     jumps = [one for one in others if one.how == "jump"]
     if jumps:
@@ -250,18 +267,30 @@ def reason_of(
     if others:
         one = others[0]
         (a, at_a), (b, at_b) = one.bracket
-        inside = next((part for part in refused if a < part[0] < b), ("", "", "", "no convergence"))
+        _, _, code, message = next((part for part in refused if a < part[0] < b), ("", "", UNSETTLED, NO_CONVERGENCE))
+        where = message if code == UNSETTLED else f"the input is refused: {code} {message}"
         text = (
             f"{number(target)} is passed between {key.path} = {key.shown(a)} ({shown(at_a)}) and {key.shown(b)} "
-            f"({shown(at_b)}), where the input is refused: {inside[2]} {inside[3]}"
+            f"({shown(at_b)}), where {where}"
         )
-        return Fault("E319", text)
+        return Fault("E319", text, "", _LESS_WORK.format(key.path) if code == UNSETTLED else "")
     side, end = ("at most", most) if high < target else ("at least", least)
     text = (
         f"no value of {key.path} {span} gives {number(target)}: the factor is {side} {shown(end[1])}, "
-        f"at {key.shown(end[0], 7)} (it lies between {shown(low)} and {shown(high)})"
+        f"at {key.shown(end[0], 7)} (it lies between {shown(low)} and {shown(high)}){_open(key, refused)}"
     )
     return Fault("E315", text, "", end_advice(key, end[0], within))
+
+
+def _open(key: Key, refused: Sequence[tuple[float, float, str, str]]) -> str:
+    """Where a factor is not known: what was not computed is no proof."""
+    ends = [(low, high) for low, high, code, _ in refused if code == UNSETTLED]
+    if not ends:
+        return ""
+    low, high = (key.shown(end, 7) for end in ends[0])
+    where = f"from {low} to {high}" if low != high else f"at {low}"
+    more = f" and in {len(ends) - 1} more stretches" if len(ends) > 1 else ""
+    return f"; {where}{more} {NO_CONVERGENCE}: it may lie there"
 
 
 def cut_short(key: Key, target: float, least: End, most: End) -> Fault:
@@ -269,7 +298,7 @@ def cut_short(key: Key, target: float, least: End, most: End) -> Fault:
     ends = [f"{shown(factor)} at {key.shown(at, 7)}" for at, factor in filter(None, (most, least))]
     known = f"it goes from {' to '.join(ends)}" if ends else "it is known nowhere"
     message = f"the work of one answer was done before a factor of {number(target)} was found: {known}"
-    return Fault("E319", message, "", f"Fewer or larger blocks, or a narrower range: {key.path}=lo:hi.")
+    return Fault("E319", message, "", _LESS_WORK.format(key.path))
 
 
 def end_advice(key: Key, value: float, within: tuple[float, float]) -> str:
@@ -328,7 +357,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
             yield from _missed(answers, key, target)
     if answer is not None:
         for one in solution.pre_ie.others:
-            what = "jumps across" if one.how == "jump" else "passes (where the input is refused)"
+            what = "jumps across" if one.how == "jump" else "passes (where there is no factor)"
             yield Notice("W358", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
 

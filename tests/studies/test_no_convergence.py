@@ -1,0 +1,110 @@
+"""Where PRE-IE does not converge a study says so, refuses no input, and ends with 4: what it asks may be there."""
+
+from dataclasses import replace
+
+import pytest
+
+import slopekit as sk
+from slopekit.core.errors import DesignError
+from slopekit.kinds.protocol import Factors
+from slopekit.studies import points
+from slopekit.studies.points import Point
+from slopekit.studies.quake import yielding
+from slopekit.studies.running import ALONE
+from slopekit.studies.solve import by_factor
+from slopekit.studies.solve.by_probability import Estimate, for_probability
+from tests.commands import slopekit
+from tests.studies.test_solve_load import _slab
+
+PHI = "strength.joint.phi"  # of the slab: F = tan φ / tan 20°, 1 at 20
+
+
+def without_a_number(monkeypatch, low: float, high: float, code: str = "not_converged", message: str = "") -> None:
+    """PRE-IE does not converge, or the input is refused, between two values of a key."""
+    own = by_factor._FactorRequest.samples
+
+    def samples(self, method, values):
+        return [
+            replace(one, level=None, label=code, found=Point(None, code, message)) if low < one.at < high else one
+            for one in own(self, method, values)
+        ]
+
+    monkeypatch.setattr(by_factor._FactorRequest, "samples", samples)
+
+
+def test_a_target_among_values_at_which_pre_ie_does_not_converge(monkeypatch) -> None:
+    without_a_number(monkeypatch, 18.0, 22.0)
+    found = sk.solve(_slab(), PHI, fos=1.0)
+    assert found.answer is None
+    assert found.reason.code == "E319"
+    assert found.reason.message.endswith(", where PRE-IE did not converge")
+    assert found.reason.advice == f"Fewer or larger blocks, or a narrower range: {PHI}=lo:hi."
+    assert found.exit_code == 4
+    assert "refused" not in str(found)
+    assert "not_converged" not in str(found)
+    (stretch,) = found.to_dict()["pre_ie"]["refused"]
+    assert (stretch["code"], stretch["message"]) == ("not_converged", "PRE-IE did not converge")
+
+
+def test_an_input_that_is_refused_is_no_lack_of_convergence(monkeypatch) -> None:
+    without_a_number(monkeypatch, 18.0, 22.0, "E113", "it looks like radians")
+    found = sk.solve(_slab(), PHI, fos=1.0)
+    assert found.reason.message.endswith(", where the input is refused: E113 it looks like radians")
+    assert found.exit_code == 1
+
+
+@pytest.mark.parametrize(("low", "target", "code", "said"), [
+    (50.0, 90.0, "E315", "; from 5"),  # what is known ends there
+    (-1.0, 9.0, "E318", "gives a block with a factor: PRE-IE did not converge"),
+])  # fmt: skip
+def test_what_was_not_computed_is_no_proof(monkeypatch, low, target, code, said) -> None:
+    without_a_number(monkeypatch, low, 91.0)
+    found = sk.solve(_slab(), f"{PHI}=10:80", fos=target)
+    assert found.reason.code == code
+    assert said in found.reason.message
+    assert (" PRE-IE did not converge: it may lie there" in found.reason.message) == (code == "E315")
+    assert found.exit_code == 4
+
+
+def test_a_sweep_that_meets_no_convergence_ends_with_four(monkeypatch) -> None:
+    """Whether the status says so, or the passes did not settle to `stop_when` and there is no number."""
+    for factors in (
+        Factors("not_converged", None, None, None, None, False, False, False),
+        Factors("slides", None, None, None, None, None, False, False),
+    ):
+        monkeypatch.setattr(points, "factors_of", lambda *_, factors=factors: factors)
+        assert sk.sweep(_slab(), {PHI: [20.0, 30.0]}).exit_code == 4
+        assert Point(factors).is_in_doubt
+    assert not Point(Factors("slides", 1.2, None, None, None, None, False, True)).is_in_doubt
+
+
+def test_an_earthquake_on_a_slope_without_a_factor(monkeypatch) -> None:
+    monkeypatch.setattr(points, "factors_of", lambda *_: Factors("not_converged", None, None, None, None, False,
+                                                                 False, False))  # fmt: skip
+    with pytest.raises(DesignError, match="without an earthquake: PRE-IE did not converge") as error:
+        yielding.check_stands(_slab())
+    assert (error.value.codes, error.value.exit_code) == (("E520",), 4)
+
+
+def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
+    """It is not said that no earthquake moves the blocks; a sound input is not refused."""
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: None)
+    without_a_number(monkeypatch, 0.01, 10.0)
+    with pytest.raises(DesignError) as error:
+        yielding.yields_of(_slab(), ALONE, lambda _: None)
+    assert error.value.exit_code == 4
+
+
+@pytest.mark.parametrize(("disagree", "code"), [(0, 1), (3, 4)])
+def test_a_probability_of_samples_in_doubt_proves_nothing(disagree, code) -> None:
+    found = for_probability(_slab(), PHI, 0.5, lambda _: Estimate(0.25, disagree=disagree))
+    assert found.answer is None
+    assert found.exit_code == code
+
+
+def test_the_command_ends_as_the_study_does(monkeypatch) -> None:
+    """A wall of blocks whose friction angle is looked for: exit 4 and the reason in its words, not refused input."""
+    without_a_number(monkeypatch, 0.0, 91.0)
+    done = slopekit("solve", "templates/blocks.yaml", f"{PHI}=20:40", "--fos", "1.5")
+    assert done.returncode == 4
+    assert "gives a block with a factor: PRE-IE did not converge" in " ".join(done.stdout.split())
