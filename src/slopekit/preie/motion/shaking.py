@@ -20,7 +20,7 @@ from slopekit.core.records import dataclass
 from slopekit.preie.motion.equilibrium import MOST_RELEASES, equilibrium
 from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import EQUILIBRIUM
+from slopekit.preie.tolerances import EQUILIBRIUM, PARALLEL
 
 _MOST_NEWTON = 30
 _SHORTEST = 1.0 / 64.0  # of Newton's step, in its line search
@@ -255,7 +255,9 @@ def _newton(
     flat, areas = block.rows.reshape(-1, block.unknowns), block.area[:, None]
     # moments in kN: by the size of the block
     arms = np.ones(block.unknowns)
-    arms[block.translations :] = np.maximum(np.sqrt(np.diag(block.mass)[block.translations :] / block.mass[0, 0]), 1e-9)
+    arms[block.translations :] = np.maximum(
+        np.sqrt(np.diag(block.mass)[block.translations :] / block.mass[0, 0]), PARALLEL
+    )
 
     def unbalanced(velocity: Floats) -> tuple[Floats, Tractions, float]:
         law = _law(block, state.at + length * velocity, state.memory, debonded, state.slid)

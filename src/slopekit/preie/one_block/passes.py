@@ -15,7 +15,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit_state import LimitState, settled_limit_state
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
+from slopekit.preie.tolerances import DRIVEN, NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:  # most limits need no passes
@@ -84,7 +84,7 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
 
     releases = np.zeros(len(bond))
     friction = line(bond * model.cohesion, model.tan_friction, normal_force)
-    if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
+    if not float(velocity @ model.load) > DRIVEN * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
         velocity = model.load
     stages, weight = COLD, 1.0
     last: Floats | None = None

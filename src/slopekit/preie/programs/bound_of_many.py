@@ -30,7 +30,7 @@ from slopekit.preie.programs.cones import determinant
 from slopekit.preie.programs.iterates import Iterate, IterateStep
 from slopekit.preie.programs.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD, TINY
+from slopekit.preie.tolerances import DIAGONAL_SHIFT, FARTHEST, FEASIBLE, LEAST_REDUCTION, NEAR, TINY
 from slopekit.strength.mohr_coulomb import line
 
 _MANY = 150  # blocks of which parts come first
@@ -114,7 +114,7 @@ class _Shortfall(BlockProgram):
 
     def inertia(self, gap: float) -> Floats:
         """Hardly anything of the stiffness of each block, (n u,): of slivers too, which the mean would hold."""
-        small: Floats = (SHIFT_BY_LOAD * self.cones / gap) * self.least_load * self.least_load
+        small: Floats = (DIAGONAL_SHIFT * self.cones / gap) * self.least_load * self.least_load
         return small
 
 
@@ -178,7 +178,7 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
     for steps in range(_MOST):
         strengths = program.at(reduction)
         off = residuals(program, strengths, at)
-        if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < 1.0 / LEAST_REDUCTION:
+        if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < FARTHEST:
             return None
         short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
         if falls == 0.0:  # no strength at all

@@ -30,11 +30,12 @@ from slopekit.preie.tolerances import (
     CARRIES,
     CLOSE,
     EQUILIBRIUM,
-    HARDLY_MOVES,
+    FEASIBLE,
     LEAST_REDUCTION,
     LIFTED_BALANCED,
     LIFTED_SHED,
     LIGHTEST,
+    MOVES,
     NEAR,
     PARALLEL,
     REACHES,
@@ -153,7 +154,7 @@ def mechanism_range(
     """
     say("range of the mechanism")
     away = Distance(model, _cleaned(model, velocity, forces, factor), bond)
-    if away.at(1.0 / factor).distance > 1e3 * REACHES:
+    if away.at(1.0 / factor).distance > FEASIBLE:
         return None
     ends = []
     for way in (1.0, -1.0):  # λ up: the lowest factor
@@ -176,7 +177,7 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
         stride = stride * stride
     while abs(outside / inside - 1.0) > NEAR:
         trial = outside - far.distance / far.slope if far.slope * way > 0.0 else inside
-        if abs(trial / outside - 1.0) < 0.1 * NEAR:
+        if abs(trial / outside - 1.0) < NEAR:
             return trial
         if not min(inside, outside) < trial < max(inside, outside):
             trial = math.sqrt(inside * outside)
@@ -201,10 +202,10 @@ def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Float
     pressed = normal > CARRIES * float(normal.max(initial=0.0))
     opening, slip = model.opening_and_slip(velocity)
     size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, friction))
-    hardly = HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
+    hardly = MOVES * max(float(np.abs(opening).max()), float(size.max()))
     strength = line(model.by_group(model.cohesion), model.tan_friction, model.by_group(normal)) / factor
-    sticks = (carried < (1.0 - HARDLY_MOVES) * strength) & (size < hardly)
-    sticks &= ~model.bolted | (carried > HARDLY_MOVES * strength)  # a slack bolt may get shorter
+    sticks = (carried < (1.0 - MOVES) * strength) & (size < hardly)
+    sticks &= ~model.bolted | (carried > MOVES * strength)  # a slack bolt may get shorter
     still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])
     rows = model.kinematics[np.flatnonzero(still)].toarray()
     change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)

@@ -118,7 +118,7 @@ def scaling(primal: Floats, dual: Floats) -> Scaling:
     q, z = primal / np.sqrt(of_primal)[:, None], dual / np.sqrt(of_dual)[:, None]
     flipped = z.copy()
     flipped[:, 1:] *= -1.0
-    gamma = np.sqrt(np.maximum((1.0 + along_rows(q, z)) / 2.0, 1e-30))
+    gamma = np.sqrt(np.maximum((1.0 + along_rows(q, z)) / 2.0, TINY))
     direction = (q + flipped) / (2.0 * gamma)[:, None]
     size = (of_primal / of_dual) ** 0.25
     return Scaling(direction, size)

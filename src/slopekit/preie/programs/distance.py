@@ -21,6 +21,7 @@ from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.solvers.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
     CLOSE,
+    FARTHEST,
     LEAST_REDUCTION,
     LIGHTEST,
     NEAR,
@@ -192,7 +193,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             continue
         if reduction < LEAST_REDUCTION:
             return bound(None, locked=True)
-        if low > 1.0 / LEAST_REDUCTION:
+        if low > FARTHEST:
             break
         if not low < trial < high:
             trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high

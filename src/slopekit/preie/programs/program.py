@@ -37,6 +37,7 @@ from slopekit.preie.tolerances import (
     HARDLY_ROUGH,
     LETS_GO,
     LIGHTEST,
+    NO_FORCE,
     PUSHES,
     TINY,
 )
@@ -191,11 +192,11 @@ class BlockProgram:
         model = self.model
         tangents = np.eye(model.slip_rows.shape[1]) / self.group_give[:, None, None]
         local = self.pattern.stiffness(model.control_area, tangents)
-        velocity = self.solver.factored(local, 1e-12)(self.load)
+        velocity = self.solver.factored(local, DIAGONAL_SHIFT)(self.load)
         opening, slip = model.opening_and_slip(velocity)
         normal, friction = -model.control_area * opening, -slip / self.group_give[:, None]
         stored = float((self.give * normal * normal).sum() + (self.group_give[:, None] * friction * friction).sum())
-        normal = np.maximum(normal, _START * max(float(np.abs(normal).mean()), 1e-12))
+        normal = np.maximum(normal, _START * max(float(np.abs(normal).mean()), NO_FORCE))
         carried = line(self.cohesion, model.tan_friction, model.by_group(normal))
         size = np.sqrt((friction * friction).sum(axis=1)) + float(normal.min())
         strength = np.concatenate([np.maximum(carried, 1.5 * size)[:, None], friction], axis=1)
@@ -207,7 +208,7 @@ class BlockProgram:
             normal, friction, 1.0, unit / MOST_LOAD, strength, np.zeros(len(self.load)), unit / normal, unit * slips,
             MOST_LOAD,
         )  # fmt: skip
-        return min(2.0 * _ELASTIC_ENERGY / max(stored, 1e-12), _STIFFEST), start
+        return min(2.0 * _ELASTIC_ENERGY / max(stored, NO_FORCE), _STIFFEST), start
 
 
 @dataclass(frozen=True, slots=True)
