@@ -28,7 +28,16 @@ from slopekit.preie.programs.cone_steps import ConeEquations
 from slopekit.preie.programs.cone_steps import residuals as cone_residuals
 from slopekit.preie.programs.cones import determinant
 from slopekit.preie.programs.iterates import Iterate, IterateStep
-from slopekit.preie.programs.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
+from slopekit.preie.programs.program import (
+    CRAWL,
+    MOST_LOAD,
+    MOST_STEPS,
+    STALLED,
+    BlockProgram,
+    NewtonEquations,
+    Residuals,
+    Strengths,
+)
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import DIAGONAL_SHIFT, FARTHEST, FEASIBLE, LEAST_REDUCTION, NEAR, TINY
 from slopekit.strength.mohr_coulomb import line
@@ -39,7 +48,6 @@ _MOVING = 1e-5  # speed there, in parts of the fastest
 _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
 _LIFTED = 1.0  # least of them about the forces of an elastic bed, in parts of the loads; three times as much is as good
-_MOST = 150  # steps; it takes 20 to 60
 _HARDLY = 1e-6  # of the elastic energy of other programs
 _AIM, _NO_NEARER = 0.5, 0.1  # of what s may still be: no less complementarity than that where λ moves, and stays
 _KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move
@@ -47,7 +55,6 @@ _UNSURE = 3.0  # complementarity in parts of what s may still be, from which on 
 _SURE = 0.2  # of `NEAR`: width of the bracket of λ at the end, 2e-6; s is mostly known ten times better
 _DOUBT = 10.0  # how many times what residuals are worth at an iterate they may be worth at the end
 _FALLS, _GROWS = 0.7, 2.0  # parts of λ by which it goes down and up at most
-_CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: just above that λ blocks jam
 
 
 class _Shortfall(BlockProgram):
@@ -175,7 +182,7 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
     if known:
         at, low = program.begun_elastic(start), (1.0 - 2.0 * _SURE * NEAR) * start
     residuals = Residuals.of if compiled() is None else cone_residuals
-    for steps in range(_MOST):
+    for steps in range(MOST_STEPS):
         strengths = program.at(reduction)
         off = residuals(program, strengths, at)
         if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < FARTHEST:
@@ -208,10 +215,10 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
             return None
         length = step.longest(at)
         at, reduction = step.taken(at, length), reduction + length * moves
-        stalled = stalled + 1 if length < _CRAWL else 0
-        if stalled > _STALLED and (low > 0.0 or short > 0.0):
+        stalled = stalled + 1 if length < CRAWL else 0
+        if stalled > STALLED and (low > 0.0 or short > 0.0):
             return None
-        if stalled > _STALLED:
+        if stalled > STALLED:
             at, reduction, high, stalled = program.begun(), _LOWER * reduction, np.inf, 0
     return None
 

@@ -43,7 +43,6 @@ from slopekit.preie.tolerances import (
 )
 from slopekit.strength.mohr_coulomb import line
 
-_STEPS, _STEPS_OF_MANY = 150, 80  # of the interior-point method; it settles in 60 if it does
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
@@ -62,8 +61,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
             return exact_bound
     program = BlockProgram(model)
     program.elastic *= _HARDLY
-    most = _STEPS if model.unknowns == 3 or size <= _MOST_PROGRAMS else _STEPS_OF_MANY
-    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE, most)
+    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE)
     at, steps = at_once.at, at_once.steps
     if _is_lifted(at_once):
         normal = held_by_normals(model, model.load.ravel())
@@ -88,7 +86,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         summed = model.by_group(program.start.normal)
         frozen = line(program.cohesion, model.tan_friction, summed)
         dilating = Strengths(model.tan_friction, frozen, -model.tan_friction * summed)
-        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, most))
+        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE))
     normal = held_by_normals(model, model.load.ravel())
     if normal is not None:
         return StaticBound(None, False, True, at.velocity, normal, steps)

@@ -19,6 +19,7 @@ from slopekit.preie.programs.program import (
     BlockProgram,
     Residuals,
     Strengths,
+    centring,
     with_corrections,
 )
 from slopekit.preie.programs.springs import Coupling
@@ -92,7 +93,7 @@ class ConeEquations:
         kernels.cone_middle(self.pairs, at.slip, middle)
         ahead, reach = self.direction(-at.gap * at.normal, -middle, -at.shed * at.shed_slack)
         cones = len(at.normal) + len(at.strength) + 1
-        barrier = max(max((1.0 - reach) ** 3, 1e-6) * self.off.gap, towards) / cones
+        barrier = max(centring(reach) * self.off.gap, towards) / cones
         low, high = LEAST_PRODUCT * barrier, barrier / LEAST_PRODUCT
 
         def aim(step: IterateStep, length: float) -> None:

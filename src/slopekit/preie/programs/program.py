@@ -43,12 +43,13 @@ from slopekit.preie.tolerances import (
 )
 from slopekit.strength.mohr_coulomb import line
 
+MOST_STEPS = 150  # it takes 20 to 60
 MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
 _ELASTIC_ENERGY = 1e-3  # what an elastic bed of the whole assembly may store beside the load factor; a hundredth of it
 _STIFFEST = 1e-5  # is left at the limit, and so little does it raise the load factor
 _START = 0.1  # least normal force to start from, in parts of the mean
 _SHORT, _RECENTRE = 0.3, 0.7  # after so short a step: this far back to the middle
-_CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
+CRAWL, STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
 _FRUITLESS = 25  # steps in which the complementarity has not fallen by a fifth
 _RELEASES, _ROUGH = 40, 1e6
 _CORRECTIONS, _LONG = 2, 0.95  # of a step at most, and how long it has to be to need none
@@ -56,6 +57,7 @@ _FARTHER, _WORTH = (
     0.3,
     0.1,
 )  # how much farther it is to go, and the part of that for which another correction is worth it
+_LEAST_CENTRING = 1e-6  # products fall to so little in a step at most
 LEAST_PRODUCT = 0.1  # of a force and its multiplier there, in parts of the middle; the inverse is the largest
 
 
@@ -84,7 +86,7 @@ class Strengths:
 
 @dataclass(frozen=True, slots=True)
 class ProgramResult:
-    """The last iterate, whether it settled, steps taken, and earlier iterates to start a next pass from.
+    """The last iterate, whether it settled, and steps taken.
 
     `unbalanced` is the largest unbalanced force in parts of the load of the block it acts on.
     """
@@ -93,7 +95,6 @@ class ProgramResult:
     settled: bool
     steps: int
     unbalanced: float
-    trail: tuple[Iterate, ...]
 
 
 class BlockProgram:
@@ -124,12 +125,12 @@ class BlockProgram:
         summed = self.model.by_group(cohesion)
         return np.where(self.model.bolted, 0.5 * summed, summed)
 
-    def solve(self, strengths: Strengths, start: Iterate, tolerance: float = 1e-8, most: int = 60) -> ProgramResult:
+    def solve(self, strengths: Strengths, start: Iterate, tolerance: float, most: int = MOST_STEPS) -> ProgramResult:
         """Solve the program; an iterate that runs away ends it.
 
         Parameters
         ----------
-        start : from an earlier solution's trail, or `self.start`
+        start : from an earlier solution that was not solved to the end, or `self.start`
         tolerance : complementarity in parts of the load factor
         most : steps
         """
@@ -137,14 +138,14 @@ class BlockProgram:
             return self._solve(strengths, start, tolerance, most)
 
     def _solve(self, strengths: Strengths, start: Iterate, tolerance: float, most: int) -> ProgramResult:
-        at, trail, steps, stalled = start, [start], 0, 0
+        at, last, steps, stalled = start, start, 0, 0
         length, best, since = 1.0, math.inf, 0
         while True:
             off = Residuals.of(self, strengths, at)
             if off.sound and off.gap < tolerance * max(at.load_factor, FEASIBLE):
-                return ProgramResult(at, True, steps, off.unbalanced, tuple(trail))
+                return ProgramResult(at, True, steps, off.unbalanced)
             best, since = (off.gap, 0) if off.gap < 0.8 * best else (best, since + 1)
-            if steps >= most or stalled > _STALLED or since > _FRUITLESS or not math.isfinite(off.gap):
+            if steps >= most or stalled > STALLED or since > _FRUITLESS or not math.isfinite(off.gap):
                 break
             try:
                 newton = NewtonEquations.at(self, strengths, at, off)
@@ -152,12 +153,10 @@ class BlockProgram:
                 break
             step = newton.step(recentre=length < _SHORT)
             length = step.longest(at)
-            steps, stalled = steps + 1, stalled + 1 if length < _CRAWL else 0
+            steps, stalled = steps + 1, stalled + 1 if length < CRAWL else 0
             at = step.taken(at, length)
-            trail.append(at)
-        finite = [k for k, iterate in enumerate(trail) if math.isfinite(iterate.complementarity)]
-        last = trail[finite[-1]]
-        return ProgramResult(last, False, steps, Residuals.of(self, strengths, last).unbalanced, tuple(trail))
+            last = at if math.isfinite(at.complementarity) else last
+        return ProgramResult(last, False, steps, Residuals.of(self, strengths, last).unbalanced)
 
     def release(self) -> Floats:
         """How blocks set off that nothing balances, (n u,): the acceleration of least constraint, contacts rough.
@@ -331,7 +330,7 @@ class NewtonEquations:
         middle = self.scale.times(at.slip)
         ahead = self.direction(-at.gap * at.normal, -middle, -at.shed * at.shed_slack)
         reach = ahead.longest(at)
-        centre, trust = max((1.0 - reach) ** 3, 1e-6), reach * reach
+        centre, trust = centring(reach), reach * reach
         if recentre:
             centre, trust = max(centre, _RECENTRE), 0.0
         gap = centre * self.off.gap
@@ -390,6 +389,11 @@ class NewtonEquations:
         return IterateStep(
             normal, friction, factor, shed, strength, velocity, gap, slip, (to_shed - at.shed_slack * shed) / at.shed
         )
+
+
+def centring(reach: float) -> float:
+    """How far towards the middle a step aims, by how far one to the end may go: Mehrotra's rule."""
+    return max((1.0 - reach) ** 3, _LEAST_CENTRING)
 
 
 def with_corrections(

@@ -31,8 +31,8 @@ from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
 _MOST_ROUNDS = 120
-_SWIFT = 6  # rounds before they are mixed with the last ones
-_MEMORY, _MIX, _LONGEST = 6, 0.3, 0.7  # of Anderson's mixing: rounds, its relaxation, and the longest step of ln tan φ
+_MEMORY = 6  # rounds that Anderson's mixing remembers, and before it begins
+_MIX, _LONGEST = 0.3, 0.7  # its relaxation, and the longest step of ln tan φ
 _FRUITLESS = 12  # rounds without gain: then the last alone is mixed, and after as many again the lines do not settle
 
 AnyModel = TypeVar("AnyModel", Model, AssemblyModel)
@@ -169,7 +169,7 @@ def _rounds(
             return model, limit, off
         rounds.append((factor, model, limit))
         best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
-        if len(rounds) > _SWIFT:
+        if len(rounds) > _MEMORY:
             at = np.log(np.maximum(model.tan_friction, NO_FORCE))
             last = (at, np.log(np.maximum(new.tan_friction, NO_FORCE)) - at)
             # modes that trade places lead the mixing astray: then the last round alone
