@@ -22,6 +22,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
 from slopekit.preie.solvers.linear import split_space
+from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.tolerances import (
     BED_BALANCED,
     EQUILIBRIUM,
@@ -163,30 +164,14 @@ class _Path:
 
     def _rest(self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0) -> Floats | None:
         """Newton's method at one λ; with `slow` the block is held back from u by that part of its bonded stiffness."""
-        begin, drag = u, slow * self.springs.stiffness
-        at = self.forces(u, u, reduction, False, sticks)
-        out = at.out
-        size = float(np.abs(out).max())
-        for _ in range(2 * _MOST_NEWTON):
-            if size < BED_BALANCED * max(1.0, reduction):
-                return u
-            try:
-                step = -np.linalg.solve(at.by_opening + at.by_slip - drag, out)
-            except np.linalg.LinAlgError:
-                return None
-            length = 1.0
-            while True:
-                trial = u + length * step
-                after = self.forces(trial, trial, reduction, False, sticks)
-                out_after = after.out - drag @ (trial - begin)
-                size_after = float(np.abs(out_after).max())
-                if size_after < size * (1.0 - 0.1 * length):
-                    break
-                length *= 0.5
-                if length < 0.05:
-                    return None
-            u, at, out, size = trial, after, out_after, size_after
-        return None
+        drag, small = slow * self.springs.stiffness, BED_BALANCED * max(1.0, reduction)
+
+        def forces(at: Floats) -> tuple[Floats, Unbalanced]:
+            there = self.forces(at, at, reduction, False, sticks)
+            return there.out - drag @ (at - u), there
+
+        rest, _, size = balanced(forces, lambda _, there: there.by_opening + there.by_slip - drag, u, small)
+        return rest if size <= small else None
 
     def _flow(self, u: Floats, reduction: float) -> Floats | None:
         """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
