@@ -31,9 +31,6 @@ NO_FORCE = 10.0 * ROUNDING
 #: Strength, or work, in parts of the load, that counts as none.
 NO_STRENGTH = 1e-9
 
-#: tan φ below which a group's friction does not hold blocks in the elastic start of a program.
-HARDLY_ROUGH = 1e-5
-
 #: Normal traction, in parts of the mean: lower ones get the strength line of this one.
 LEAST_TRACTION = 1e-6
 
@@ -59,12 +56,6 @@ OPENS_ROUGHLY = 1e-4
 
 #: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `programs.mechanism`.
 OPENS_IN_PASSES = 1e-5
-
-#: Opening, in parts of the fastest motion, at which the elastic start of a program lets a pair or bolt go ...
-LETS_GO = 1e-9
-
-#: ... and overlap at which it is taken back: more than `LETS_GO`, or the two would take turns.
-PUSHES = 1e-6
 
 #: Speed of a block, in parts of the fastest of its mechanism: slower ones are at rest. Opening or slip, in parts of the
 #: largest, and missing strength, in parts of it, that are none where a motion is cleaned onto its exact kinematics.
@@ -150,11 +141,8 @@ PROPOSAL_SHED = 1e-6
 #: Of a program's iterate, in parts of each block's load, and of its strengths.
 FEASIBLE = 1e-6
 
-#: What the residuals of its motion may be worth, in parts of the load factor.
-EARNED = 1e-5
-
-#: Residual of the equation of its load factor (P v = 1), in parts of the load's work.
-FACTOR_RESIDUAL = 1e-4
+#: What the residuals of its motion may be worth, in parts of the load factor, and of the equation P v = 1 of that.
+MOTION_RESIDUAL = 1e-4
 
 #: Angle (rad) between friction and slip on the curve of rounded joints.
 ALIGNED = 1e-3

@@ -30,6 +30,7 @@ from slopekit.preie.programs.cones import determinant
 from slopekit.preie.programs.iterates import Iterate, IterateStep
 from slopekit.preie.programs.program import (
     CRAWL,
+    GIVE,
     MOST_LOAD,
     MOST_STEPS,
     STALLED,
@@ -48,7 +49,7 @@ _MOVING = 1e-5  # speed there, in parts of the fastest
 _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
 _LIFTED = 1.0  # least of them about the forces of an elastic bed, in parts of the loads; three times as much is as good
-_HARDLY = 1e-6  # of the elastic energy of other programs
+_HARDLY = 1e-3  # of the elastic give of few blocks: all of it moves the bound of 941 by 7e-6
 _AIM, _NO_NEARER = 0.5, 0.1  # of what s may still be: no less complementarity than that where λ moves, and stays
 _KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move
 _UNSURE = 3.0  # complementarity in parts of what s may still be, from which on λ stays
@@ -65,7 +66,7 @@ class _Shortfall(BlockProgram):
         own = self.least_load[:: model.unknowns]
         lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
         self.weight, self.pair_weight = lighter[model.group_contact], lighter[model.pair_contact]
-        self.elastic = _HARDLY * self.stiffest
+        self.elastic = _HARDLY * GIVE
         self.own_load, self.pulls = self.load, self.middle
         self.middle = np.zeros_like(self.load)
         self.cones = len(self.pair_weight) + len(self.weight) + 1

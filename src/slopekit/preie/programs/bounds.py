@@ -44,7 +44,6 @@ from slopekit.preie.tolerances import (
 from slopekit.strength.mohr_coulomb import line
 
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
-_HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
 _HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
@@ -60,7 +59,6 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         if exact_bound is not None:
             return exact_bound
     program = BlockProgram(model)
-    program.elastic *= _HARDLY
     at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE)
     at, steps = at_once.at, at_once.steps
     if _is_lifted(at_once):
