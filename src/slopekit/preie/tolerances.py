@@ -12,7 +12,7 @@ import sys
 TINY = 1e-300
 
 #: What solving a small system of equations leaves, in parts of its numbers, some 450 spacings of doubles: Newton's
-#: method has ended there. Ten times less is not always reached, ten times more costs a digit.
+#: method has ended there. Ten times more moves factors in their twelfth digit, ten times less nothing.
 ROUNDING = 1e-13
 
 #: Unbalanced force, in parts of the springs' forces: what adding them up leaves, ten spacings of doubles.

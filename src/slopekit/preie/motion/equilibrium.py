@@ -17,7 +17,7 @@ from slopekit.preie.system.contact import ContactMode, JointStiffness, Tractions
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, SHORTEST_STRIDE
 
-_SHORTEST = 1e-4  # part of a step of Newton's method: on hyperbolas, at low traction, it takes hundredths
+_SHORTEST = 1e-4  # part of a step of Newton's method: with 0.05 two wedges of 150 find no rest at full strength
 MOST_RELEASES = 30  # rounds of pairs that debond
 BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
 _RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton

@@ -22,8 +22,8 @@ from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffn
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, PARALLEL
 
-_MOST_HALVINGS = 12
-_AT_REST = 1e-4  # m/s
+_MOST_HALVINGS = 12  # of a step of the record, before it is refused
+_AT_REST = 1e-4  # m/s of the fastest node pair after the record
 _MOST_AFTER = 20.0  # s after the end of the record
 
 
@@ -262,7 +262,8 @@ def _newton(
 
     def slopes(_: Floats, law: Tractions) -> Floats:
         own = np.matmul(law.slopes * areas[:, :, None], block.rows).reshape(-1, block.unknowns)
-        return (block.mass / length - length * (flat.T @ own)) / arms[:, None]
+        matrix: Floats = (block.mass / length - length * (flat.T @ own)) / arms[:, None]
+        return matrix
 
     velocity, law, off = balanced(unbalanced, slopes, start, EQUILIBRIUM * size)
     return (velocity, law) if off <= EQUILIBRIUM * size else None

@@ -43,11 +43,11 @@ from slopekit.strength.mohr_coulomb import line
 
 MOST_STEPS = 150  # it takes 20 to 60
 MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
-GIVE = 1e-8  # ε: ten times more or less moves the static bound of few blocks by less than it is known to
+GIVE = 1e-8  # ε: a thousandth of it moves the static bound of few blocks by less than it is known to
 _START = 0.1  # least normal force to start from, in parts of the mean
 CRAWL, STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
 _FRUITLESS = 25  # steps in which the complementarity has not fallen by a fifth
-_RELEASES, _ROUGH = 40, 1e6
+_RELEASES, _ROUGH = 40, 1e6  # rounds of letting go; springs of contacts in parts of the inertia
 _LEAST_CENTRING = 1e-6  # products fall to so little in a step at most
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.preie.tolerances import PARALLEL, ROUNDING, TINY
 
-_MOST = 400  # columns let in; some twice as many as there are rows do
+_MOST = 400  # columns let in, one after the other
 
 
 def split_space(rows: Floats) -> tuple[Floats, Floats]:

@@ -38,7 +38,7 @@ from slopekit.preie.solvers.fronts import FINER, Fronts, Solver
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import compiled_contacts
 
-_MOST_BYTES = 900_000_000
+_MOST_BYTES = 900_000_000  # of the factors of one model: what needs more is refused
 _DENSE = 60  # unknowns from which the narrowest band is as fast, and the widest not slower
 _DISSECT = 4e-3  # s a factorisation in a band takes, below which a dissection does not pay
 

@@ -30,7 +30,7 @@ from slopekit.preie.tolerances import LEAST_TRACTION, NO_FORCE, ROUNDING, STEADY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
-_MOST_ROUNDS = 120
+_MOST_ROUNDS = 120  # of lines drawn anew
 _MEMORY = 6  # rounds that Anderson's mixing remembers, and before it begins
 _MIX, _LONGEST = 0.3, 0.7  # its relaxation, and the longest step of ln tan φ
 _FRUITLESS = 12  # rounds without gain: then the last alone is mixed, and after as many again the lines do not settle
