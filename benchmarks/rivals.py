@@ -93,11 +93,14 @@ def frozen_passes(contacts: Contacts, most: int) -> Answer:
     normal, begin = at.normal, at
     for _ in range(most):
         carried = program.cohesion + contacts.tan_friction * contacts.by_group(normal)
-        found = program.solve(Strengths(0.0 * carried, carried), begin, min(max(1e-2 * changed, 1e-7), 1e-3))
-        at = found.at
+        strengths, trail = Strengths(0.0 * carried, carried), [begin]
+        last = min(max(1e-2 * changed, 1e-7), 1e-3)
+        for tolerance in [part for part in np.logspace(-1.0, -6.0, 11) if part > last] + [last]:
+            trail.append(program.solve(strengths, trail[-1], tolerance, 60).at)
+        at = trail[-1]
         changed = max(float(np.abs(at.normal - normal).sum()) / float(np.abs(at.normal).sum()), 1e-6)
         normal = at.normal
-        inside = [x for x in found.trail[1:] if x.complementarity > 3.0 * changed * at.load_factor]
+        inside = [x for x in trail[1:] if x.complementarity > 3.0 * changed * at.load_factor]
         begin = inside[-1] if inside else program.start
     return Answer(1.0 / at.load_factor if at.load_factor > 0.0 else None)
 

@@ -149,6 +149,6 @@ def test_programs_that_did_not_close_are_not_run_again(monkeypatch) -> None:
     programs: list[AssemblyModel] = []
     monkeypatch.setattr(bounds, "bound_in_one_run", lambda model: None)
     monkeypatch.setattr(bounds, "bound_by_programs", lambda model, *_, **__: programs.append(model))
-    monkeypatch.setattr(bounds.BlockProgram, "solve", lambda self, *_: ProgramResult(self.start, False, 1, 1.0, ()))
+    monkeypatch.setattr(bounds.BlockProgram, "solve", lambda self, *_: ProgramResult(self.start, False, 1, 1.0))
     assert static_bound(MODELS["boxes"]()).factor is None
     assert len(programs) == 1

@@ -56,10 +56,10 @@ def test_frozen_strengths_against_clarabel(name, psi) -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_softer_bed_against_clarabel(name) -> None:
-    """The same with an elastic bed 1,000 times as soft: there the energy decides the forces, to 1e-4 of the largest."""
+    """The same with a bed a million times as soft: there the energy decides the forces, to 1e-4 of the largest."""
     model = MODELS[name](0.0)
     program = BlockProgram(model)
-    program.elastic *= 1e3
+    program.elastic = 1e-2
     strength = elastic_strength(program)
     ours = program.solve(Strengths(0.0 * strength, strength), program.start, 1e-9, 120)
     exact = assembly_oracle.FrozenFriction(model, program.elastic, MOST_LOAD).solved(strength, tolerance=1e-11)
@@ -95,18 +95,14 @@ def test_the_multipliers_are_a_mechanism(name) -> None:
 def test_the_static_bound_against_bisection(name) -> None:
     """The largest factor with admissible forces (associated flow): Clarabel and bisection to 1e-6.
 
-    Ours has the elastic energy in it and lies up to 1e-5 lower. In a section the ends of contacts, which alone are
-    pressed where blocks turn, are springs of a sixth of them: 2e-5 lower where columns topple. `programs.bounds` takes
-    a thousandth of that energy.
+    Slivers have to balance to a part of their own load: of the bench the program by itself does not settle.
     """
     model = MODELS[name](0.0)
     program = BlockProgram(model)
     found = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, 3e-7, 150)
-    assert (
-        found.settled or name == "bench"
-    )  # slivers have to balance to a part of their own load: `programs.bounds` does
+    assert found.settled or name == "bench"
     ours, exact = 1.0 / found.at.load_factor, assembly_oracle.static_bound(model)
-    assert exact * (1.0 - (2e-5 if name == "columns" else 1e-5)) < ours < exact * (1.0 + 2e-6)
+    assert exact * (1.0 - 1e-5) < ours < exact * (1.0 + 2e-6)
     assert static_bound(model).factor == pytest.approx(exact, rel=1e-6)
 
 
@@ -130,9 +126,8 @@ def test_a_next_pass_starts_from_the_last() -> None:
     model = wall(6, 6).model(35.0)
     program = BlockProgram(model)
     strength = elastic_strength(program)
-    first = program.solve(Strengths(0.0 * strength, strength), program.start, 1e-7, 100)
+    inside = program.solve(Strengths(0.0 * strength, strength), program.start, 3e-3, 100).at
     changed = Strengths(0.0 * strength, strength * (1.0 + 1e-3 * np.sin(np.arange(len(strength)))))
-    inside = next(at for at in reversed(first.trail) if at.complementarity > 3e-3 * at.load_factor)
     warm = program.solve(changed, inside, 1e-7, 100)
     cold = program.solve(changed, program.start, 1e-7, 100)
     assert warm.settled
@@ -163,7 +158,7 @@ def test_newtons_step_solves_the_linearised_equations(name, kind) -> None:
     model = MODELS[name](8.0)
     program = BlockProgram(model)
     rng = np.random.default_rng(1)
-    start = program.solve(KINDS["bound"](model, program.start), program.start, most=4).at
+    start = program.solve(KINDS["bound"](model, program.start), program.start, 1e-8, 4).at
     at = replace(
         start, load_factor=1.1 * start.load_factor, normal=start.normal * rng.uniform(0.9, 1.1, start.normal.shape),
         friction=start.friction * rng.uniform(0.9, 1.1, start.friction.shape),

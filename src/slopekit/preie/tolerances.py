@@ -4,33 +4,32 @@ Models are scaled: forces in parts of the load, lengths in parts of the block or
 that is no comparison (steps, numbers of steps, sizes from which another way is quicker) stands with the algorithm.
 """
 
+import sys
+
 # -- Nothing: rounding, and what divides by it ------------------------------------------------------------------------
 
 #: Kept from a division by nothing: no length, force or strength of a scaled model comes near it.
 TINY = 1e-300
 
+#: What solving a small system of equations leaves, in parts of its numbers, some 450 spacings of doubles: Newton's
+#: method has ended there. Ten times more moves factors in their twelfth digit, ten times less nothing.
+ROUNDING = 1e-13
+
 #: Unbalanced force, in parts of the springs' forces: what adding them up leaves, ten spacings of doubles.
-SPRING_ROUNDING = 2e-15
+SPRING_ROUNDING = 10.0 * sys.float_info.epsilon
 
-#: Added to the diagonal of a stiffness, in parts of it: blocks that nothing holds have a stiffness too. Rounding of the
-#: factors is of that size. Ten times as much moves a factor in two sections of 37.
-DIAGONAL_SHIFT = 1e-13
-
-#: The same of the program of the static bound, in parts of the stiffness that a force of each block's own load has
-#: there: slivers are a millionth of the largest block, and their stiffness is its square.
-SHIFT_BY_LOAD = 1e-13
+#: Added to the diagonal of a stiffness, in parts of it: blocks that nothing holds have a stiffness too. Ten times as
+#: much moves a factor in two sections of 37.
+DIAGONAL_SHIFT = ROUNDING
 
 #: The same, in parts of the elastic stiffness, for the modes of a limit state: there may be several motions.
-MODES_SHIFT = 1e-12
+MODES_SHIFT = 10.0 * ROUNDING
 
-#: Force, in parts of the load, or tan φ, that is none: some thousand roundings of the load.
-NO_FORCE = 1e-12
+#: Force, in parts of the load, or tan φ, that is none: some ten times what is left where forces balance.
+NO_FORCE = 10.0 * ROUNDING
 
 #: Strength, or work, in parts of the load, that counts as none.
 NO_STRENGTH = 1e-9
-
-#: tan φ below which a group's friction does not hold blocks in the elastic start of a program.
-HARDLY_ROUGH = 1e-5
 
 #: Normal traction, in parts of the mean: lower ones get the strength line of this one.
 LEAST_TRACTION = 1e-6
@@ -48,8 +47,8 @@ LOST_STEP = 1e9
 
 # -- Motions: what moves, opens, slips or pulls -----------------------------------------------------------------------
 
-#: Opening or slip of an exact mechanism, in parts of its fastest motion, that is none: a mechanism is known to some
-#: 1e-8 of that.
+#: Opening or slip of an exact mechanism, or what it draws a bolt out by, in parts of its fastest motion, that is none:
+#: a mechanism is known to some 1e-8 of that.
 NO_MOTION = 1e-6
 
 #: The same where the motion of an elastic path has settled and no limit state is exact.
@@ -58,29 +57,14 @@ OPENS_ROUGHLY = 1e-4
 #: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `programs.mechanism`.
 OPENS_IN_PASSES = 1e-5
 
-#: Opening, in parts of the fastest motion, at which the elastic start of a program lets a pair or bolt go ...
-LETS_GO = 1e-9
-
-#: ... and overlap at which it is taken back: more than `LETS_GO`, or the two would take turns.
-PUSHES = 1e-6
-
-#: Motion along a bolt, in parts of the movement of a limit state: a bolt drawn out by less is square to it.
-NOT_DRAWN = 1e-5
-
-#: The same on the elastic bed, whose motion is known better.
-NOT_DRAWN_ON_BED = 1e-7
-
-#: Speed of a block, in parts of the fastest of its mechanism: slower ones are at rest.
+#: Speed of a block, in parts of the fastest of its mechanism: slower ones are at rest. Opening or slip, in parts of the
+#: largest, and missing strength, in parts of it, that are none where a motion is cleaned onto its exact kinematics.
 MOVES = 1e-3
 
 #: The same while blocks still flow: the slow ones have not come to their motion yet.
 FLOWS = 0.05
 
-#: Opening or slip, in parts of the largest, and missing strength, in parts of it, that are none where the motion of a
-#: program is cleaned onto its exact kinematics.
-HARDLY_MOVES = 1e-3
-
-#: Normal force, in parts of the largest, that a pressed pair has there.
+#: Normal force, in parts of the largest, or of all, that a pressed pair has.
 CARRIES = 1e-6
 
 #: Strength along a motion, in parts of it, that blocks may not need just before its limit.
@@ -134,14 +118,12 @@ LIGHTEST_MEASURED = 1e-6
 #: Of a limit of many blocks, in parts of the load of the block it acts on: more is no limit state.
 LIMIT_BALANCED = 1e-5
 
-#: Of an exact limit state of the path, in parts of the largest force.
-RESIDUAL = 1e-9
-
 #: How far its forces may be outside their bounds, in parts of the load.
 ADMISSIBLE = 1e-7
 
-#: Of one block at one factor, in a step of shaking, and of forces that prove a bound, in parts of the load; Newton's
-#: method at one factor aims at a thousandth of it.
+#: Of an exact limit state, of one block at one factor, in a step of shaking, and of forces that prove a bound, in parts
+#: of the load, or of the largest force; what its forces may be beyond strength. At one factor Newton's method aims at a
+#: thousandth of it.
 EQUILIBRIUM = 1e-9
 
 #: Of one block on its elastic bed, in parts of the load: derivatives of λ are taken along its path.
@@ -159,11 +141,8 @@ PROPOSAL_SHED = 1e-6
 #: Of a program's iterate, in parts of each block's load, and of its strengths.
 FEASIBLE = 1e-6
 
-#: What the residuals of its motion may be worth, in parts of the load factor.
-EARNED = 1e-5
-
-#: Residual of the equation of its load factor (P v = 1), in parts of the load's work.
-FACTOR_RESIDUAL = 1e-4
+#: What the residuals of its motion may be worth, in parts of the load factor, and of the equation P v = 1 of that.
+MOTION_RESIDUAL = 1e-4
 
 #: Angle (rad) between friction and slip on the curve of rounded joints.
 ALIGNED = 1e-3
@@ -215,9 +194,6 @@ LAGGED_ROUNDING = 5e-3
 #: Range of the factor over the last passes, in parts of it, where the normal forces do not settle.
 PASSES_STEADY = 1e-5
 
-#: Change of the strength from one set of strength lines to the next, in parts of it.
-LINES_STEADY = 1e-13
-
 #: Change of displacements, in parts of the largest, that ends the rounds of stiffnesses.
 SETTLEMENT_STEADY = 1e-3
 
@@ -251,7 +227,7 @@ SAME_FACTOR = 1e-4
 #: Components that fail at one factor, and so together: the accuracy of a path in space.
 SAME_RANK = 1e-6
 
-#: An exact state farther than this from where the path settled is another one.
+#: An exact state farther than this from where the path settled, or from a least λ, is another one.
 POLISHED = 1e-5
 
 #: To this static bounds of many blocks are known, and balance in parts of the load of each block: a factor above one by
@@ -260,10 +236,6 @@ BOUND_ACCURACY = 1e-4
 
 #: Where all blocks rest this near to the factor of a group, the last state at rest is an answer.
 RESTS_NEAR = 5e-2
-
-#: A running state of the cracked base farther than this from a least λ is another one: rounding may show a least λ on a
-#: path that is level because it runs.
-SAME_FOLD = 1e-5
 
 #: λ of sharp joints after three times the work: farther on it is the same limit.
 SAME_FARTHER = 3e-6
@@ -280,7 +252,7 @@ OTHER_MOTION = 0.1
 FARTHEST = 1e6
 
 #: λ below which forces balance without friction; above its inverse they do at none.
-LEAST_REDUCTION = 1e-6
+LEAST_REDUCTION = 1.0 / FARTHEST
 
 #: Strength, in parts of the full: what stands at it stands without any.
 LEAST_STRENGTH = 1e-7

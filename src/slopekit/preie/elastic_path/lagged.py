@@ -25,7 +25,6 @@ from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.kernels import compiled
 from slopekit.preie.programs.cone_steps import PAIR
 from slopekit.preie.programs.cones import determinant
-from slopekit.preie.programs.program import LEAST_PRODUCT
 from slopekit.preie.solvers.fronts import Solver
 from slopekit.preie.tolerances import DIAGONAL_SHIFT, LAGGED_ROUNDING, SPRING_ROUNDING, TINY
 from slopekit.strength.mohr_coulomb import line
@@ -36,7 +35,9 @@ _LIFTED, _BARRIER, _HALF = 0.3, 0.3, 0.5
 _MOST, _TO_BOUNDARY = 250, 0.99  # steps; part of the way to where a force or gap is nothing
 #: What the barrier falls to in a step, by how long the last one was; it stays above a part of what ẑ lags by.
 _FALLS, _LAGS = ((0.5, 0.25), (0.1, 0.5), (0.0, 0.8)), 0.1
-_CORRECTIONS, _LONG, _FARTHER, _WORTH = 2, 0.95, 0.3, 0.03  # as in `programs.program`
+#: Corrections of a step at most, how long it has to be to need none, how much farther it is to go, and what that is
+#: worth; products of a force and its gap then, in parts of the barrier: the inverse is the largest.
+_CORRECTIONS, _LONG, _FARTHER, _WORTH, _LEAST_PRODUCT = 2, 0.95, 0.3, 0.03, 0.1
 _RUNS, _SURE = 10.0, 30  # what ẑ lags by grows to so many times its least, after so many steps: they do not rest
 
 
@@ -174,7 +175,7 @@ class _Equations:
         middle, of_normal = np.empty_like(at.slip), np.empty_like(at.normal)
         target, to_cone = np.empty_like(at.slip), np.empty_like(at.slip)
         kernels.cone_middle(self.pairs, at.slip, middle)
-        low, high = LEAST_PRODUCT * barrier, barrier / LEAST_PRODUCT
+        low, high = _LEAST_PRODUCT * barrier, barrier / _LEAST_PRODUCT
 
         def aim(step: _Point, length: float) -> None:
             kernels.cone_targets(

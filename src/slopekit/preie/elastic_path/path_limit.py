@@ -10,14 +10,7 @@ from scipy.linalg import lapack
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces
-from slopekit.preie.tolerances import (
-    ADMISSIBLE,
-    MODES_SHIFT,
-    NO_MOTION,
-    RESIDUAL,
-    STEADY,
-    TINY,
-)
+from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, STEADY, TINY
 
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _TURNS = 12  # how often directions of slip in space follow the motion
@@ -137,7 +130,7 @@ def _of_modes(
     outside = -min(float(here.normal.min()), float(spare.min()))
     if bed.bolted is not None:
         outside = max(outside, -float(here.friction[bed.bolted, 0].min()))
-    if parameter <= 0.0 or here.residual > RESIDUAL * max(modes.largest, here.largest):
+    if parameter <= 0.0 or here.residual > EQUILIBRIUM * max(modes.largest, here.largest):
         return None
     if outside > ADMISSIBLE * bed.load_size:
         return None

@@ -24,10 +24,9 @@ from slopekit.preie.many_blocks.blocks import load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Part
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import MOVES, NO_MOTION, OPENS_ROUGHLY, TINY
+from slopekit.preie.tolerances import CARRIES, MOVES, NO_MOTION, OPENS_ROUGHLY, TINY
 from slopekit.strength.mohr_coulomb import line
 
-_PRESSES = 1e-9  # of the largest normal force: less is rounding of an open pair
 _SAME = 10.0  # times what is no motion: the null vector of the modes is the mechanism
 _ABOVE, _LEAST_LOAD = 0.01, 0.1  # of the load, or of that much of it: a little above
 _ANOTHER = 0.01  # of a gain: more is another one
@@ -193,7 +192,7 @@ def _modes(bed: Bed, v: Floats, limit: BlocksLimit, still: float, used_up: bool)
     opening, slip = bed.motion(v, 0.0)
     size = np.sqrt((slip * slip).sum(axis=1))
     none = still * max(float(np.abs(opening).max()), float(size.max()))
-    touching = (normal > _PRESSES * float(normal.max(initial=0.0))) & (opening < none)
+    touching = (normal > CARRIES * float(normal.max(initial=0.0))) & (opening < none)
     moves: Bools = size > none
     carried = np.sqrt((friction * friction).sum(axis=1))
     summed: Floats = np.bincount(bed.group_of_pair, normal, bed.groups).astype(np.float64)

@@ -9,7 +9,6 @@ not help the run ends there: it is never taken. The work of each step is added u
 stored, moves, is lost in friction, and what implicit Euler damps.
 """
 
-import math
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -18,14 +17,13 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.motion.equilibrium import MOST_RELEASES, equilibrium
+from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.system.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import EQUILIBRIUM
+from slopekit.preie.tolerances import EQUILIBRIUM, PARALLEL
 
-_MOST_NEWTON = 30
-_SHORTEST = 1.0 / 64.0  # of Newton's step, in its line search
-_MOST_HALVINGS = 12
-_AT_REST = 1e-4  # m/s
+_MOST_HALVINGS = 12  # of a step of the record, before it is refused
+_AT_REST = 1e-4  # m/s of the fastest node pair after the record
 _MOST_AFTER = 20.0  # s after the end of the record
 
 
@@ -253,40 +251,22 @@ def _newton(
 ) -> tuple[Floats, Tractions] | None:  # fmt: skip
     """Velocity at the end of a step, with its tractions."""
     flat, areas = block.rows.reshape(-1, block.unknowns), block.area[:, None]
-    # moments in kN: by the size of the block
-    arms = np.ones(block.unknowns)
-    arms[block.translations :] = np.maximum(np.sqrt(np.diag(block.mass)[block.translations :] / block.mass[0, 0]), 1e-9)
+    arms = np.ones(block.unknowns)  # moments in kN: by the size of the block
+    turns = np.diag(block.mass)[block.translations :]
+    arms[block.translations :] = np.maximum(np.sqrt(turns / block.mass[0, 0]), PARALLEL)
 
-    def unbalanced(velocity: Floats) -> tuple[Floats, Tractions, float]:
+    def unbalanced(velocity: Floats) -> tuple[Floats, Tractions]:
         law = _law(block, state.at + length * velocity, state.memory, debonded, state.slid)
         out = block.mass @ (velocity - state.velocity) / length - load - (law.tractions * areas).ravel() @ flat
-        return out, law, float(np.abs(out / arms).max())
+        return out / arms, law
 
-    velocity = start
-    out, law, off = unbalanced(velocity)
-    for _ in range(_MOST_NEWTON):
-        if off <= EQUILIBRIUM * size:
-            return velocity, law
-        slopes = np.matmul(law.slopes * areas[:, :, None], block.rows).reshape(-1, block.unknowns)
-        matrix = block.mass / length - length * (flat.T @ slopes)
-        try:
-            move = -np.linalg.solve(matrix, out)
-        except np.linalg.LinAlgError:
-            return None
-        best: tuple[float, Floats, Floats, Tractions] | None = None
-        part = 1.0
-        while part >= _SHORTEST:
-            trial = velocity + part * move
-            out_trial, law_trial, off_trial = unbalanced(trial)
-            if best is None or off_trial < best[0]:
-                best = off_trial, trial, out_trial, law_trial
-            if off_trial < off * (1.0 - 0.1 * part):
-                break
-            part *= 0.5
-        if best is None or not math.isfinite(best[0]):
-            return None
-        off, velocity, out, law = best
-    return None
+    def slopes(_: Floats, law: Tractions) -> Floats:
+        own = np.matmul(law.slopes * areas[:, :, None], block.rows).reshape(-1, block.unknowns)
+        matrix: Floats = (block.mass / length - length * (flat.T @ own)) / arms[:, None]
+        return matrix
+
+    velocity, law, off = balanced(unbalanced, slopes, start, EQUILIBRIUM * size)
+    return (velocity, law) if off <= EQUILIBRIUM * size else None
 
 
 def _work(block: ShakenBlock, before: _Motion, after: _Motion, push: Floats) -> Floats:

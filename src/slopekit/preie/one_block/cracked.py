@@ -22,12 +22,16 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
 from slopekit.preie.solvers.linear import split_space
+from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.tolerances import (
     BED_BALANCED,
+    EQUILIBRIUM,
     FINER_PRESSED,
     LEVEL,
+    LOST_STEP,
     PATH_ENDS,
-    SAME_FOLD,
+    POLISHED,
+    ROUNDING,
     TINY,
 )
 
@@ -37,7 +41,6 @@ _MOST_WORK = 3000  # times the forces are summed; a second or two, after which t
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
 _MARCH = 0.05  # of λ: the first step by λ alone; each next is a fifth of it
-_BEYOND = 0.04  # of λ: a block that moves past a least λ is let go at this much less at least, to see where it goes
 _FIRST, _LONGEST = 0.1, 4.0  # steps along the path, in parts of the displacement so far and of λ
 _TURNS, _STRAYS = 0.8, 0.5  # cosine of the angle that a step may turn by, and parts of it that it may leave the tangent
 _STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
@@ -161,30 +164,14 @@ class _Path:
 
     def _rest(self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0) -> Floats | None:
         """Newton's method at one λ; with `slow` the block is held back from u by that part of its bonded stiffness."""
-        begin, drag = u, slow * self.springs.stiffness
-        at = self.forces(u, u, reduction, False, sticks)
-        out = at.out
-        size = float(np.abs(out).max())
-        for _ in range(2 * _MOST_NEWTON):
-            if size < BED_BALANCED * max(1.0, reduction):
-                return u
-            try:
-                step = -np.linalg.solve(at.by_opening + at.by_slip - drag, out)
-            except np.linalg.LinAlgError:
-                return None
-            length = 1.0
-            while True:
-                trial = u + length * step
-                after = self.forces(trial, trial, reduction, False, sticks)
-                out_after = after.out - drag @ (trial - begin)
-                size_after = float(np.abs(out_after).max())
-                if size_after < size * (1.0 - 0.1 * length):
-                    break
-                length *= 0.5
-                if length < 0.05:
-                    return None
-            u, at, out, size = trial, after, out_after, size_after
-        return None
+        drag, small = slow * self.springs.stiffness, BED_BALANCED * max(1.0, reduction)
+
+        def forces(at: Floats) -> tuple[Floats, Unbalanced]:
+            there = self.forces(at, at, reduction, False, sticks)
+            return there.out - drag @ (at - u), there
+
+        rest, _, size = balanced(forces, lambda _, there: there.by_opening + there.by_slip - drag, u, small)
+        return rest if size <= small else None
 
     def _flow(self, u: Floats, reduction: float) -> Floats | None:
         """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
@@ -312,7 +299,7 @@ class _Path:
             ended = math.sqrt(float(point.u @ point.u)) > most
             if not ended and point.log_reduction > best.log_reduction + math.log(_TURNED):
                 best, is_fold = self._lowest(folds, best, is_fold)
-                onward = self._march(best, _BEYOND)  # it moves: to rest again farther off?
+                onward = self._march(best, 0.5 * _MARCH)  # it moves: to rest again farther off?
                 ended = onward is None
                 if onward is not None:
                     moved = moved or self._at_rest(best, not is_fold)
@@ -321,7 +308,7 @@ class _Path:
         best, is_fold = self._lowest(folds, best, is_fold)
         # far along a path that settles λ changes by no more than its slope there
         slope = 0.0 if is_fold else abs(float(best.tangent[-1]))
-        running = self._running(best, SAME_FOLD + _SETTLES * slope)
+        running = self._running(best, POLISHED + _SETTLES * slope)
         if running is None and ended and best is point:
             best = self._landed(*last, point, most)
         farthest = running or self._at_rest(best, not is_fold)
@@ -420,7 +407,7 @@ class _Path:
             at = self.forces(w, v, reduction, True)
             out = np.append(at.out, 0.5 * (float(along @ along) - 1.0))
             size = float(np.abs(out).max())
-            if size < 1e-13 * max(1.0, reduction):
+            if size < ROUNDING * max(1.0, reduction):
                 break
             matrix[:count, :first] = at.by_slip @ free
             matrix[:count, first:count] = at.by_opening @ rest
@@ -433,10 +420,10 @@ class _Path:
                 return None
             along, elastic = along + step[:first], elastic + step[first:count]
             reduction += float(step[count])
-            if not (reduction > 0.0 and float(np.abs(step).max()) < 1e9):
+            if not (reduction > 0.0 and float(np.abs(step).max()) < LOST_STEP):
                 return None
         else:
-            if size > 1e-9 * max(1.0, reduction):
+            if size > EQUILIBRIUM * max(1.0, reduction):
                 return None
         if abs(reduction / math.exp(point.log_reduction) - 1.0) > near:
             return None
@@ -478,7 +465,7 @@ def _misses(before: _PathPoint, after: _PathPoint, length: float) -> bool:
     change = after.log_reduction - before.log_reduction
     if slope < 0.0 < after_slope:
         return not 0.0 < _meet(before, after, length)[0] < length
-    return slope * after_slope > 0.0 > slope * change and abs(change) > SAME_FOLD
+    return slope * after_slope > 0.0 > slope * change and abs(change) > POLISHED
 
 
 def _along(before: _PathPoint, after: _PathPoint) -> float:

@@ -19,7 +19,17 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import split_space
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import LOST_STEP, NOT_DRAWN, TINY
+from slopekit.preie.tolerances import (
+    CARRIES,
+    EQUILIBRIUM,
+    LOST_STEP,
+    NO_FORCE,
+    NO_MOTION,
+    OPENS_ROUGHLY,
+    PARALLEL,
+    ROUNDING,
+    TINY,
+)
 from slopekit.strength.mohr_coulomb import line
 
 _EYE2 = np.eye(2)
@@ -69,12 +79,12 @@ def intact_limit_state(model: Model) -> LimitState | None:
     free, _ = split_space(model.normal_rows)
     along = free.T @ model.load
     pull = float(np.sqrt(along @ along))
-    if free.shape[1] == 0 or pull < 1e-12:
+    if free.shape[1] == 0 or pull < NO_FORCE:
         return None
     displacement = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ displacement), 0.0)
     strength = float(line(model.cohesion, model.tan_friction, normal).sum() + model.bolt_capacity.sum())
-    if strength < 1e-14:
+    if strength < NO_FORCE:
         return None
     state = limit_state(
         model, free @ along, pull / strength, closed, ~closed, np.ones(len(closed)), displacement=displacement
@@ -100,7 +110,7 @@ def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
     for _ in range(_MOST_TURNS):
         motion = model.relative(velocity)[:, 1:]
         size = np.sqrt((motion * motion).sum(axis=1))
-        if size.min() <= 1e-12:
+        if size.min() <= ROUNDING:
             return None
         tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
         along_slip = np.einsum("nt,ntu->nu", motion / size[:, None], model.rows[:, 1:, :])
@@ -112,7 +122,7 @@ def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
             return None
         moved = float(np.abs(next_state.velocity - velocity).max()) + abs(next_state.reduction / state.reduction - 1.0)
         velocity, state = next_state.velocity, next_state
-        if moved < 1e-13:
+        if moved < ROUNDING:
             pulled = closed & (state.normal_force < 0.0)
             if not pulled.any():
                 return state
@@ -137,19 +147,19 @@ def settled_limit_state(
     velocity = velocity / float(np.sqrt(velocity @ velocity))
     slip = model.slip(velocity)
     total = float(normal_force.sum())
-    closed: Bools = normal_force > 1e-6 * total
+    closed: Bools = normal_force > CARRIES * total
     for _ in range(_MOST_CHANGES):
         if not closed.any():
             return None
-        state = limit_state(model, velocity, reduction, closed, closed & (slip < 1e-4 * slip.max()), bond)
+        state = limit_state(model, velocity, reduction, closed, closed & (slip < OPENS_ROUGHLY * slip.max()), bond)
         if state is None or state.reduction <= 0.0:
             return None
         opening = model.normal_rows @ state.velocity
-        pulled = closed & (state.normal_force < -1e-10 * np.abs(state.normal_force).sum())
-        pushed = ~closed & (opening < -1e-8)
+        pulled = closed & (state.normal_force < -EQUILIBRIUM * np.abs(state.normal_force).sum())
+        pushed = ~closed & (opening < -PARALLEL)
         if not pulled.any() and not pushed.any():
             # pairs that the mechanism leaves at rest must be open in the elastic displacement
-            pushed = ~closed & (np.abs(opening) <= 1e-8) & (model.normal_rows @ state.displacement < -1e-12)
+            pushed = ~closed & (np.abs(opening) <= PARALLEL) & (model.normal_rows @ state.displacement < -NO_FORCE)
             if not pushed.any():
                 return state
         closed = (closed & ~pulled) | pushed
@@ -175,7 +185,7 @@ def limit_state(
         return None
     along = modes.free.T @ velocity
     length = float(np.sqrt(along @ along))
-    if length < 1e-6:
+    if length < NO_MOTION:
         return None
     along = along / length
     elastic = np.zeros(model.unknowns - count) if displacement is None else modes.rest.T @ displacement
@@ -191,7 +201,7 @@ def limit_state(
         norm = (float(along @ along) - 1.0) / 2.0
         scale = 1.0 + abs(reduction) * float(np.abs(strength).sum())
         residual = float(np.abs(out).max())
-        if steps and max(residual, abs(norm)) < 1e-13 * scale:
+        if steps and max(residual, abs(norm)) < ROUNDING * scale:
             break
         matrix = modes.slopes(along, direction, size, strength, reduction)
         unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
@@ -205,7 +215,7 @@ def limit_state(
         if not np.abs(step).max() < LOST_STEP:
             return None
     else:
-        if residual > 1e-9 * scale:
+        if residual > EQUILIBRIUM * scale:
             return None
     at_hinges, carried = modes.at_hinges(elastic), modes.bolt_springs @ elastic
     if not modes.bolts_hold(carried, along, reduction) or not modes.hinges_hold(at_hinges, reduction):
@@ -236,7 +246,7 @@ class _Modes:
         self.sliding = sliding = np.flatnonzero((closed | (bond > 0.0)) & ~hinged)
         self.hinges = hinges = np.flatnonzero(hinged)
         drawn = -model.bolt_rows @ velocity
-        self.square = np.abs(drawn) <= NOT_DRAWN * math.sqrt(float(velocity @ velocity))
+        self.square = np.abs(drawn) <= NO_MOTION * math.sqrt(float(velocity @ velocity))
         self.held_bolts, self.full = model.bolt_rows[self.square], (drawn > 0.0) & ~self.square
         self.free, self.rest = split_space(
             np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2)), self.held_bolts])
@@ -260,7 +270,7 @@ class _Modes:
         """Directions (s, 2) and sizes (s,) of slip; None where a pair that should slip does not."""
         tangential = self.slip_rows @ along
         size = np.sqrt((tangential * tangential).sum(axis=1))
-        return None if size.min() <= 1e-14 else (tangential / size[:, None], size)
+        return None if size.min() <= ROUNDING else (tangential / size[:, None], size)
 
     def at_hinges(self, elastic: Floats) -> Floats:
         """Forces (h, 3) at the hinges."""
@@ -298,13 +308,13 @@ class _Modes:
         """Whether bolts square to the movement carry what they can, and the others are drawn, or not, as assumed."""
         model, square, full = self.model, self.square, self.full
         capacity = reduction * model.bolt_capacity[square]
-        spare = 1e-9 * (1.0 + capacity)
+        spare = EQUILIBRIUM * (1.0 + capacity)
         speed = -model.bolt_rows @ (self.free @ along)
         is_within = not (carried < -spare).any() and not (carried > capacity + spare).any()
-        return is_within and not (speed[full] < -NOT_DRAWN).any() and not (speed[~full & ~square] > NOT_DRAWN).any()
+        return is_within and not (speed[full] < -NO_MOTION).any() and not (speed[~full & ~square] > NO_MOTION).any()
 
     def hinges_hold(self, forces: Floats, reduction: float) -> bool:
         """Whether no hinge is pushed beyond its strength: one that would slip is none."""
         shear = np.sqrt((forces[:, 1:] ** 2).sum(axis=1))
         most = line(self.hinge_cohesion, self.model.tan_friction[self.hinges], np.maximum(forces[:, 0], 0.0))
-        return not (shear > reduction * most + 1e-9).any()
+        return not (shear > reduction * most + EQUILIBRIUM).any()

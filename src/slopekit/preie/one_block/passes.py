@@ -15,7 +15,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit_state import LimitState, settled_limit_state
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
+from slopekit.preie.tolerances import DRIVEN, NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:  # most limits need no passes
@@ -23,11 +23,9 @@ if TYPE_CHECKING:  # most limits need no passes
 
 STEERED = 300  # passes by Aitken's rule; as many damped ones follow where those do not settle: on curved surfaces
 _DAMPED_STEP = 0.1  # part of the way to the new friction that a damped pass takes
-_STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
+_STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same; they say how far F swings
 MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
-_AITKEN_PASSES = 30  # steered by his rule, before longer and shorter steps feel the way
-_WINDOW = 20  # passes over which the factor must keep still
-_SWINGS = 5  # times as many say how far it swings where it does not
+_WINDOW = 30  # passes by his rule, before longer and shorter steps feel the way; then the factor must keep still
 
 
 class Outcome(Enum):
@@ -84,7 +82,7 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
 
     releases = np.zeros(len(bond))
     friction = line(bond * model.cohesion, model.tan_friction, normal_force)
-    if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
+    if not float(velocity @ model.load) > DRIVEN * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
         velocity = model.load
     stages, weight = COLD, 1.0
     last: Floats | None = None
@@ -112,7 +110,7 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
         settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
         if settled and change < 1e-7 and not model.dilates:
             moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
-        recent = [*recent[1 - _SWINGS * _WINDOW :], factor]
+        recent = [*recent[1 - _STAGE_PASSES :], factor]
         swing = max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])
         if calm > 2 * _WINDOW and change < 3e-3 and swing < PASSES_STEADY * factor:
             # averaging creeps: the normal forces still trade places, the factor no longer moves
@@ -155,7 +153,7 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
 
 def _next_weight(weight: float, last: Floats, excess: Floats, calm: int) -> float:
     """How much of the excess the next pass takes, by this one's and the last one's: Aitken's for the first passes."""
-    if calm > _AITKEN_PASSES:  # feel the way: longer steps while they agree, shorter where they turn about
+    if calm > _WINDOW:  # feel the way: longer steps while they agree, shorter where they turn about
         return min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
     turn = excess - last
     weight = -weight * float(last @ turn) / max(float(turn @ turn), TINY)

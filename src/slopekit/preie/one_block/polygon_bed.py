@@ -23,7 +23,7 @@ from slopekit.core.records import dataclass
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.system.model import Model, local_axes
 from slopekit.preie.system.patch_pairs import fan_rule
-from slopekit.preie.tolerances import NOT_DRAWN_ON_BED, TINY
+from slopekit.preie.tolerances import NO_MOTION, TINY
 from slopekit.strength.mohr_coulomb import line
 
 BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
@@ -256,7 +256,7 @@ class BedSprings:
         bed = self.bed
         drawn = -bed.bolt_rows @ slip
         if running:
-            pull, spring = np.where(drawn > NOT_DRAWN_ON_BED, 1.0, 0.0), np.zeros(len(drawn))
+            pull, spring = np.where(drawn > NO_MOTION, 1.0, 0.0), np.zeros(len(drawn))
             out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
             by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
         else:
@@ -319,11 +319,7 @@ class BedSprings:
         pulls = none
         if len(bed.bolt_capacity):
             drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
-            pulls = (
-                np.where(drawn > NOT_DRAWN_ON_BED, most, 0.0)
-                if running
-                else np.clip(self.bolt_springs * drawn, 0.0, most)
-            )
+            pulls = np.where(drawn > NO_MOTION, most, 0.0) if running else np.clip(self.bolt_springs * drawn, 0.0, most)
         return PointForces(points, area, contact, normal, shear, pressed, pulls)
 
     def _pressed_part(self, k: int, gap: Floats) -> "tuple[tuple[Floats, Floats, Floats], _Grown | None] | None":

@@ -17,7 +17,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL
+from slopekit.preie.tolerances import BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL, ROUNDING
 
 _MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
@@ -78,7 +78,7 @@ def _translating_bound(model: Model, velocity: Floats, limit: float) -> StaticBo
     if len(model.bolt_capacity) or size == 0.0:
         return None
     v, normals = velocity[:most] / size, model.normal_rows[:, :most]
-    flat = np.abs(normals - normals[0]).max() <= 1e-12 and len(np.unique(model.interface)) == 1
+    flat = np.abs(normals - normals[0]).max() <= PARALLEL and len(np.unique(model.interface)) == 1
     if not flat or turning > PARALLEL:
         opening = _opening_both(model, v, reduction)
         if opening is None:
@@ -105,7 +105,7 @@ def _opening_both(model: Model, v: Floats, reduction: float) -> tuple[Floats, fl
     for steps in range(1, _MOST_STEPS + 1):
         motion = rows @ v
         slip = np.sqrt((motion[:, 1:] ** 2).sum(axis=1))
-        if slip.min() <= 1e-12:
+        if slip.min() <= ROUNDING:
             return None
         slip_slope = np.einsum("kt,ktu->ku", motion[:, 1:] / slip[:, None], rows[:, 1:, :])
         out = np.array([
@@ -113,7 +113,7 @@ def _opening_both(model: Model, v: Floats, reduction: float) -> tuple[Floats, fl
             float(load @ v) - reduction * float(cohesion @ slip),
             (float(v @ v) - 1.0) / 2.0,
         ])  # fmt: skip
-        if np.abs(out).max() < 1e-14:
+        if np.abs(out).max() < ROUNDING:
             return v, reduction, steps
         matrix = np.zeros((4, 4))
         matrix[:2, :3] = rows[:, 0, :] - (reduction * tan_friction)[:, None] * slip_slope

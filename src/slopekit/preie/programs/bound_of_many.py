@@ -28,9 +28,19 @@ from slopekit.preie.programs.cone_steps import ConeEquations
 from slopekit.preie.programs.cone_steps import residuals as cone_residuals
 from slopekit.preie.programs.cones import determinant
 from slopekit.preie.programs.iterates import Iterate, IterateStep
-from slopekit.preie.programs.program import MOST_LOAD, BlockProgram, NewtonEquations, Residuals, Strengths
+from slopekit.preie.programs.program import (
+    CRAWL,
+    GIVE,
+    MOST_LOAD,
+    MOST_STEPS,
+    STALLED,
+    BlockProgram,
+    NewtonEquations,
+    Residuals,
+    Strengths,
+)
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import FEASIBLE, LEAST_REDUCTION, NEAR, SHIFT_BY_LOAD, TINY
+from slopekit.preie.tolerances import DIAGONAL_SHIFT, FARTHEST, FEASIBLE, LEAST_REDUCTION, NEAR, TINY
 from slopekit.strength.mohr_coulomb import line
 
 _MANY = 150  # blocks of which parts come first
@@ -39,15 +49,13 @@ _MOVING = 1e-5  # speed there, in parts of the fastest
 _START, _LOWER = 0.3, 0.1  # λ to begin with, and to begin again with, in parts, where blocks jam at that
 _LARGE = 10.0  # forces and s to begin with, in parts of the loads: half or twice as much take as many steps
 _LIFTED = 1.0  # least of them about the forces of an elastic bed, in parts of the loads; three times as much is as good
-_MOST = 150  # steps; it takes 20 to 60
-_HARDLY = 1e-6  # of the elastic energy of other programs
+_HARDLY = 1e-3  # of the elastic give of few blocks: all of it moves the bound of 941 by 7e-6
 _AIM, _NO_NEARER = 0.5, 0.1  # of what s may still be: no less complementarity than that where λ moves, and stays
 _KNOWN = 0.5  # part of the complementarity that what is off may be worth for λ to move
 _UNSURE = 3.0  # complementarity in parts of what s may still be, from which on λ stays
 _SURE = 0.2  # of `NEAR`: width of the bracket of λ at the end, 2e-6; s is mostly known ten times better
 _DOUBT = 10.0  # how many times what residuals are worth at an iterate they may be worth at the end
 _FALLS, _GROWS = 0.7, 2.0  # parts of λ by which it goes down and up at most
-_CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: just above that λ blocks jam
 
 
 class _Shortfall(BlockProgram):
@@ -58,7 +66,7 @@ class _Shortfall(BlockProgram):
         own = self.least_load[:: model.unknowns]
         lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
         self.weight, self.pair_weight = lighter[model.group_contact], lighter[model.pair_contact]
-        self.elastic = _HARDLY * self.stiffest
+        self.elastic = _HARDLY * GIVE
         self.own_load, self.pulls = self.load, self.middle
         self.middle = np.zeros_like(self.load)
         self.cones = len(self.pair_weight) + len(self.weight) + 1
@@ -114,7 +122,7 @@ class _Shortfall(BlockProgram):
 
     def inertia(self, gap: float) -> Floats:
         """Hardly anything of the stiffness of each block, (n u,): of slivers too, which the mean would hold."""
-        small: Floats = (SHIFT_BY_LOAD * self.cones / gap) * self.least_load * self.least_load
+        small: Floats = (DIAGONAL_SHIFT * self.cones / gap) * self.least_load * self.least_load
         return small
 
 
@@ -175,10 +183,10 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
     if known:
         at, low = program.begun_elastic(start), (1.0 - 2.0 * _SURE * NEAR) * start
     residuals = Residuals.of if compiled() is None else cone_residuals
-    for steps in range(_MOST):
+    for steps in range(MOST_STEPS):
         strengths = program.at(reduction)
         off = residuals(program, strengths, at)
-        if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < 1.0 / LEAST_REDUCTION:
+        if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < FARTHEST:
             return None
         short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
         if falls == 0.0:  # no strength at all
@@ -208,10 +216,10 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
             return None
         length = step.longest(at)
         at, reduction = step.taken(at, length), reduction + length * moves
-        stalled = stalled + 1 if length < _CRAWL else 0
-        if stalled > _STALLED and (low > 0.0 or short > 0.0):
+        stalled = stalled + 1 if length < CRAWL else 0
+        if stalled > STALLED and (low > 0.0 or short > 0.0):
             return None
-        if stalled > _STALLED:
+        if stalled > STALLED:
             at, reduction, high, stalled = program.begun(), _LOWER * reduction, np.inf, 0
     return None
 

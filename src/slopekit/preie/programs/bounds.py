@@ -30,11 +30,12 @@ from slopekit.preie.tolerances import (
     CARRIES,
     CLOSE,
     EQUILIBRIUM,
-    HARDLY_MOVES,
+    FEASIBLE,
     LEAST_REDUCTION,
     LIFTED_BALANCED,
     LIFTED_SHED,
     LIGHTEST,
+    MOVES,
     NEAR,
     PARALLEL,
     REACHES,
@@ -42,9 +43,7 @@ from slopekit.preie.tolerances import (
 )
 from slopekit.strength.mohr_coulomb import line
 
-_STEPS, _STEPS_OF_MANY = 150, 80  # of the interior-point method; it settles in 60 if it does
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
-_HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
 _HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
@@ -60,9 +59,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         if exact_bound is not None:
             return exact_bound
     program = BlockProgram(model)
-    program.elastic *= _HARDLY
-    most = _STEPS if model.unknowns == 3 or size <= _MOST_PROGRAMS else _STEPS_OF_MANY
-    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE, most)
+    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE)
     at, steps = at_once.at, at_once.steps
     if _is_lifted(at_once):
         normal = held_by_normals(model, model.load.ravel())
@@ -87,7 +84,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         summed = model.by_group(program.start.normal)
         frozen = line(program.cohesion, model.tan_friction, summed)
         dilating = Strengths(model.tan_friction, frozen, -model.tan_friction * summed)
-        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, most))
+        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE))
     normal = held_by_normals(model, model.load.ravel())
     if normal is not None:
         return StaticBound(None, False, True, at.velocity, normal, steps)
@@ -153,7 +150,7 @@ def mechanism_range(
     """
     say("range of the mechanism")
     away = Distance(model, _cleaned(model, velocity, forces, factor), bond)
-    if away.at(1.0 / factor).distance > 1e3 * REACHES:
+    if away.at(1.0 / factor).distance > FEASIBLE:
         return None
     ends = []
     for way in (1.0, -1.0):  # λ up: the lowest factor
@@ -176,7 +173,7 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
         stride = stride * stride
     while abs(outside / inside - 1.0) > NEAR:
         trial = outside - far.distance / far.slope if far.slope * way > 0.0 else inside
-        if abs(trial / outside - 1.0) < 0.1 * NEAR:
+        if abs(trial / outside - 1.0) < NEAR:
             return trial
         if not min(inside, outside) < trial < max(inside, outside):
             trial = math.sqrt(inside * outside)
@@ -201,10 +198,10 @@ def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Float
     pressed = normal > CARRIES * float(normal.max(initial=0.0))
     opening, slip = model.opening_and_slip(velocity)
     size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, friction))
-    hardly = HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
+    hardly = MOVES * max(float(np.abs(opening).max()), float(size.max()))
     strength = line(model.by_group(model.cohesion), model.tan_friction, model.by_group(normal)) / factor
-    sticks = (carried < (1.0 - HARDLY_MOVES) * strength) & (size < hardly)
-    sticks &= ~model.bolted | (carried > HARDLY_MOVES * strength)  # a slack bolt may get shorter
+    sticks = (carried < (1.0 - MOVES) * strength) & (size < hardly)
+    sticks &= ~model.bolted | (carried > MOVES * strength)  # a slack bolt may get shorter
     still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])
     rows = model.kinematics[np.flatnonzero(still)].toarray()
     change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)

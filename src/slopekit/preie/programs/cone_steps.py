@@ -11,15 +11,13 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.kernels import compiled
-from slopekit.preie.programs.cones import brought_within
 from slopekit.preie.programs.iterates import Iterate, IterateStep
 from slopekit.preie.programs.program import (
-    LEAST_PRODUCT,
     MOST_LOAD,
     BlockProgram,
     Residuals,
     Strengths,
-    with_corrections,
+    centring,
 )
 from slopekit.preie.programs.springs import Coupling
 from slopekit.preie.solvers.fronts import Solver
@@ -85,34 +83,19 @@ class ConeEquations:
         return cls(program, at, off, pairs, solver, border, columns, system)
 
     def step(self, towards: float) -> IterateStep:
-        """Mehrotra's step with its corrections: `NewtonEquations.step` of a convex program."""
+        """Mehrotra's step: `NewtonEquations.step`."""
         at, kernels = self.start, compiled()
         middle, of_normal = np.empty_like(at.slip), np.empty_like(at.normal)
         target, to_strength = np.empty_like(at.slip), np.empty_like(at.slip)
         kernels.cone_middle(self.pairs, at.slip, middle)
         ahead, reach = self.direction(-at.gap * at.normal, -middle, -at.shed * at.shed_slack)
-        cones = len(at.normal) + len(at.strength) + 1
-        barrier = max(max((1.0 - reach) ** 3, 1e-6) * self.off.gap, towards) / cones
-        low, high = LEAST_PRODUCT * barrier, barrier / LEAST_PRODUCT
-
-        def aim(step: IterateStep, length: float) -> None:
-            kernels.cone_targets(
-                self.pairs, at.strength, at.slip, step.normal, step.gap, step.strength, step.slip, middle, barrier,
-                length, low, high, of_normal, target, to_strength,
-            )  # fmt: skip
-
-        aim(ahead, -1.0)
+        barrier = max(centring(reach) * self.off.gap, towards) / (len(at.normal) + len(at.strength) + 1)
+        kernels.cone_targets(
+            self.pairs, at.strength, at.slip, ahead.normal, ahead.gap, ahead.strength, ahead.slip, middle, barrier,
+            -1.0, barrier, barrier, of_normal, target, to_strength,
+        )  # fmt: skip
         of_shed = barrier - at.shed * at.shed_slack - ahead.shed * ahead.shed_slack
-        step, length = self.direction(of_normal, to_strength, of_shed)
-
-        def again(step: IterateStep, length: float) -> tuple[IterateStep, float]:
-            nonlocal of_shed
-            aim(step, length)
-            shed = (at.shed + length * step.shed) * (at.shed_slack + length * step.shed_slack)
-            of_shed += float(brought_within(np.array(shed), low, high))
-            return self.direction(of_normal, to_strength, of_shed)
-
-        return with_corrections(step, length, again)
+        return self.direction(of_normal, to_strength, of_shed)[0]
 
     def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> tuple[IterateStep, float]:
         """The step towards given products of the normal forces (m,), the cones (m, 3) and the shed load; its length."""

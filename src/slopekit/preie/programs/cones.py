@@ -67,27 +67,6 @@ def quotient(a: Floats, b: Floats) -> Floats:
     return np.concatenate([first[:, None], rest], axis=1)
 
 
-def brought_within(products: Floats, low: float, high: float) -> Floats:
-    """What brings products into [low, high], by no more than `high` down.
-
-    >>> brought_within(np.array([0.05, 0.5, 12.0, 40.0]), 0.1, 10.0).tolist()
-    [0.05, 0.0, -2.0, -10.0]
-    """
-    changes: Floats = np.maximum(np.clip(products, low, high) - products, -high)
-    return changes
-
-
-def rows_within(products: Floats, low: float, high: float) -> Floats:
-    """The same of Jordan products (g, 1 + t), whose eigenvalues are x0 - |x1| and x0 + |x1|."""
-    size = np.sqrt(along_rows(products[:, 1:], products[:, 1:]))
-    less = brought_within(products[:, 0] - size, low, high)
-    more = brought_within(products[:, 0] + size, low, high)
-    out = np.empty_like(products)
-    out[:, 0] = 0.5 * (less + more)
-    out[:, 1:] = (0.5 * (more - less) / np.maximum(size, TINY))[:, None] * products[:, 1:]
-    return out
-
-
 @dataclass(frozen=True, slots=True)
 class Scaling:
     """W = η [w0, w1ᵀ; w1, I + w1 w1ᵀ / (1 + w0)] by the row."""
@@ -118,7 +97,7 @@ def scaling(primal: Floats, dual: Floats) -> Scaling:
     q, z = primal / np.sqrt(of_primal)[:, None], dual / np.sqrt(of_dual)[:, None]
     flipped = z.copy()
     flipped[:, 1:] *= -1.0
-    gamma = np.sqrt(np.maximum((1.0 + along_rows(q, z)) / 2.0, 1e-30))
+    gamma = np.sqrt(np.maximum((1.0 + along_rows(q, z)) / 2.0, TINY))
     direction = (q + flipped) / (2.0 * gamma)[:, None]
     size = (of_primal / of_dual) ** 0.25
     return Scaling(direction, size)

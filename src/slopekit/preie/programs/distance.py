@@ -21,6 +21,7 @@ from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.solvers.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
     CLOSE,
+    FARTHEST,
     LEAST_REDUCTION,
     LIGHTEST,
     NEAR,
@@ -36,7 +37,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
-_MOST_TRIALS, _MOST_DOUBTS = 60, 4  # of λ, and of a λ below which a program gave up
+_MOST_TRIALS = 60  # of λ
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +158,6 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
     reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
     best: DistanceAt | None = None
-    doubts = 0
     motion = np.zeros(model.load.size)
 
     def bound(at: float | None, locked: bool = False) -> StaticBound:
@@ -184,15 +184,10 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             best, motion = far, far.motion
             return bound(trial)
         if high < low * (1.0 + CLOSE):
-            spare = best is not None and _LEFT * _SPARE < best.distance < -ROUGHLY_SOLVED and best.slope < 0.0
-            if best is None or not spare or doubts == _MOST_DOUBTS:
-                return bound(high)
-            # so much to spare, and nothing just below: a program had given up there
-            reduction, low, doubts = high - best.distance / best.slope, 0.0, doubts + 1
-            continue
+            return bound(high)
         if reduction < LEAST_REDUCTION:
             return bound(None, locked=True)
-        if low > 1.0 / LEAST_REDUCTION:
+        if low > FARTHEST:
             break
         if not low < trial < high:
             trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high

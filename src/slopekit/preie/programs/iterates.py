@@ -4,7 +4,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.programs.cones import longest_step, longest_step_to_zero
 
-_TO_BOUNDARY = 0.99
+_TO_BOUNDARY = 0.99  # part of the way to where a force or its multiplier is nothing
 
 
 @dataclass(frozen=True, slots=True)

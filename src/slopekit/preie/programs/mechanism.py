@@ -19,7 +19,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import TINY
+from slopekit.preie.tolerances import DIAGONAL_SHIFT, NO_FORCE, ROUNDING, TINY
 
 Stages = Sequence[tuple[float, float, float]]
 
@@ -79,7 +79,7 @@ def least_work_mechanism(
     load = model.load
     velocity = start / float(load @ start)
     factor = 0.0
-    scale = max(float(friction.sum() + model.bolt_capacity.sum()), 1e-12)
+    scale = max(float(friction.sum() + model.bolt_capacity.sum()), NO_FORCE)
     unknowns = model.unknowns
     bordered = np.zeros((unknowns + 1, unknowns + 1))
     for penalty, rounding, residual in stages:
@@ -88,9 +88,9 @@ def least_work_mechanism(
         for _ in range(_MOST_STEPS):
             curvature = _curvature(model, at, tan_dilation, kappa)
             diagonal = np.diag(curvature)
-            unit = 1.0 / np.sqrt(np.maximum(diagonal, 1e-14 * float(np.abs(diagonal).sum()) or 1.0))
+            unit = 1.0 / np.sqrt(np.maximum(diagonal, ROUNDING * float(np.abs(diagonal).sum()) or 1.0))
             bordered[:unknowns, :unknowns] = curvature * unit[:, None] * unit
-            bordered[np.arange(unknowns), np.arange(unknowns)] += 1e-13
+            bordered[np.arange(unknowns), np.arange(unknowns)] += DIAGONAL_SHIFT
             bordered[:unknowns, unknowns] = bordered[unknowns, :unknowns] = -load * unit
             solved = np.linalg.solve(bordered, np.append(-at.gradient * unit, 0.0))
             step, factor = solved[:unknowns] * unit, float(solved[unknowns])

@@ -23,7 +23,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
-from slopekit.preie.programs.cones import Scaling, brought_within, determinant, product, quotient, rows_within, scaling
+from slopekit.preie.programs.cones import Scaling, determinant, product, quotient, scaling
 from slopekit.preie.programs.iterates import Iterate, IterateStep
 from slopekit.preie.programs.springs import Coupling, Springs
 from slopekit.preie.solvers.stiffness import SparseStiffness
@@ -31,31 +31,24 @@ from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import ContactPattern
 from slopekit.preie.tolerances import (
     DIAGONAL_SHIFT,
-    EARNED,
-    FACTOR_RESIDUAL,
     FEASIBLE,
-    HARDLY_ROUGH,
-    LETS_GO,
     LIGHTEST,
-    PUSHES,
+    MOTION_RESIDUAL,
+    NO_FORCE,
+    NO_MOTION,
+    PARALLEL,
     TINY,
 )
 from slopekit.strength.mohr_coulomb import line
 
+MOST_STEPS = 150  # it takes 20 to 60
 MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
-_ELASTIC_ENERGY = 1e-3  # what an elastic bed of the whole assembly may store beside the load factor; a hundredth of it
-_STIFFEST = 1e-5  # is left at the limit, and so little does it raise the load factor
+GIVE = 1e-8  # ε: a thousandth of it moves the static bound of few blocks by less than it is known to
 _START = 0.1  # least normal force to start from, in parts of the mean
-_SHORT, _RECENTRE = 0.3, 0.7  # after so short a step: this far back to the middle
-_CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
+CRAWL, STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
 _FRUITLESS = 25  # steps in which the complementarity has not fallen by a fifth
-_RELEASES, _ROUGH = 40, 1e6
-_CORRECTIONS, _LONG = 2, 0.95  # of a step at most, and how long it has to be to need none
-_FARTHER, _WORTH = (
-    0.3,
-    0.1,
-)  # how much farther it is to go, and the part of that for which another correction is worth it
-LEAST_PRODUCT = 0.1  # of a force and its multiplier there, in parts of the middle; the inverse is the largest
+_RELEASES, _ROUGH = 40, 1e6  # rounds of letting go; springs of contacts in parts of the inertia
+_LEAST_CENTRING = 1e-6  # products fall to so little in a step at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +76,7 @@ class Strengths:
 
 @dataclass(frozen=True, slots=True)
 class ProgramResult:
-    """The last iterate, whether it settled, steps taken, and earlier iterates to start a next pass from.
+    """The last iterate, whether it settled, and steps taken.
 
     `unbalanced` is the largest unbalanced force in parts of the load of the block it acts on.
     """
@@ -92,13 +85,12 @@ class ProgramResult:
     settled: bool
     steps: int
     unbalanced: float
-    trail: tuple[Iterate, ...]
 
 
 class BlockProgram:
     """The program of this module for one model; its pattern is made once.
 
-    `cohesion` (g,) may be lowered between solutions, where contacts have opened, and `elastic` (ε), at most `stiffest`;
+    `cohesion` (g,) may be lowered between solutions, where contacts have opened, and `elastic` (ε) chosen;
     `ratio` is k_t / k_n of the elastic bed.
     """
 
@@ -115,20 +107,19 @@ class BlockProgram:
         own = np.sqrt((model.load * model.load).sum(axis=1))
         self.least_load = np.repeat(np.maximum(own, LIGHTEST * float(own.max())), model.unknowns)
         self.pattern = ContactPattern(model)
-        self.stiffest, self.start = self._elastic_start()
-        self.elastic = self.stiffest
+        self.start, self.elastic = self._elastic_start(), GIVE
 
     def carried(self, cohesion: Floats) -> Floats:
         """What cohesions (m,) let friction carry, (g,); of bolts half their range."""
         summed = self.model.by_group(cohesion)
         return np.where(self.model.bolted, 0.5 * summed, summed)
 
-    def solve(self, strengths: Strengths, start: Iterate, tolerance: float = 1e-8, most: int = 60) -> ProgramResult:
+    def solve(self, strengths: Strengths, start: Iterate, tolerance: float, most: int = MOST_STEPS) -> ProgramResult:
         """Solve the program; an iterate that runs away ends it.
 
         Parameters
         ----------
-        start : from an earlier solution's trail, or `self.start`
+        start : from an earlier solution that was not solved to the end, or `self.start`
         tolerance : complementarity in parts of the load factor
         most : steps
         """
@@ -136,27 +127,25 @@ class BlockProgram:
             return self._solve(strengths, start, tolerance, most)
 
     def _solve(self, strengths: Strengths, start: Iterate, tolerance: float, most: int) -> ProgramResult:
-        at, trail, steps, stalled = start, [start], 0, 0
-        length, best, since = 1.0, math.inf, 0
+        at, last, steps, stalled = start, start, 0, 0
+        best, since = math.inf, 0
         while True:
             off = Residuals.of(self, strengths, at)
             if off.sound and off.gap < tolerance * max(at.load_factor, FEASIBLE):
-                return ProgramResult(at, True, steps, off.unbalanced, tuple(trail))
+                return ProgramResult(at, True, steps, off.unbalanced)
             best, since = (off.gap, 0) if off.gap < 0.8 * best else (best, since + 1)
-            if steps >= most or stalled > _STALLED or since > _FRUITLESS or not math.isfinite(off.gap):
+            if steps >= most or stalled > STALLED or since > _FRUITLESS or not math.isfinite(off.gap):
                 break
             try:
                 newton = NewtonEquations.at(self, strengths, at, off)
             except (SolverError, np.linalg.LinAlgError):
                 break
-            step = newton.step(recentre=length < _SHORT)
+            step = newton.step()
             length = step.longest(at)
-            steps, stalled = steps + 1, stalled + 1 if length < _CRAWL else 0
+            steps, stalled = steps + 1, stalled + 1 if length < CRAWL else 0
             at = step.taken(at, length)
-            trail.append(at)
-        finite = [k for k, iterate in enumerate(trail) if math.isfinite(iterate.complementarity)]
-        last = trail[finite[-1]]
-        return ProgramResult(last, False, steps, Residuals.of(self, strengths, last).unbalanced, tuple(trail))
+            last = at if math.isfinite(at.complementarity) else last
+        return ProgramResult(last, False, steps, Residuals.of(self, strengths, last).unbalanced)
 
     def release(self) -> Floats:
         """How blocks set off that nothing balances, (n u,): the acceleration of least constraint, contacts rough.
@@ -165,7 +154,7 @@ class BlockProgram:
         are let go, one round after the other, and bolts that would push.
         """
         model = self.model
-        roughness = _ROUGH * ((model.tan_friction > HARDLY_ROUGH) | model.bolted)
+        roughness = _ROUGH * ((model.tan_friction > NO_FORCE) | model.bolted)
         pressed = np.ones(len(self.give), dtype=bool)
         taut = np.ones(len(roughness), dtype=bool)
         inertia = np.full(len(self.load), 1.0)
@@ -177,25 +166,24 @@ class BlockProgram:
             velocity = self.solver.factored(self.pattern.stiffness(springs, rough), 0.0, inertia=inertia)(self.load)
             opening, slip = model.opening_and_slip(velocity)
             fastest = max(float(np.abs(velocity).max()), TINY)
-            pulled = pressed & (opening > LETS_GO * fastest)
-            pushed = ~pressed & (opening < -PUSHES * fastest)
-            slack = taut & model.bolted & (slip[:, 0] > LETS_GO * fastest)
-            drawn = ~taut & (slip[:, 0] < -PUSHES * fastest)
+            pulled = pressed & (opening > PARALLEL * fastest)
+            pushed = ~pressed & (opening < -NO_MOTION * fastest)
+            slack = taut & model.bolted & (slip[:, 0] > PARALLEL * fastest)
+            drawn = ~taut & (slip[:, 0] < -NO_MOTION * fastest)
             if not (pulled.any() or pushed.any() or slack.any() or drawn.any()):
                 break
             pressed, taut = (pressed & ~pulled) | pushed, (taut & ~slack) | drawn
         return velocity
 
-    def _elastic_start(self) -> tuple[float, Iterate]:
-        """ε, and a start on the central path from the forces of an elastic bed, normal forces kept above zero."""
+    def _elastic_start(self) -> Iterate:
+        """A start on the central path from the forces of an elastic bed, normal forces kept above zero."""
         model = self.model
         tangents = np.eye(model.slip_rows.shape[1]) / self.group_give[:, None, None]
         local = self.pattern.stiffness(model.control_area, tangents)
-        velocity = self.solver.factored(local, 1e-12)(self.load)
+        velocity = self.solver.factored(local, DIAGONAL_SHIFT)(self.load)
         opening, slip = model.opening_and_slip(velocity)
         normal, friction = -model.control_area * opening, -slip / self.group_give[:, None]
-        stored = float((self.give * normal * normal).sum() + (self.group_give[:, None] * friction * friction).sum())
-        normal = np.maximum(normal, _START * max(float(np.abs(normal).mean()), 1e-12))
+        normal = np.maximum(normal, _START * max(float(np.abs(normal).mean()), NO_FORCE))
         carried = line(self.cohesion, model.tan_friction, model.by_group(normal))
         size = np.sqrt((friction * friction).sum(axis=1)) + float(normal.min())
         strength = np.concatenate([np.maximum(carried, 1.5 * size)[:, None], friction], axis=1)
@@ -203,11 +191,10 @@ class BlockProgram:
         slips = strength / determinant(strength)[:, None]
         slips[:, 1:] *= -1.0
         unit = 1.0 / max(float(carried @ slips[:, 0]), TINY)
-        start = Iterate(
+        return Iterate(
             normal, friction, 1.0, unit / MOST_LOAD, strength, np.zeros(len(self.load)), unit / normal, unit * slips,
             MOST_LOAD,
         )  # fmt: skip
-        return min(2.0 * _ELASTIC_ENERGY / max(stored, 1e-12), _STIFFEST), start
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,8 +249,8 @@ class Residuals:
         sound = (
             unbalanced < FEASIBLE
             and float(np.abs(strength).max()) < FEASIBLE * max(1.0, float(limit.max()))
-            and earned < EARNED * max(at.load_factor, FEASIBLE)
-            and abs(factor) < FACTOR_RESIDUAL
+            and earned < MOTION_RESIDUAL * max(at.load_factor, FEASIBLE)
+            and abs(factor) < MOTION_RESIDUAL
         )
         return cls(
             coupling, normal, off_slip, strength, factor, balance,
@@ -317,47 +304,26 @@ class NewtonEquations:
         ])  # fmt: skip
         return cls(program, at, off, scale, springs, solver, row, columns, system)
 
-    def step(self, recentre: bool = False, towards: float | None = None) -> IterateStep:
+    def step(self, towards: float | None = None) -> IterateStep:
         """Mehrotra's step: what a step to the end would do tells how far to aim and what to correct.
 
         Parameters
         ----------
-        recentre : back to the middle first; it ran along the boundary
-        towards : of a convex program, no less complementarity than this, and all that is of second order corrected;
-            products that would go astray are brought back (`with_corrections`)
+        towards : of a convex program: no less complementarity than this, and all that is of second order corrected;
+            else as much as the step to the end may go: columns come to no end without
         """
         at, cones = self.start, len(self.start.normal) + len(self.start.strength) + 1
         middle = self.scale.times(at.slip)
         ahead = self.direction(-at.gap * at.normal, -middle, -at.shed * at.shed_slack)
         reach = ahead.longest(at)
-        centre, trust = max((1.0 - reach) ** 3, 1e-6), reach * reach
-        if recentre:
-            centre, trust = max(centre, _RECENTRE), 0.0
-        gap = centre * self.off.gap
-        if towards is not None:
-            gap, trust = max(gap, towards), 1.0
-        barrier = gap / cones
+        barrier = max(centring(reach) * self.off.gap, towards or 0.0) / cones
+        trust = reach * reach if towards is None else 1.0
         target = -product(middle, middle)
         target -= trust * product(self.scale.over(ahead.strength), self.scale.times(ahead.slip))
         target[:, 0] += barrier
         of_normal = barrier - at.gap * at.normal - trust * ahead.normal * ahead.gap
         of_shed = barrier - at.shed * at.shed_slack - trust * ahead.shed * ahead.shed_slack
-        step = self.direction(of_normal, quotient(middle, target), of_shed)
-        if towards is None:
-            return step
-        low, high = LEAST_PRODUCT * barrier, barrier / LEAST_PRODUCT
-
-        def again(step: IterateStep, length: float) -> tuple[IterateStep, float]:
-            nonlocal of_normal, target, of_shed
-            there = step.taken(at, length)
-            of_normal = of_normal + brought_within(there.normal * there.gap, low, high)
-            products = product(self.scale.over(there.strength), self.scale.times(there.slip))
-            target = target + rows_within(products, low, high)
-            of_shed += float(brought_within(np.array(there.shed * there.shed_slack), low, high))
-            corrected = self.direction(of_normal, quotient(middle, target), of_shed)
-            return corrected, corrected.longest(at)
-
-        return with_corrections(step, step.longest(at), again)
+        return self.direction(of_normal, quotient(middle, target), of_shed)
 
     def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> IterateStep:
         """The step towards given products of the normal forces (m,), the cones (g, 1 + t) and the shed load."""
@@ -391,21 +357,6 @@ class NewtonEquations:
         )
 
 
-def with_corrections(
-    step: IterateStep, length: float, again: Callable[[IterateStep, float], tuple[IterateStep, float]]
-) -> IterateStep:
-    """Gondzio's corrections (1996) of a step that may go so far, as long as they make it longer.
-
-    Parameters
-    ----------
-    again : the step, and its length, that also brings back which products go astray on one so far as that
-    """
-    for _ in range(_CORRECTIONS):
-        if length > _LONG:
-            break
-        before, (corrected, now) = length, again(step, min(1.0, length + _FARTHER))
-        if now > before:
-            step, length = corrected, now
-        if now < before + _WORTH * _FARTHER:
-            break
-    return step
+def centring(reach: float) -> float:
+    """How far towards the middle a step aims, by how far one to the end may go: Mehrotra's rule."""
+    return max((1.0 - reach) ** 3, _LEAST_CENTRING)

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import breadth_first_order, maximum_bipartite_matching
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.tolerances import PARALLEL
 
 _UNEVEN = 0.15  # of a piece, how far from its middle it may be cut
 _ALIKE = 0.9  # cosine between normals of one joint set
@@ -44,7 +45,7 @@ def along_joints(model: AssemblyModel) -> Floats:
         cosines = normals @ normals[0]
         alike = np.abs(cosines) > _ALIKE
         normal = (normals[alike] * np.sign(cosines[alike])[:, None]).mean(axis=0)
-        axes.append(normal / max(float(np.median(np.abs(apart[alike] @ normal))), 1e-9))
+        axes.append(normal / max(float(np.median(np.abs(apart[alike] @ normal))), PARALLEL))
         normals, apart = normals[~alike], apart[~alike]
     axes = axes or [*np.eye(len(dimensions))]
     signs = [sign for sign in itertools.product((0, 1, -1), repeat=len(axes)) if sign > tuple(-s for s in sign)]

@@ -3,18 +3,17 @@
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.preie.tolerances import TINY
+from slopekit.preie.tolerances import PARALLEL, ROUNDING, TINY
 
-_GAINS = 1e-13  # in parts of the target: a column that brings no more stays out
+_MOST = 400  # columns let in, one after the other
 
 
-def split_space(rows: Floats, relative: float = 1e-9) -> tuple[Floats, Floats]:
+def split_space(rows: Floats) -> tuple[Floats, Floats]:
     """Orthonormal bases of the motions that the rows leave free and of the rest.
 
     Parameters
     ----------
-    rows : (m, u)
-    relative : singular values below this part of the largest count as nothing
+    rows : (m, u); singular values below `PARALLEL` of the largest count as nothing
 
     Returns
     -------
@@ -30,12 +29,12 @@ def split_space(rows: Floats, relative: float = 1e-9) -> tuple[Floats, Floats]:
     if len(rows) > unknowns:
         rows = np.asarray(np.linalg.qr(rows, mode="r"))  # the same row space, and no (m, m) factor
     _, sizes, basis = np.linalg.svd(rows, full_matrices=True)
-    rank = int((sizes > relative * sizes[0]).sum())
+    rank = int((sizes > PARALLEL * sizes[0]).sum())
     return basis[rank:].T, basis[:rank].T
 
 
 def bounded_least_squares(
-    matrix: Floats, target: Floats, upper: Floats, most: int = 400, pattern: Ints | None = None
+    matrix: Floats, target: Floats, upper: Floats, pattern: Ints | None = None
 ) -> tuple[Floats, Floats]:
     """The x with 0 <= x <= upper that brings A x nearest to b, and what is left of b.
 
@@ -67,15 +66,15 @@ def bounded_least_squares(
         rest = target - matrix @ known
         gain = (matrix.T @ rest) / scale
         gain = np.where(pattern == 2, -gain, gain)
-        if not (gain[~free & (upper > 0.0)] > _GAINS).any() and ((known > 0.0) & (known < upper))[free].all():
+        if not (gain[~free & (upper > 0.0)] > ROUNDING).any() and ((known > 0.0) & (known < upper))[free].all():
             return known, rest
         free = np.zeros(count, dtype=bool)
-    for _ in range(most):
+    for _ in range(_MOST):
         gain = (matrix.T @ (target - matrix @ solution)) / scale
         gain = np.where(free, -np.inf, np.where(solution >= upper, -gain, gain))
         gain[upper <= 0.0] = -np.inf
         best = int(np.argmax(gain))
-        if not gain[best] > _GAINS:
+        if not gain[best] > ROUNDING:
             break
         free[best] = True
         while free.any():
@@ -93,7 +92,7 @@ def bounded_least_squares(
                 step = min(step, float(((upper - solution)[above] / (trial - solution)[above]).min()))
             solution = solution + max(step, 0.0) * (trial - solution)
             size = max(float(solution.max()), TINY)
-            at_floor, at_top = solution <= 1e-14 * size, solution >= upper * (1.0 - 1e-14)
+            at_floor, at_top = solution <= ROUNDING * size, solution >= upper * (1.0 - ROUNDING)
             solution = np.where(at_floor, 0.0, np.where(at_top, upper, solution))
             free &= ~at_floor & ~at_top
     return solution, target - matrix @ solution

@@ -38,8 +38,7 @@ from slopekit.preie.solvers.fronts import FINER, Fronts, Solver
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import compiled_contacts
 
-_MOST_BYTES = 900_000_000
-_MOST_TRIALS = 8
+_MOST_BYTES = 900_000_000  # of the factors of one model: what needs more is refused
 _DENSE = 60  # unknowns from which the narrowest band is as fast, and the widest not slower
 _DISSECT = 4e-3  # s a factorisation in a band takes, below which a dissection does not pay
 
@@ -78,7 +77,7 @@ class SparseStiffness:
         ----------
         symmetric : K is symmetric and is to be positive definite
         inertia : (n u,) added to the diagonal
-        shift : in parts of the diagonal and of its mean; it grows where a symmetric K is not positive definite
+        shift : in parts of the diagonal and of its mean
 
         Returns
         -------
@@ -87,7 +86,7 @@ class SparseStiffness:
         Raises
         ------
         SolverError
-            E504 the factors do not fit into memory; E505 K is singular, or no shift makes it positive definite.
+            E504 the factors do not fit into memory; E505 K is singular, or not positive definite.
         EffortSpentError
             The work that is allowed is done (`solvers.effort`).
         """
@@ -99,11 +98,6 @@ class SparseStiffness:
         if self.contacts is None:
             values = np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
         solve = plan.factored(values, shift, inertia)
-        for _ in range(1, _MOST_TRIALS if symmetric else 1):
-            if solve is not None:
-                break
-            shift = max(100.0 * shift, 1e-16)
-            solve = plan.factored(values, shift, inertia)
         if solve is None and not symmetric and self.way is None and isinstance(plan.way, Fronts):
             # pivots from one front do not do: the band's come from wherever they are
             band = Band(self.model, False)

@@ -26,13 +26,13 @@ from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.effort import EffortSpentError
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import LEAST_TRACTION, LINES_STEADY, NO_FORCE, STEADY, TINY
+from slopekit.preie.tolerances import LEAST_TRACTION, NO_FORCE, ROUNDING, STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
-_MOST_ROUNDS = 120
-_SWIFT = 6  # rounds before they are mixed with the last ones
-_MEMORY, _MIX, _LONGEST = 6, 0.3, 0.7  # of Anderson's mixing: rounds, its relaxation, and the longest step of ln tan φ
+_MOST_ROUNDS = 120  # of lines drawn anew
+_MEMORY = 6  # rounds that Anderson's mixing remembers, and before it begins
+_MIX, _LONGEST = 0.3, 0.7  # its relaxation, and the longest step of ln tan φ
 _FRUITLESS = 12  # rounds without gain: then the last alone is mixed, and after as many again the lines do not settle
 
 AnyModel = TypeVar("AnyModel", Model, AssemblyModel)
@@ -165,11 +165,11 @@ def _rounds(
             carried, bonds = new.by_group(normal), new.by_group(new.cohesion)
         strength = float(line(bonds, new.tan_friction, carried).sum())
         off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, TINY)
-        if off <= max(LINES_STEADY, exact):
+        if off <= max(ROUNDING, exact):
             return model, limit, off
         rounds.append((factor, model, limit))
         best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
-        if len(rounds) > _SWIFT:
+        if len(rounds) > _MEMORY:
             at = np.log(np.maximum(model.tan_friction, NO_FORCE))
             last = (at, np.log(np.maximum(new.tan_friction, NO_FORCE)) - at)
             # modes that trade places lead the mixing astray: then the last round alone
@@ -214,7 +214,7 @@ def settled(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAna
 
     model, analysis, off = _rounds(model, analyse, forces)
     limit = analysis.governing
-    if off > max(LINES_STEADY, limit.change):
+    if off > max(ROUNDING, limit.change):
         analysis = replace(analysis, governing=replace(limit, change=off))
     return replace(analysis, model=model)
 
@@ -238,9 +238,9 @@ def mean_stress_limit(model: Model) -> Limit:
     """The limit of the forces alone with one traction a joint, its mean: what a closed form assumes."""
     assert model.lines is not None
     limit = forces_only_limit(model)
-    before = 0.0
+    before = math.inf
     for _ in range(_MOST_ROUNDS):
-        if not limit.factor or abs(limit.factor / (before or 1e300) - 1.0) <= LINES_STEADY:
+        if not limit.factor or abs(limit.factor / before - 1.0) <= ROUNDING:
             break
         before = limit.factor
         normal = np.zeros(len(model.control_area))
@@ -272,7 +272,7 @@ def settled_blocks(
         model, solve, lambda at_limit: (at_limit.normal_force, at_limit.factor, exact) if at_limit.factor else None
     )
     if limit.factor:
-        limit = replace(limit, change=max(limit.change, off if off > max(LINES_STEADY, exact) else 0.0), steps=steps)
+        limit = replace(limit, change=max(limit.change, off if off > max(ROUNDING, exact) else 0.0), steps=steps)
         if limit.static_bound is not None:
             try:
                 bound = static_bound(outer(model)).factor
