@@ -124,11 +124,12 @@ def _seen() -> set[str]:
     return {field.path for record, path in matched if (field := field_at(record, path)) is not None}
 
 
+_SEEN = _seen()
 #: Keys that no design above has, where they take their defaults: those of a field that was declared since.
 DESIGNS += [
     (kind, _with(next(design for of, design in DESIGNS if of == kind), field.path, field.default))
     for kind in KINDS for field in every_field(record_of(kind))
-    if field.is_number and field.scatters and field.path not in _seen() and isinstance(field.default, int | float)
+    if field.is_number and field.scatters and field.path not in _SEEN and isinstance(field.default, int | float)
 ]  # fmt: skip
 CASES = [
     pytest.param(kind, design, path, value, field, id=f"{kind}-{path}")

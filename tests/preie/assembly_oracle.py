@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from slopekit.preie.system.assembly import AssemblyModel
+from tests.preie.bisection import around
 
 
 @dataclass(frozen=True)
@@ -113,11 +114,16 @@ def shortfall(model: AssemblyModel, load_factor: float) -> float:
     return math.inf if "Infeasible" in str(found.status) else float(found.obj_val)
 
 
-def static_bound(model: AssemblyModel, low: float = 0.05, high: float = 50.0, parts: float = 1e-7) -> float:
-    """The largest factor F = 1/λ at which admissible forces balance the loads, by bisection."""
+def static_bound(model: AssemblyModel, parts: float = 1e-7, near: float | None = None) -> float:
+    """The largest factor F = 1/λ at which admissible forces balance the loads, by bisection, at `near` first."""
+
+    def stands(factor: float) -> bool:
+        return shortfall(model, 1.0 / factor) <= 1e-9
+
+    low, high = around(stands, near, parts) or (0.05, 50.0)
     while high > low * (1.0 + parts):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if shortfall(model, 1.0 / middle) <= 1e-9 else (low, middle)
+        low, high = (middle, high) if stands(middle) else (low, middle)
     return low
 
 

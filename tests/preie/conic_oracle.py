@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from slopekit.preie.system.model import Model
+from tests.preie.bisection import around
 
 
 def solve(model: Model, elastic: float, top: np.ndarray, right: np.ndarray, fixed: np.ndarray):
@@ -44,13 +45,17 @@ def shortfall(model: Model, reduction: float) -> float:
     return float(solve(model, 0.0, tan_friction, cohesion, model.control_area).obj_val)
 
 
-def static_bound(model: Model) -> float:
-    """The largest F at which admissible forces balance the loads, by bisection."""
-    low, high = 1e-4, 1e4
-    for _ in range(48):
+def static_bound(model: Model, near: float | None = None, parts: float = 1e-7) -> float:
+    """The largest F at which admissible forces balance the loads, by bisection, at `near` first."""
+
+    def stands(factor: float) -> bool:
+        return shortfall(model, 1.0 / factor) <= 1e-10
+
+    low, high = around(stands, near, parts) or (1e-4, 1e4)
+    while high > low * (1.0 + parts):
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if shortfall(model, middle) <= 1e-10 else (middle, high)
-    return 1.0 / high
+        low, high = (middle, high) if stands(middle) else (low, middle)
+    return low
 
 
 def frozen_friction_limit(model: Model, passes: int = 60) -> float:
@@ -93,12 +98,19 @@ def sparse_shortfall(model: Model, reduction: float) -> float:
     return math.inf if "Infeasible" in str(found.status) else float(found.obj_val)
 
 
-def sparse_static_bound(model: Model, low: float, parts: float = 1e-7) -> float:
-    """The static bound at or above a factor that is known to stand, by bisection."""
-    high = low
-    while sparse_shortfall(model, 1.0 / high) <= 1e-9:
-        low, high = high, 1.2 * high
+def sparse_static_bound(model: Model, low: float, parts: float = 1e-7, near: float | None = None) -> float:
+    """The static bound at or above a factor that is known to stand, by bisection, at `near` first."""
+
+    def stands(factor: float) -> bool:
+        return sparse_shortfall(model, 1.0 / factor) <= 1e-9
+
+    if (sides := around(stands, near, parts)) is None:
+        high = low
+        while stands(high):
+            low, high = high, 1.2 * high
+        sides = low, high
+    low, high = sides
     while high > low * (1.0 + parts):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if sparse_shortfall(model, 1.0 / middle) <= 1e-9 else (low, middle)
+        low, high = (middle, high) if stands(middle) else (low, middle)
     return low

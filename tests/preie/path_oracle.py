@@ -24,6 +24,7 @@ from slopekit.kinds import cut
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import assembly_loads
 from slopekit.preie.system.assembly import AssemblyModel, build_assembly
+from tests.preie.bisection import around
 
 
 def model_of(design: Mapping[str, Any], refine: int = 0) -> AssemblyModel:
@@ -104,17 +105,20 @@ _NEARLY_NOTHING = 1e-7  # and what Clarabel does, which ends within 1e-8 of the 
 _NOTHING = 1e-9  # of a block's load: what HiGHS leaves of a friction force too large
 
 
-def static_bound(model: AssemblyModel, parts: float | None = None) -> float | None:
+def static_bound(model: AssemblyModel, parts: float | None = None, near: float | None = None) -> float | None:
     """The highest F at which admissible forces are in equilibrium with the loads; all blocks are free.
 
     The least excess s of friction, |T| <= λ r + s, is a linear program in a section (HiGHS) and a cone program in space
-    (Clarabel). It falls with λ, which is bisected until it is known to `parts` (1e-8 in a section, 1e-5 in space).
+    (Clarabel). It falls with λ, which is bisected until it is known to `parts` (1e-8 in a section, 1e-5 in space), at
+    `near` first where a number is held against it.
     None: there is no equilibrium at any friction; infinite: there is without any.
     """
     given = in_parts_of_blocks(arrays_of(model))
     in_section = given.directions == 1
     stands = (_linear if in_section else _conic)(given)
     parts = (1e-8 if in_section else 1e-5) if parts is None else parts
+    if (sides := around(lambda factor: stands(1.0 / factor), near, parts)) is not None:
+        return _bisected(stands, 1.0 / sides[1], 1.0 / sides[0], parts)
     low, high = _LEAST, 1.0
     while not stands(high):
         low, high = high, 4.0 * high
@@ -125,6 +129,10 @@ def static_bound(model: AssemblyModel, parts: float | None = None) -> float | No
             high = low
             if high < _LEAST:
                 return math.inf
+    return _bisected(stands, low, high, parts)
+
+
+def _bisected(stands: Callable[[float], bool], low: float, high: float, parts: float) -> float:
     while high / low > 1.0 + parts:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if stands(middle) else (middle, high)

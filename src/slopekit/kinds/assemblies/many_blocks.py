@@ -7,7 +7,6 @@ from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from slopekit.block_scene import Contacts
 from slopekit.core.arrays import frozen
@@ -67,6 +66,7 @@ from slopekit.preie.many_blocks.ravelling import (
 from slopekit.preie.motion.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.motion.balance import Balance, balance, of_blocks
 from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.result import Result, Words
@@ -222,7 +222,7 @@ def _seismic_gain(own: Blocks[A], without: A, unit: A, k: float, by_closed_form:
     if critical is None or abs(critical.multiplier / k - 1.0) > _SAME_K:
         return None
     part = critical.failure.parts[0]
-    with threadpool_limits(1):
+    with one_thread():
         gain = seismic_gain(part, critical.multiplier, loads.weights, gyration(scene))
     if gain is None:
         return None

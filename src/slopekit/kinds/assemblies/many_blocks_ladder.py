@@ -4,8 +4,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from threadpoolctl import threadpool_limits
-
 from slopekit.core.onlooker import say
 from slopekit.kinds.assemblies.many_blocks import SolvedAssembly, all_pairs_of, balance_of, search_of_all_pairs
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
@@ -13,6 +11,7 @@ from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladd
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.ravelling import component_limit, finer_model
+from slopekit.preie.solvers.threads import one_thread
 
 _MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
 _RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
@@ -29,7 +28,7 @@ def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder
             fos = replace(result.fos, all_pairs_failed=search.factor)
             result = replace(result, fos=fos, all_pairs=all_pairs_of(search))
     unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
-    with threadpool_limits(1):  # as the analysis: bands are narrow
+    with one_thread():  # as the analysis
         rungs = tuple(_rungs(solution))
     parts = solution.ravelling.parts
     rest = balance_of(parts, at_rest=True) if any(part.limit.width for part in parts) else None
@@ -42,7 +41,7 @@ def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:
     if not failures or not failures[0].limit.factor:
         return ()
     model, factors = failures[0].parts[0].model, []
-    with threadpool_limits(1):
+    with one_thread():
         for k in (OTHER_STRENGTH, failures[0].limit.factor):
             say("other strengths", head=True)
             other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)

@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, BlockSizes, NodePairState
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
@@ -22,6 +21,7 @@ from slopekit.preie.many_blocks.ravelling import Failure, Part
 from slopekit.preie.motion.settlement import settlement
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.solvers.effort import MOST, EffortSpentError, allowed
+from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import block_sizes, whole_model
 from slopekit.preie.tolerances import OPENS_IN_PASSES
 from slopekit.strength.mohr_coulomb import line
@@ -277,7 +277,7 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
     if model is None:
         return None
     settled = None
-    with threadpool_limits(1), suppress(EffortSpentError), allowed(MOST):
+    with one_thread(), suppress(EffortSpentError), allowed(MOST):
         settled = settlement(model, joint_stiffness(design))
     if settled is None:
         return None

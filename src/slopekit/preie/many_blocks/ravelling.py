@@ -11,7 +11,6 @@ from dataclasses import field, replace
 
 import numpy as np
 from scipy import sparse
-from threadpoolctl import threadpool_limits
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
@@ -23,6 +22,7 @@ from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Unrefine
 from slopekit.preie.many_blocks.groups import Groups
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.solvers import effort
+from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.system.model import JointStrength
@@ -108,7 +108,7 @@ def ravel(
     ranged : whether the range of the mechanisms' factors is wanted
     """
     scene = WholeAssembly(assembly, loads, strength, ranged)
-    with threadpool_limits(1):  # bands and fronts are narrow: threads would only wait for each other
+    with one_thread():
         return _ravel(scene, count)
 
 
@@ -183,7 +183,7 @@ def critical_load(
     scene = WholeAssembly(assembly, replace(loads, live=ramp), strength)
     there = ~assembly.fixed
     lowest: tuple[float, Part, float | None] | None = None
-    with threadpool_limits(1), effort.allowed(effort.MOST):
+    with one_thread(), effort.allowed(effort.MOST):
         for blocks in components(scene, np.flatnonzero(there)):
             model_patch = model_of(scene, there, blocks)
             if model_patch is None or not model_patch[0].live.any():

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import field
+from functools import cached_property
 from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -115,13 +116,12 @@ class Probability(StudyOutcome):
 
     Attributes
     ----------
-    samples : what was drawn; variables : of each number, in short
+    design, given : with the joints of a survey where they are drawn from one, and as it was given
+    samples : what was drawn
     names, outcome : the outcomes there are, and the number of each sample's (n,)
     factor : (n,) by the method that counts, nan where there is none
     fails : (n,) whether the sample fails
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
-    means : the design at the centres of its distributions
-    sensitivities : column and Spearman's coefficient with the factor, the strongest first
     confirmation : what PRE-IE says, None where it was not asked apart
     evaluator : how the factors were found, in words
     unjudged : samples that form a block and were not judged; disagree : those on which the methods disagree, or PRE-IE
@@ -135,18 +135,15 @@ class Probability(StudyOutcome):
 
     name: ClassVar[str] = "prob"
     design: Design
+    given: Design
     asked: ProbabilityOptions
     samples: Samples
-    variables: tuple[Drawn, ...]
     names: tuple[str, ...]
     outcome: np.ndarray
     factor: Floats
     fails: Bools
     all_samples: Share
     forming: Share
-    summary: Summary | None
-    means: Point
-    sensitivities: tuple[tuple[str, float], ...]
     confirmation: Confirmation | None
     evaluator: str
     crew: str
@@ -164,6 +161,29 @@ class Probability(StudyOutcome):
     def charts(self) -> tuple[str, ...]:
         """Its histogram."""
         return ("histogram",)
+
+    # what is asked of a study that is shown, and of none of the many that `solve --pf` makes
+
+    @cached_property
+    def variables(self) -> tuple[Drawn, ...]:
+        """What was drawn of each number, in short."""
+        samples = self.samples
+        return tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
+
+    @cached_property
+    def summary(self) -> Summary | None:
+        """The factors in short, None where there is none."""
+        return summary_of(self.factor)
+
+    @cached_property
+    def means(self) -> Point:
+        """The design at the centres of its distributions."""
+        return point_of(self.given, {}) if self.given.source is not None else Point(None)
+
+    @cached_property
+    def sensitivities(self) -> tuple[tuple[str, float], ...]:
+        """Column and Spearman's coefficient with the factor, the strongest first."""
+        return sensitivities(self.samples, self.factor)
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
@@ -380,12 +400,9 @@ def prob(
             confirmation = _confirmed(those, judged, at_work)
     all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
-    means = point_of(given, {}) if given.source is not None else Point(None)
-    variables = tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
     probability = Probability(
-        design, asked, samples, variables, judged.names, judged.outcome, judged.factor, judged.fails, all_samples,
-        forming, summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation,
-        judged.evaluator, crew_in_words(crew),
+        design, given, asked, samples, judged.names, judged.outcome, judged.factor, judged.fails, all_samples, forming,
+        confirmation, judged.evaluator, crew_in_words(crew),
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
          *_not_used(given), *likely_slips(given), *(source.notices if source else ())), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
