@@ -114,7 +114,9 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
                      f"to it open, have lost their cohesion ({_percent(bonds.lost)} of the node pairs): the {of} "
                      f"jumps where that happens{before}")  # fmt: skip
     if bonds.kept:
-        without = f" (without it blocks would move at {shown(bonds.without)})" if bonds.without is not None else ""
+        without = " (where blocks would move without it is not known)"
+        if bonds.without is not None:
+            without = f" (without it blocks would move at {shown(bonds.without)})"
         yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
                      f"{bonds.kept} contact{'s' if bonds.kept > 1 else ''}: what it would do there, "
                      f"{_percent(bonds.share)} of the work, is left out of the {of}")  # fmt: skip
@@ -125,7 +127,7 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
                      "motion would have opened is not known")  # fmt: skip
     if bonds.counted:
         yield Notice("W493", f"cohesion counts on {bonds.counted} contact{'s' if bonds.counted > 1 else ''} open "
-                     f"before the blocks move, as the motion has not settled: the {of} may be lower")  # fmt: skip
+                     f"before the blocks move, as no rest without it was found: the {of} may be lower")  # fmt: skip
     if bonds.sooner is not None:
         yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
                      f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip

@@ -6,6 +6,7 @@ with a load that grows.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -25,12 +26,16 @@ _DROPS = 0.1  # from there to the limit of the motion in space
 _MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
 
-def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
+def fall(
+    bed: Bed, start: float, brief: bool = False, otherwise: Callable[[Bed, float], PathLimit | None] | None = None
+) -> PathLimit:  # fmt: skip
     """The limit of the path with the bonds that are left where the blocks run: no farther than there.
 
     Parameters
     ----------
     start, brief : of the path (`elastic_path.path.follow`), which is followed without a history where none begins
+    otherwise : another way to the limit of the joints as they are then, where the path ends in a peak; it gets the
+        parameter at which the blocks run
 
     Raises
     ------
@@ -51,8 +56,10 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
         return replace(stands, started=start)
     ended = follow(left, start, brief or bed.size > _MANY, ran)
+    if otherwise is not None and not ended.found:
+        ended = otherwise(left, ran.bad) or ended
     bed.factorisations = left.factorisations
-    if ended.found and not _is_there(left, ran, ended, snaps):
+    if not _is_there(left, ran, ended, snaps):
         moved = ran.flow.at - ran.flow.before
         peak = ran.parameter, ran.bad
         ended = result_of(left, PathOutcome.BRACKET, ran.parameter, peak, ran.rest.at, moved, ran.rest.forces)
@@ -60,16 +67,21 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
 
 
 def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
-    """Whether a limit is no farther than where the blocks run, and needs no pair that pulls.
+    """Whether a limit or a peak is no farther than where the blocks run, and a limit needs no pair that pulls.
 
-    Nor nearer, where bonds broke as they ran (`snaps`): without those the blocks would have run before. Nor far nearer
-    in space, where a flow that goes on leads to another motion, as that of blocks without any cohesion.
+    Farther on, as where blocks under a load that grows have snapped to another rest, bonds would break that the path
+    leaves whole. Nor is a limit nearer, where bonds broke as they ran (`snaps`): without those the blocks would have run
+    before. Nor far nearer in space, where a flow that goes on leads to another motion, as that of blocks without any
+    cohesion.
     """
-    assert ended.parameter is not None
+    if ended.parameter is None:
+        return False  # stands
+    past = bed.drive.gap(ended.parameter, ran.bad) - 1.0
+    if not ended.found:
+        return past >= -NEAR_RUNNING
     _, load = bed.drive.at(ended.parameter)
     model = replace(bed.model, load=load.reshape(bed.model.load.shape))
     off = model.unbalanced(np.maximum(ended.normal, 0.0), ended.friction)
-    past = bed.drive.gap(ended.parameter, ran.bad) - 1.0
     drops = NEAR_RUNNING if snaps else _DROPS if bed.tangents > 1 else math.inf
     return -NEAR_RUNNING <= past <= drops and float(np.abs(off).max()) < LIMIT_BALANCED
 
