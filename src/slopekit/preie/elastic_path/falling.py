@@ -6,7 +6,6 @@ with a load that grows.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -26,16 +25,12 @@ _DROPS = 0.1  # from there to the limit of the motion in space
 _MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
 
-def fall(
-    bed: Bed, start: float, brief: bool = False, otherwise: Callable[[Bed, float], PathLimit | None] | None = None
-) -> PathLimit:  # fmt: skip
+def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     """The limit of the path with the bonds that are left where the blocks run: no farther than there.
 
     Parameters
     ----------
     start, brief : of the path (`elastic_path.path.follow`), which is followed without a history where none begins
-    otherwise : another way to the limit of the joints as they are then, where the path ends in a peak; it gets the
-        parameter at which the blocks run
 
     Raises
     ------
@@ -56,8 +51,6 @@ def fall(
         stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
         return replace(stands, started=start)
     ended = follow(left, start, brief or bed.size > _MANY, ran)
-    if otherwise is not None and not ended.found:
-        ended = otherwise(left, ran.bad) or ended
     bed.factorisations = left.factorisations
     if not _is_there(left, ran, ended, snaps):
         moved = ran.flow.at - ran.flow.before

@@ -15,7 +15,6 @@ friction: there is no factor, but the part of the loads that they carry at full 
 
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -38,7 +37,6 @@ from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     LIMIT_BALANCED,
-    NO_STRENGTH,
     TINY,
 )
 
@@ -403,15 +401,13 @@ def _on_path(
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
     bonded = bed.has_bonds
-    path_end = _at_once(ratio, bed) if at_once and bed.size > _PROPOSED and not bonded else None
-    brief, proposes = live and bed.tangents == 1, not live and at_once and bed.size <= _PROPOSED
     falls = falls and bonded
-    if falls:
-        path_end = fall(bed, start, brief, partial(_at_once, ratio) if proposes and bed.tangents > 1 else None)
-    path_end = path_end or follow(bed, start, brief)
+    path_end = _at_once(bed, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
+    path_end = path_end or (fall if falls else follow)(bed, start, live and bed.tangents == 1)
+    # the peak of falling strength has other bonds
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1 and not falls
-    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and proposes:
-        path_end = _at_once(ratio, bed, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
+    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= _PROPOSED:
+        path_end = _at_once(bed, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
     if path_end.found or path_end.outcome is PathOutcome.STANDS:
         return path_end, LoadsOn(), bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
@@ -445,7 +441,7 @@ def _is_locked(model: AssemblyModel, peak: PathLimit, bound: StaticBound) -> boo
     return parameter * (bound.factor or 0.0) > _LOCKED
 
 
-def _at_once(ratio: float, bed: Bed, ran: float = 0.0) -> PathLimit | None:
+def _at_once(bed: Bed, ratio: float, ran: float = 0.0) -> PathLimit | None:
     """The limit that is proposed, in balance, and not below the λ at which the blocks have run."""
     limit = proposed(bed, bed.bond, ratio)
     if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > LIMIT_BALANCED:
