@@ -63,9 +63,9 @@ def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
     """Whether a limit or a peak is no farther than where the blocks run, and a limit needs no pair that pulls.
 
     Farther on, as where blocks under a load that grows have snapped to another rest, bonds would break that the path
-    leaves whole. Nor is a limit nearer, where bonds broke as they ran (`snaps`): without those the blocks would have run
-    before. Nor far nearer in space, where a flow that goes on leads to another motion, as that of blocks without any
-    cohesion.
+    leaves whole. Nor is a limit nearer, where bonds broke as they ran (`snaps`): without those the blocks would have
+    run before. Nor far nearer in space, where a flow that goes on leads to another motion, as that of blocks without
+    any cohesion.
     """
     if ended.parameter is None:
         return False  # stands
