@@ -19,8 +19,8 @@ from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, 
 
 # Of the random benches 1 to 140 with 5 kPa, of which 104 have a factor:
 # times the strength of a path's start, where hardly anything slips. With 64 seven of the first 35 move, five of them by
-# less than a thousandth, one from 0.645 to 0.464 (3: what it opens does two thirds of its work); less leaves bonds whole
-# that histories break
+# less than a thousandth, one from 0.645 to 0.464 (3: what it opens does two thirds of its work); less leaves bonds
+# whole that histories break
 _STUCK = 32.0
 _STRIDE = 0.05  # of ln λ, a step: in longer ones contacts open and touch again
 NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
