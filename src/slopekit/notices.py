@@ -118,8 +118,10 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
                      f"{before}")  # fmt: skip
     as_kept = bonds.kept > 0 and bonds.sooner == bonds.without  # one fact: W494 has it
     if bonds.kept:
-        without = ""
-        if bonds.without is not None and not as_kept:
+        without = " (where blocks would move without it is not known)"
+        if as_kept:
+            without = ""
+        elif bonds.without is not None:
             without = f" (without it blocks would move at {shown(bonds.without)})"
         yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
                      f"{bonds.kept} contact{'s' if bonds.kept > 1 else ''}: what it would do there, "
@@ -131,7 +133,7 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
                      "motion would have opened is not known")  # fmt: skip
     if bonds.counted:
         yield Notice("W493", f"cohesion counts on {bonds.counted} contact{'s' if bonds.counted > 1 else ''} open "
-                     f"before the blocks move, as the motion has not settled: the {of} may be lower")  # fmt: skip
+                     f"before the blocks move, as no rest without it was found: the {of} may be lower")  # fmt: skip
     if bonds.sooner is not None and as_kept:
         yield Notice("W494", "were the cohesion gone already that the mechanism breaks as it begins, by blasting, "
                      f"water or old movements, blocks would move in another way at {shown(bonds.sooner)}: strength "

@@ -15,9 +15,10 @@ from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
 from slopekit.geometry.patches import BEDROCK
 from slopekit.notices import Bonds, bond_notices
+from slopekit.preie.elastic_path import falling
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import NEAR_RUNNING, fall
-from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.many_blocks import blocks, bonds, ravelling
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis
@@ -228,6 +229,44 @@ def test_of_a_load_that_grows_the_work_of_the_cohesion_is_taken_off() -> None:
     assert found.soonest == 0.2
 
 
+@pytest.mark.parametrize(("grows", "times", "after", "factor"), [
+    (False, 0.7, 1.4, 1.4), (False, 0.7, 1.8, 0.5 / (1.0 - 0.5 / 0.7)), (False, 0.4, 1.4, 1.4), (True, 0.4, 0.2, 0.2),
+    (False, 0.7, 0.4, 0.5 / (1.0 - 0.5 / 0.7)),
+])  # fmt: skip
+def test_blocks_that_stand_without_what_a_motion_opens_do_so_with_it(grows, times, after, factor) -> None:
+    """What it opens does 5/7 of the work of the first motion, or all: it ends at 1.75, or at none, in a load at zero.
+
+    Without it the blocks stand until 1.4 (more strength than the first motion needs, and less than that), or not.
+    """
+    model = boxes()
+    found = with_bonds(model, lesser(model, after, 0.5), working(model, times), load_grows=grows)
+    assert found.limit.parameter == pytest.approx(factor, rel=1e-12)
+    assert (found.opened == 0) == (factor == after)
+    assert (found.limit.bond[model.pair_contact == 1] == 0.0).all() == (factor == after)
+
+
+def test_blocks_are_not_said_to_stand_by_a_motion_that_opens_more() -> None:
+    """All that holds the upper box is the bond that it opens; without that, one below opens as well."""
+    model = boxes()
+    script = lesser(model, 1.4, 0.5)
+    script.found[1, 0] = ends(model, 1.4, [OPENS, SLIDES])
+    found = with_bonds(model, script, working(model, 0.4))
+    assert (found.limit.outcome, found.limit.parameter) == (PathOutcome.NO_REST, None)
+    assert (found.limit.bond == np.where(model.pair_contact == 1, 0.0, 1.0)).all()
+    assert (found.whole, found.least, found.soonest) == (0.5, 1.4, 1.4)
+
+
+def test_a_search_that_gave_up_says_nothing_of_where_blocks_would_move() -> None:
+    """It is not taken for another motion without a word (W484)."""
+    model = boxes()
+    script = lesser(model, 2.0, 0.5)
+    script.found[1, 0] = replace(script.found[1, 0], outcome=PathOutcome.GAVE_UP, parameter=None)
+    found = with_bonds(model, script, working(model, 40.0))
+    assert (found.opened, found.least) == (1, None)
+    (said,) = bond_notices(Bonds(0.0, kept=1, share=found.share), "{:.4f}".format, "factor of safety")
+    assert "begins (where blocks would move without it is not known) is opened by it on 1 contact" in said.message
+
+
 @pytest.mark.parametrize(("after", "parameter", "same"), [
     (OPENS, 0.6, True), (OPENS, 0.4, False), ((1.0, 0.0, 0.3), 0.6, False), (SLIDES, 0.6, False),
 ])  # fmt: skip
@@ -302,6 +341,19 @@ def test_where_all_blocks_show_that_others_fail_those_are_gone_on_from() -> None
     assert (asked, found.limit.parameter) == ([False, True], 0.6)
 
 
+def test_what_the_rounds_of_other_blocks_said_is_kept() -> None:
+    """A group's peak opens a bond, without which it would move at 2.0; all blocks fail otherwise, at 0.6."""
+    model = boxes()
+    script = lesser(model, 2.0, 0.5)
+    script.found[1, 1] = replace(script.found[1, 1], outcome=PathOutcome.BRACKET)
+
+    def once(bond, falls, vouched) -> tuple[PathLimit, bool]:
+        return (ends(model, 0.6, [SLIDES, SLIDES]), True) if vouched else (script(bond, falls, vouched)[0], False)
+
+    found = with_bonds(model, once, working(model, 40.0))
+    assert (found.limit.parameter, found.soonest, found.unsettled) == (0.6, 2.0, 0.5)
+
+
 def test_groups_that_never_agree_have_no_limit(monkeypatch) -> None:
     monkeypatch.setattr(bonds, "_MOST_GROUPS", 3)
     model, asked = boxes(), []
@@ -314,9 +366,10 @@ def test_groups_that_never_agree_have_no_limit(monkeypatch) -> None:
     assert (found.limit.outcome, asked) == (PathOutcome.GAVE_UP, [False, True, True, True])
 
 
-def test_the_peak_of_a_group_says_what_contacts_count_that_are_open() -> None:
+@pytest.mark.parametrize("outcome", [PathOutcome.BRACKET, PathOutcome.SETTLED])
+def test_the_limit_of_a_group_says_what_contacts_count_that_are_open(outcome) -> None:
     model = boxes()
-    peak = ends(model, 0.5, [SLIDES, SLIDES], PathOutcome.BRACKET)
+    peak = ends(model, 0.5, [SLIDES, SLIDES], outcome)
     for touching, counted in ((0, 1), (1, 1), (None, 2)):
         normal = np.where(model.pair_contact == touching, 1.0, 0.0)
         found = with_bonds(model, Scripted(model, {(1, 1): replace(peak, normal=normal, group=1)}), working(model, 1.0))
@@ -502,3 +555,67 @@ def test_a_load_on_cohesive_blocks_is_that_of_their_factor(number, toward) -> No
     assert path_end.outcome is PathOutcome.LIMIT
     loaded = replace(model, load=model.load + path_end.parameter * sideways)
     assert limit_of_blocks(loaded, ranged=False).factor == pytest.approx(0.7 * factor, rel=1e-8)
+
+
+def test_a_load_goes_no_farther_than_where_blocks_run_under_it() -> None:
+    """Bench 3: past there they snap to other rests, with bonds that none of them would have; it was 29.5 for 2.54.
+
+    A history with the load put on runs at the strength that was asked for; with 29.5 it needs 3.5 times as much.
+    """
+    model = given(3, 5.0)
+    factor = limit_of_blocks(model, ranged=False).factor
+    sideways = np.zeros_like(model.load)
+    sideways[:, 0] = -np.abs(model.load[:, 2])
+    path_end, limit = blocks.load_limit(model, sideways, 1.0 / (0.7 * factor))
+    assert (path_end.outcome, limit.basis) == (PathOutcome.BRACKET, Basis.PEAK)
+    rests, runs, _ = breaking(replace(model, load=model.load + path_end.parameter * sideways), 60.0 / factor)
+    assert rests < runs < 1.0035 * rests
+    assert 0.99 * rests < 0.7 * factor < (1.0 + NEAR_RUNNING) * runs
+
+
+@pytest.mark.parametrize(("farther", "outcome"), [
+    (2.0, PathOutcome.BRACKET), (None, PathOutcome.STANDS), (0.999, PathOutcome.BRACKET),
+])  # fmt: skip
+def test_a_path_that_goes_on_past_where_blocks_run_ends_there(monkeypatch, farther, outcome) -> None:
+    """Whatever it comes to there; a peak that is nearer is its own."""
+    ran = []
+
+    def snapped(bed, start, brief, there):
+        ran.append(there)
+        at = None if farther is None else farther * there.bad
+        return result_of(bed, outcome, at, None, there.rest.at, there.rest.at, there.rest.forces)
+
+    model = given(3, 5.0)
+    sideways = np.zeros_like(model.load)
+    sideways[:, 0] = -np.abs(model.load[:, 2])
+    monkeypatch.setattr(falling, "follow", snapped)
+    found = fall(Bed(model, Drive(model.load.ravel(), sideways.ravel(), 2.0)), 1e-3)
+    (there,) = ran
+    assert found.outcome is PathOutcome.BRACKET
+    assert found.parameter == (0.999 * there.bad if farther == 0.999 else there.parameter)
+
+
+def test_the_peak_of_falling_strength_stands(monkeypatch) -> None:
+    """Bench 87: some bonds are broken at its peak; a limit was looked for at once with all of them."""
+
+    def at_once(bed, *_):
+        raise AssertionError(bed)
+
+    monkeypatch.setattr(blocks, "proposed", at_once)
+    model = given(87, 5.0)
+    peak = blocks.first_limit(model, np.ones(len(model.control_area)), blocks.unit_bound(model), True)
+    assert peak.outcome is PathOutcome.BRACKET
+    assert (peak.bond == 0.0).any()
+
+
+def test_a_rest_is_held_against_the_bound_with_the_bonds_that_are_left() -> None:
+    """A block on an incline: twice the strength that it needs without its cohesion is no jammed rest."""
+    model = boxes_in_space((1, 1, 1), (6.0, 6.0, 0.5), 20.0).model(35.0, 100.0)
+    whole, bare = static_bound(model), math.tan(math.radians(35.0)) / math.tan(math.radians(20.0))
+    assert whole.factor > 10.0 * bare
+    peak = replace(
+        ends(boxes(), 2.0 / bare, [SLIDES, SLIDES], PathOutcome.BRACKET), bond=np.zeros(len(model.control_area))
+    )
+    assert not blocks._is_locked(model, peak, whole)
+    assert blocks._is_locked(model, replace(peak, parameter=9.0 / bare), whole)
+    assert blocks._is_locked(model, replace(peak, bond=np.ones(len(model.control_area))), whole)

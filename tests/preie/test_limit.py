@@ -1,6 +1,7 @@
 """The limit and the static bound against exact slides, Clarabel, and each other."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -84,6 +85,37 @@ def test_full_dilation_gives_the_static_bound(c) -> None:
     model = paper_model((c, c))
     bound = static_bound(model, limit_analysis(model).governing.velocity, limit_analysis(model).governing.factor)
     assert full == pytest.approx(bound.factor, rel=2e-6)
+
+
+@pytest.mark.parametrize("psi", [2.0, 10.0, 19.0, 20.0])
+def test_a_twisted_square_that_dilates_has_cohesion_where_it_touches_alone(psi) -> None:
+    """It rises by the slip of its corners, which leaves all else behind: R λ (N tan φ + c A_corners) = M, by hand.
+
+    Whatever the dilation, and as well where that is all of the reduced friction angle (F = 5: tan 20° / 5 < tan 10°):
+    there the limit was the static bound, with c on all of the square, of which the corners' pairs are a quarter.
+    """
+    model = block_on_incline(0.0, 20.0, 20.0, psi=psi)
+    weight, area, corner = -model.load[2], model.control_area.sum(), math.sqrt(2.0) / model.length_scale
+    torque = 0.3 * weight
+    model = replace(model, load=np.array([0.0, 0.0, -weight, 0.0, 0.0, torque]))
+    cohesion = 20.0 * area * model.area_scale / model.force_scale
+    found = limit_analysis(model).governing
+    by_hand = corner * (weight * math.tan(math.radians(20.0)) + cohesion / 4.0) / torque
+    assert found.factor == pytest.approx(by_hand, rel=1e-7)
+    assert static_bound(model, found.velocity, found.factor).factor > 1.5 * by_hand
+    assert found.bond @ model.control_area == pytest.approx(area / 4.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("psi", [2.0, 12.0, 14.0, 20.0])
+def test_a_wedge_that_dilates_as_it_twists_slides_on_a_joint_without_cohesion(psi) -> None:
+    """Both joints part; tan φ / tan 40° on J1 is left, by hand. From 13° on it was the static bound, 1.5805."""
+    found = sk.wedge(dips=("40/160", "80/220"), c=100, dilation=psi)
+    assert found.fos.limit == pytest.approx(math.tan(math.radians(20.0)) / math.tan(math.radians(40.0)), rel=1e-6)
+    assert found.fos.static_bound > 1.58
+    said = " ".join(str(found).split())
+    assert "COHESION cracked base none, by mechanism 0.54, bond gone 0.4338; used: bond gone" in said
+    assert "W314 moments open part of a joint with cohesion" in said
+    assert "W312" not in said
 
 
 def dilatant_slide(c: float, phi: float, psi: float) -> float:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:  # only what moments open with cohesion pays for the cracked b
     from slopekit.preie.one_block.cracked import CrackedBase
     from slopekit.preie.one_block.polygon_bed import PointForces, PolygonBed
 
+_DILATES = "its bed knows no joints that dilate"
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
 
 
@@ -83,7 +84,7 @@ class CohesionLimit:
 
 def opens_cohesive(scene: ContactModel, analysis: LimitAnalysis) -> bool:
     """Whether moments govern by a motion that opens part of a contact with cohesion, on a bed that is known."""
-    if scene.bedding is None or not analysis.moments_govern or scene.model.dilates:
+    if scene.bedding is None or not analysis.moments_govern:
         return False
     return bool(_opens_bonds(analysis.governing, scene.model).any())
 
@@ -152,11 +153,14 @@ def limit_by_rules(
     without_bond, without_path = _bond_gone(model, analyse)
     if without_bond is None and before is not None:
         return before
-    from slopekit.preie.one_block.cracked import cracked_base
+    from slopekit.preie.one_block.cracked import CrackedBase, cracked_base
     from slopekit.preie.one_block.polygon_bed import bed_of
 
     bed = bed_of(model, bedding.polygons, bedding.centroid)
-    base = before.base if before is not None else cracked_base(bed, motion.factor or 1.0)
+    if before is not None:
+        base = before.base
+    else:
+        base = CrackedBase(None, _DILATES) if model.dilates else cracked_base(bed, motion.factor or 1.0)
     cracked, bare = base.factor, None if without_bond is None else without_bond.factor
     if base.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END):
         cracked = bare  # the line of contact that the path creeps to
@@ -189,13 +193,22 @@ def limit_by_rules(
 def with_finer_motion(
     by_rules: CohesionLimit, scene: ContactModel, analyse: Callable[[Model], LimitAnalysis]
 ) -> CohesionLimit:
-    """The same with the factor by mechanism on the pairs of the last refinement, where its passes settle."""
+    """The same with the factor by mechanism on the pairs of the last refinement, where its passes settle.
+
+    With the bond gone it is no more: where that has no limit on those pairs the one on coarser pairs says nothing.
+    """
     if by_rules.motion.passes > STEERED or len(by_rules.motion.bond) == len(scene.pairs):
         return by_rules
-    again = analyse(scene.model).governing
+    analysis = analyse(scene.model)
+    again, rules = analysis.governing, by_rules.rules
     if not again.factor or again.passes > STEERED:
         return by_rules
-    return replace(by_rules, rules=replace(by_rules.rules, by_mechanism=again.factor))
+    rules = replace(rules, by_mechanism=again.factor)
+    if again.factor >= rules.headline * (1.0 - MOMENTS):
+        return replace(by_rules, rules=rules)
+    own = scene if analysis.model is None else replace(scene, model=analysis.model)
+    rules = replace(rules, rule="by_mechanism", headline=again.factor)
+    return replace(by_rules, scene=own, analysis=replace(analysis, by_rule=True), change=None, rules=rules)
 
 
 def _bond_gone(

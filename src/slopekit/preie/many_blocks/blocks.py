@@ -37,7 +37,6 @@ from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     LIMIT_BALANCED,
-    NO_STRENGTH,
     TINY,
 )
 
@@ -174,10 +173,6 @@ def _limit_of(
             unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None,
             held=None if held is None else (held[0] / unit, held[1]),
         )  # fmt: skip
-    if ended.share > 1.0 - NO_STRENGTH:  # all that holds the motion is cohesion that it opens
-        nothing_left = replace(ended.limit, outcome=PathOutcome.NO_REST, parameter=None)
-        alone = _limit(model, nothing_left, bound, steps, loads)
-        return replace(alone, bonded=1.0 / ended.whole if ended.whole else None)
     return _with_evidence(_limit(model, ended.limit, bound, steps, loads), ended)
 
 
@@ -406,11 +401,13 @@ def _on_path(
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
     bonded = bed.has_bonds
-    path_end = _at_once(bed, bond, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
-    path_end = path_end or (fall if bonded and falls else follow)(bed, start, live and bed.tangents == 1)
-    peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1
+    falls = falls and bonded
+    path_end = _at_once(bed, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
+    path_end = path_end or (fall if falls else follow)(bed, start, live and bed.tangents == 1)
+    # the peak of falling strength has other bonds
+    peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1 and not falls
     if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= _PROPOSED:
-        path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
+        path_end = _at_once(bed, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
     if path_end.found or path_end.outcome is PathOutcome.STANDS:
         return path_end, LoadsOn(), bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
@@ -428,18 +425,25 @@ def _on_path(
             path_end = first_peak(bed, path_end)
         begun = 1.0 / path_end.started if path_end.started > start else None
         return path_end, LoadsOn(begun=begun), work + bed.factorisations
-    locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED and not (bonded and falls)
     if path_end.outcome is PathOutcome.BRACKET:
-        if locked:  # a rest that needs many times the bound
+        if not falls and _is_locked(model, path_end, bound):
             path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
         elif peaks and path_end.peak is not None and not bonded:
             path_end = first_peak(bed, path_end)
     return path_end, LoadsOn(), bed.factorisations
 
 
-def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimit | None:
+def _is_locked(model: AssemblyModel, peak: PathLimit, bound: StaticBound) -> bool:
+    """Whether a rest needs many times the strength of the static bound with the bonds that are left there."""
+    parameter = peak.parameter or 0.0
+    if parameter * (bound.factor or 0.0) > _LOCKED and (peak.bond == 0.0).any():
+        bound = _bound(replace(model, cohesion=frozen(model.cohesion * peak.bond)))
+    return parameter * (bound.factor or 0.0) > _LOCKED
+
+
+def _at_once(bed: Bed, ratio: float, ran: float = 0.0) -> PathLimit | None:
     """The limit that is proposed, in balance, and not below the λ at which the blocks have run."""
-    limit = proposed(bed, bond, ratio)
+    limit = proposed(bed, bed.bond, ratio)
     if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > LIMIT_BALANCED:
         return None
     return limit

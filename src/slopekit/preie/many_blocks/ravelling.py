@@ -247,7 +247,7 @@ def component_limit(
 
 
 def _no_later(part: Part, parts: Iterable[Part]) -> Part:
-    """The part that fails first, which says as well where blocks of others would move first with other bonds."""
+    """A part which says as well where blocks of others, or its own, would move first with other bonds."""
     soonest = min((one.limit.sooner for one in parts if one.limit.sooner), default=math.inf)
     limit = part.limit
     if not limit.factor or soonest >= min(limit.factor, limit.sooner or math.inf):
@@ -308,9 +308,10 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if limit.basis is Basis.PEAK and model.has_cohesion:
             return replace(part, limit=replace(part.limit, finer=limit.factor))
         change = abs(limit.factor / part.limit.factor - 1.0)
-        part = replace(
+        finer = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
         )
+        part = _no_later(finer, [finer, part])  # bonds that were kept on the coarser pairs are kept on the finer
         if change < MESH_CHANGE:
             break
     return part

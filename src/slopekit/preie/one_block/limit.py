@@ -24,12 +24,13 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit_state import (
+    LimitState,
     dilating_limit_state,
     elastic_displacement,
     intact_limit_state,
     settled_limit_state,
 )
-from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, opens, release, settle_by_passes, unit
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
@@ -102,8 +103,8 @@ def limit_on_lines(model: Model) -> LimitAnalysis:
     stands = alone.outcome is Outcome.NO_DRIVING_FORCE and _stands_without_strength(model)
     if stands or alone.outcome is Outcome.LIFTED or alone.factor == 0.0:
         return _alike(alone)
-    if model.dilates and (associated := _associated_limit(model, limit_analysis, False)) is not None:
-        return _alike(associated)
+    if model.dilates and (associated := _associated_limit(model, limit_analysis)) is not None:
+        return governed(model, alone, associated)
     start = alone.velocity_of(model)
     slide = None if model.dilates else _balanced_slide(model, alone)
     if slide is not None:
@@ -156,7 +157,7 @@ def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
         return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0))
     if _stands_without_strength(model):
         return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0))
-    if model.dilates and (associated := _associated_limit(model, curved_limit_analysis, True)) is not None:
+    if model.dilates and (associated := _associated_limit(model, curved_limit_analysis)) is not None:
         return _alike(associated)
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
@@ -181,7 +182,15 @@ def _intact_limit(model: Model) -> Limit | None:
     state = intact_limit_state(model)
     if state is not None and model.dilates:
         state = dilating_limit_state(model, state)
-    return None if state is None else exact_limit(state, np.ones(len(model.control_area)), 0)
+    if state is None or (model.dilates and _opens_cohesion(model, state)):
+        return None
+    return exact_limit(state, np.ones(len(model.control_area)), 0)
+
+
+def _opens_cohesion(model: Model, state: LimitState) -> bool:
+    """Whether the motion of a limit state opens pairs that have cohesion beyond their dilation."""
+    tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
+    return bool((opens(model, state.velocity, tan_dilation) & (model.cohesion > 0.0)).any())
 
 
 def passes_limit(model: Model, passes: int, stages: "Stages | None" = None) -> float:
@@ -204,15 +213,15 @@ def passes_limit(model: Model, passes: int, stages: "Stages | None" = None) -> f
     return factor
 
 
-def _associated_limit(
-    model: Model, analyse: Callable[[Model], LimitAnalysis], loses_cohesion: bool
-) -> Limit | None:  # fmt: skip
-    """The limit where every joint dilates by all its reduced friction angle: there it is the static bound.
+def _associated_limit(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> Limit | None:
+    """The limit where every joint dilates by all its reduced friction angle: the static bound with the bonds left.
+
+    The bound itself counts cohesion wherever its motion slips. What lifts by tan ψ of its own slip slides on its
+    asperities and has it; what is lifted farther, by slip elsewhere or as the block turns, has parted.
 
     Parameters
     ----------
     analyse : the limit without dilation
-    loses_cohesion : what its mechanism opens beyond the dilation loses its cohesion, as on a curved surface
     """
     bond = np.ones(len(model.control_area))
     releases = np.zeros(len(bond))
@@ -225,7 +234,7 @@ def _associated_limit(
         if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
             return None
         renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
-        if not loses_cohesion or (renewed == bond).all():
+        if (renewed == bond).all():
             return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
         bond = renewed
     return None
