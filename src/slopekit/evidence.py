@@ -185,6 +185,17 @@ class ResidualFactors:
 
 
 @dataclass(frozen=True, slots=True)
+class WithoutCohesion:
+    """The limit of the same blocks on joints with their friction alone; None where they have none by their status.
+
+    `not_converged` as well where more work would have been needed than the limit with cohesion took.
+    """
+
+    status: str
+    limit: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class WithoutBasal:
     """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
 

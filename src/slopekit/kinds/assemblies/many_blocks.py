@@ -3,7 +3,9 @@
 scene -> loads -> the mechanisms one after the other -> what they say of each block -> Result.
 """
 
+import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
@@ -16,7 +18,15 @@ from slopekit.core.onlooker import Clock
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reading.reader import Reader
-from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
+from slopekit.evidence import (
+    AllPairs,
+    CurvedStrength,
+    FactorsOfSafety,
+    Forces,
+    ModelSize,
+    SecantLine,
+    WithoutCohesion,
+)
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import bonds_of, notices_of, said_of_bonds, without_turning
@@ -61,6 +71,7 @@ from slopekit.preie.many_blocks.ravelling import (
 from slopekit.preie.motion.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.motion.balance import Balance, balance, of_blocks
 from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.solvers import effort
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.result import Result, Words
@@ -71,6 +82,7 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
+_LEAST_WORK = effort.SECOND  # that may go into the limit without cohesion, however little the one with it took
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
 _ENDS = {
@@ -237,8 +249,9 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     assembly = scene.assembly
     with clock("loads"):
         loads = scene_loads(scene)
-    with clock("solve"):
+    with clock("solve"), effort.allowed(math.inf):
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
+        work = effort.spent()
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
         mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
@@ -255,6 +268,8 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     straight = without_turning(scene, ravelling.failures[0]) if ravelling.failures else None
     if straight is not None and sure:
         low = straight if low is None else min(low, straight)
+    with clock("without_cohesion"):
+        bare = _without_cohesion(scene, loads, work) if limit is not None else None
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
@@ -288,9 +303,29 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         all_pairs=None if all_pairs is None else all_pairs_of(all_pairs),
         warnings=(*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
+        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), without_cohesion=bare,
+        timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
+
+
+def _without_cohesion(scene: AssemblyScene, loads: AssemblyLoads, work: float) -> WithoutCohesion | None:
+    """The limit of the same blocks on joints without cohesion; None where they have none, or their laws are curved.
+
+    Parameters
+    ----------
+    work : of the limit with cohesion; no more may go into this one
+    """
+    strength = joint_strength(scene.strengths)
+    if not strength.cohesion[scene.assembly.patches.joint].any() or any(law is not None for law in strength.laws):
+        return None
+    none = np.zeros_like(strength.cohesion)
+    with effort.allowed(max(work, _LEAST_WORK)):
+        failures = ravel(scene.assembly, loads, replace(strength, cohesion=none, tension=none), ranged=False).failures
+    if not failures:
+        return WithoutCohesion("no_driving_force", None)
+    first = mechanism(failures[0], scene)
+    return WithoutCohesion(first.status, None if first.status == "not_converged" else first.fos)
 
 
 def search_of_all_pairs(
