@@ -22,6 +22,7 @@ from slopekit.evidence import (
     CurvedStrength,
     FactorsOfSafety,
     Forces,
+    History,
     ModelSize,
     Movement,
     ReductionStep,
@@ -104,6 +105,7 @@ JUDGED: Mapping[str, str] = {
 #: How motions begin that the lowest factor of many blocks may be of, by the notice that says so.
 OTHERWISE: Mapping[str, str] = {
     "W479": "without turning", "W494": "with other cohesion left", "W495": "on another way there",
+    "W510": "where slip stays",
 }  # fmt: skip
 _SAME = 5e-5  # factors that differ by less than this part look the same
 
@@ -116,7 +118,7 @@ class Result(Shown):
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
     `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
     `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
-    `without_cohesion` is the limit of many cohesive blocks with c = 0, None where there is none such.
+    `without_cohesion` is the limit of many cohesive blocks with c = 0, `history` where they run as strength falls.
     `residual` has the factors on residual strength, None where no strength has one; `elastic` those of elastic blocks.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
@@ -152,6 +154,7 @@ class Result(Shown):
     residual: ResidualFactors | None = None
     without_basal: WithoutBasal | None = None
     without_cohesion: WithoutCohesion | None = None
+    history: History | None = None
     elastic: "ElasticBlocks | None" = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
@@ -430,6 +433,7 @@ class Result(Shown):
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
             **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
             **({} if self.without_cohesion is None else {"without_cohesion": json_of(self.without_cohesion)}),
+            **({} if self.history is None else {"history": json_of(self.history)}),
             **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,

@@ -202,6 +202,17 @@ def without_cohesion(result: Result) -> Iterator[Factor]:
     yield Factor(bare.limit, said)
 
 
+def history(result: Result) -> Iterator[Factor]:
+    """Where cohesive blocks begin to run in another history of falling strength."""
+    found = result.history
+    if found is None:
+        return
+    to = "they run at the second" if found.runs is not None else "no farther rest was found, nor did they run"
+    yield Factor(
+        found.rests, f"strength falls, slip and lost cohesion stay: all blocks rest at this, {to}", to=found.runs
+    )  # fmt: skip
+
+
 def methods(result: Result) -> list[Entry]:
     """The methods of columns, which know other mechanics: printed beside, not compared."""
     if not result.methods:

@@ -472,10 +472,15 @@ class Bed:
         return other
 
     def with_slip_of(self, at: Floats, there: BedForces) -> "Bed":
-        """The same joints, their slip at a displacement (N,) there to stay, all but what springs back with its forces."""
+        """The same joints, their slip at a displacement (N,) there to stay but for what its forces spring back.
+
+        Bolts, which go slack, spring back by all of theirs.
+        """
         other = copy.copy(self)
         slip = (self.rows @ at)[self.pairs :].reshape(self.groups, self.tangents)
         other.slid = slip + there.friction / self.spring[:, None]
+        if self.bolted is not None:
+            other.slid[self.bolted] = 0.0
         return other
 
     def dilating(self, part: float, parameter: float) -> "Bed":
