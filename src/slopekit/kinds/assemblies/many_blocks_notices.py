@@ -33,7 +33,7 @@ _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on j
 
 def notices_of(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
-    straight: float | None, history: History | None,
+    straight: float | None, history: History | None = None,
 ) -> Iterator[Notice]:  # fmt: skip
     """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on.
 

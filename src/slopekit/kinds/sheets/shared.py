@@ -207,10 +207,10 @@ def history(result: Result) -> Iterator[Factor]:
     found = result.history
     if found is None:
         return
-    to = "they run at the second" if found.runs is not None else "no farther rest was found, nor did they run"
-    yield Factor(
-        found.rests, f"strength falls, slip and lost cohesion stay: all blocks rest at this, {to}", to=found.runs
-    )  # fmt: skip
+    ends = "all blocks rest at the first, run at the second"
+    if found.runs is None:
+        ends = "all blocks rest at this, whether they run beyond it is not known"
+    yield Factor(found.rests, f"another history (slip and lost cohesion stay): {ends}", to=found.runs)
 
 
 def methods(result: Result) -> list[Entry]:
