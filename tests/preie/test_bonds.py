@@ -396,6 +396,17 @@ def test_slip_that_stays_is_gone_when_a_block_is_let_back(strength, carries) -> 
     assert carried(stays, back) == pytest.approx(carries - 0.1, rel=1e-6)
 
 
+def test_a_block_among_others_that_are_held_keeps_what_has_slipped() -> None:
+    bed = Bed(model := boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0), Drive(model.load.ravel()))
+    out = 3.0 * bed.elastic_displacement
+    stays = bed.with_slip_of(out, bed.forces(out, 0.5))
+    few = stays.among(np.array([1]), 0.5 * out)
+    *_, groups = model.among(np.array([1]))
+    here, all_of_them = few.forces(0.5 * out[6:12], 0.5).friction, stays.forces(0.5 * out, 0.5).friction
+    np.testing.assert_allclose(here, all_of_them[groups], rtol=1e-9, atol=1e-12)
+    assert np.abs(all_of_them - bed.forces(0.5 * out, 0.5).friction).max() > 0.01
+
+
 def test_bolts_are_no_contacts_that_open() -> None:
     """No node pair of a bolt is pressed: its strength is there all the same."""
     alone = sk.load(path_of("blocks"))
