@@ -185,6 +185,38 @@ class ResidualFactors:
 
 
 @dataclass(frozen=True, slots=True)
+class History:
+    """Between which factors cohesive blocks begin to run as strength falls, what slipped and broke there to stay.
+
+    `runs` is None where the search came neither to rest nor to blocks that run. Ends of histories hang on their steps,
+    and on what springs back, by up to `SAME`, in parts of them.
+    """
+
+    SAME: ClassVar = 0.01
+    rests: float
+    runs: float | None
+
+    def excess(self, factor: float) -> float | None:
+        """How far a factor lies above that at which the blocks run, in parts of it; None where none do."""
+        return None if self.runs is None else max(factor / self.runs - 1.0, 0.0)
+
+    def falls_short(self, factor: float) -> bool:
+        """Whether they run at less than a factor, by more than it may be."""
+        return (self.excess(factor) or 0.0) > self.SAME
+
+
+@dataclass(frozen=True, slots=True)
+class WithoutCohesion:
+    """The limit of the same blocks on joints with their friction alone; None where they have none by their status.
+
+    `not_converged` as well where more work would have been needed than the limit with cohesion took.
+    """
+
+    status: str
+    limit: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class WithoutBasal:
     """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
 

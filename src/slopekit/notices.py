@@ -116,7 +116,7 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
                      f"to it open, have lost their cohesion ({gone} of {of_all}, with {_percent(bonds.lost)} of the "
                      f"node pairs; open pairs of other contacts keep theirs): the {of} jumps where that happens"
                      f"{before}")  # fmt: skip
-    as_kept = bonds.kept > 0 and bonds.sooner == bonds.without  # one fact: W494 has it
+    as_kept = bonds.kept > 0 and bonds.sooner is not None and bonds.sooner == bonds.without  # one fact: W494 has it
     if bonds.kept:
         without = " (where blocks would move without it is not known)"
         if as_kept:

@@ -22,11 +22,13 @@ from slopekit.evidence import (
     CurvedStrength,
     FactorsOfSafety,
     Forces,
+    History,
     ModelSize,
     Movement,
     ReductionStep,
     ResidualFactors,
     WithoutBasal,
+    WithoutCohesion,
 )
 from slopekit.extents import Geometry
 from slopekit.preie.motion.balance import Balance
@@ -96,13 +98,14 @@ METHODS: Mapping[str, str] = {
 }  # fmt: skip
 #: Numbers that a rule may judge in place of the limit, in few words.
 JUDGED: Mapping[str, str] = {
-    "residual": "residual strength",
+    "residual": "residual strength", "without_cohesion": "without any cohesion",
     "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
     "static_bound": "static bound", **METHODS, "all_equilibrium": "columns in all equilibrium",
 }  # fmt: skip
 #: How motions begin that the lowest factor of many blocks may be of, by the notice that says so.
 OTHERWISE: Mapping[str, str] = {
     "W479": "without turning", "W494": "with other cohesion left", "W495": "on another way there",
+    "W504": "where slip stays",
 }  # fmt: skip
 _SAME = 5e-5  # factors that differ by less than this part look the same
 
@@ -115,6 +118,7 @@ class Result(Shown):
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
     `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
     `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
+    `without_cohesion` is the limit of many cohesive blocks with c = 0, `history` where they run as strength falls.
     `residual` has the factors on residual strength, None where no strength has one; `elastic` those of elastic blocks.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
@@ -149,6 +153,8 @@ class Result(Shown):
     curved_strength: CurvedStrength | None = None
     residual: ResidualFactors | None = None
     without_basal: WithoutBasal | None = None
+    without_cohesion: WithoutCohesion | None = None
+    history: History | None = None
     elastic: "ElasticBlocks | None" = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
@@ -217,6 +223,8 @@ class Result(Shown):
             return self.criterion_fos
         if name == "residual":
             return None if self.residual is None else self.residual.limit
+        if name == "without_cohesion":
+            return None if self.without_cohesion is None else self.without_cohesion.limit
         value: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
         return value
 
@@ -441,6 +449,8 @@ class Result(Shown):
             **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
             **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
+            **({} if self.without_cohesion is None else {"without_cohesion": json_of(self.without_cohesion)}),
+            **({} if self.history is None else {"history": json_of(self.history)}),
             **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,

@@ -142,7 +142,7 @@ def test_a_limit_is_proposed_at_once_until_a_group_has_ended_in_a_peak(search, m
     search.solved = {}
     monkeypatch.setattr(groups, "first_limit", peak)
     bond = np.ones(len(search.model.control_area))
-    first = search._first()
+    first = search._first(bond, True)
     more = groups._with_neighbours(search.scene.assembly, first, search.blocks)
     for falls in (True, False):
         for group in (first, more):

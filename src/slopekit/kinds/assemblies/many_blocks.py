@@ -3,7 +3,9 @@
 scene -> loads -> the mechanisms one after the other -> what they say of each block -> Result.
 """
 
+import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
@@ -15,7 +17,16 @@ from slopekit.core.onlooker import Clock
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reading.reader import Reader
-from slopekit.evidence import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, SecantLine
+from slopekit.evidence import (
+    AllPairs,
+    CurvedStrength,
+    FactorsOfSafety,
+    Forces,
+    History,
+    ModelSize,
+    SecantLine,
+    WithoutCohesion,
+)
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
@@ -55,6 +66,8 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
+from slopekit.preie.elastic_path import falling
+from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.many_blocks.ravelling import (
     CriticalLoad,
     Failure,
@@ -66,6 +79,7 @@ from slopekit.preie.many_blocks.ravelling import (
 from slopekit.preie.motion.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.motion.balance import Balance, balance, of_blocks
 from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.solvers import effort
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
@@ -77,6 +91,10 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
+_LEAST_WORK = effort.SECOND  # that may go into the limit without cohesion, however little the one with it took
+_MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
+_HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
+_START = 2.0  # times the strength at the limit, where the path that a history is begun for would begin
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
 _ENDS = {
@@ -243,8 +261,9 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     assembly = scene.assembly
     with clock("loads"):
         loads = scene_loads(scene)
-    with clock("solve"):
+    with clock("solve"), effort.allowed(math.inf):
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
+        work = effort.spent()
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
         mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
@@ -261,6 +280,12 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     straight = without_turning(scene, ravelling.failures[0]) if ravelling.failures else None
     if straight is not None and sure:
         low = straight if low is None else min(low, straight)
+    with clock("without_cohesion"):
+        bare = _without_cohesion(scene, loads, work) if limit is not None else None
+    with clock("history"):
+        history = history_of(ravelling.failures[0].parts[0], _MOST_FOLLOWED) if limit is not None else None
+    if history is not None and limit is not None and history.falls_short(limit):
+        low = history.rests if low is None else min(low, history.rests)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
@@ -292,11 +317,55 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if all_pairs is None else all_pairs_of(all_pairs),
-        warnings=(*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind),
+        warnings=(*notices_of(design, scene, ravelling, mechanisms, straight, history), *of_kind),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
+        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), without_cohesion=bare,
+        history=history, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
+
+
+def _without_cohesion(scene: AssemblyScene, loads: AssemblyLoads, work: float) -> WithoutCohesion | None:
+    """The limit of the same blocks on joints without cohesion; None where they have none, or their laws are curved.
+
+    Parameters
+    ----------
+    work : of the limit with cohesion; no more may go into this one
+    """
+    strength = joint_strength(scene.strengths)
+    if not strength.cohesion[scene.assembly.patches.joint].any() or any(law is not None for law in strength.laws):
+        return None
+    none = np.zeros_like(strength.cohesion)
+    with effort.allowed(max(work, _LEAST_WORK)):
+        failures = ravel(scene.assembly, loads, replace(strength, cohesion=none, tension=none), ranged=False).failures
+    if not failures:
+        return WithoutCohesion("no_driving_force", None)
+    first = mechanism(failures[0], scene)
+    return WithoutCohesion(first.status, None if first.status == "not_converged" else first.fos)
+
+
+def history_of(part: Part, most: int) -> History | None:
+    """Where the blocks of a part, none held, begin to run in a history of their own; None where none is followed.
+
+    Only cohesion needs one, without dilation, curved laws and loads that come on last.
+
+    Parameters
+    ----------
+    most : of blocks
+    """
+    model, limit = part.model, part.limit
+    left_out = model.lines is not None or limit.loads_last or bool(model.tan_dilation.any())
+    if left_out or not model.has_cohesion or not limit.factor or len(model.load) > most:
+        return None
+    try:
+        with one_thread(), effort.allowed(_HISTORY * effort.SECOND):
+            found = falling.history(Bed(model, Drive(model.load.ravel())), _START / limit.factor)
+    except effort.EffortSpentError:
+        return None
+    if found is None:
+        return None
+    rests, runs = found
+    return History(1.0 / rests, None if runs is None else 1.0 / runs)
 
 
 def search_of_all_pairs(

@@ -5,7 +5,13 @@ from dataclasses import replace
 from functools import partial
 
 from slopekit.core.onlooker import say
-from slopekit.kinds.assemblies.many_blocks import SolvedAssembly, all_pairs_of, balance_of, search_of_all_pairs
+from slopekit.kinds.assemblies.many_blocks import (
+    SolvedAssembly,
+    all_pairs_of,
+    balance_of,
+    history_of,
+    search_of_all_pairs,
+)
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
 from slopekit.kinds.solver_inputs import joint_strength
@@ -27,6 +33,11 @@ def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder
         if search is not None:
             fos = replace(result.fos, all_pairs_failed=search.factor)
             result = replace(result, fos=fos, all_pairs=all_pairs_of(search))
+    failures = solution.ravelling.failures
+    if failures and result.history is None and result.fos.limit:
+        say("history of falling strength", head=True)
+        part = failures[0].parts[0]
+        result = replace(result, history=history_of(part, len(part.blocks)))
     unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
     with one_thread():  # as the analysis
         rungs = tuple(_rungs(solution))

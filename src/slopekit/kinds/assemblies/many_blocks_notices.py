@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from slopekit.core.errors import Notice
+from slopekit.evidence import History
 from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
@@ -35,13 +36,13 @@ _FEW = 3  # mechanisms, of which one is mostly larger
 
 def notices_of(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
-    straight: float | None,
+    straight: float | None, history: History | None = None,
 ) -> Iterator[Notice]:  # fmt: skip
     """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on.
 
     Parameters
     ----------
-    straight : the factor of its block `without_turning`
+    straight : the factor of its block `without_turning`; history : of its blocks as strength falls
     """
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
@@ -92,6 +93,10 @@ def notices_of(
                      f"closed forms count, it is {straight:.4f}; of a wedge (kind: wedge) no credit is taken for "
                      "that")  # fmt: skip
     yield from said_of_bonds(ravelling.failures[0])
+    if history is not None and first.fos and history.falls_short(first.fos):
+        yield Notice("W504", f"all blocks, none held, run at {history.runs:.4f} as their strength falls where what has "
+                     "slipped and what cohesion is lost stay so: the factor of safety lies "
+                     f"{(history.excess(first.fos) or 0.0) * 100.0:.2g} % above that, rely on the lower")  # fmt: skip
 
 
 def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling) -> Iterator[Notice]:

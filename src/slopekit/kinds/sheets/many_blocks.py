@@ -117,6 +117,8 @@ def _factors(result: Result) -> Iterator[Factor]:
         yield shared.locked_in(result)
     elif fos.limit is not None:
         yield Factor(None, "same mechanism, whatever forces are locked in: no range was found")
+    yield from shared.history(result)
+    yield from shared.without_cohesion(result)
     if fos.static_bound is not None:
         above = ""
         if fos.limit:

@@ -189,6 +189,30 @@ def _residual(result: Result) -> list[Factor]:
     return rows
 
 
+def without_cohesion(result: Result) -> Iterator[Factor]:
+    """The limit of cohesive blocks with no cohesion at all, or why there is none."""
+    bare = result.without_cohesion
+    if bare is None:
+        return
+    said = "without any cohesion (the same blocks, c = 0)"
+    if bare.status == "not_converged":
+        said += ": not found with as much work as the limit took"
+    elif bare.status != result.status:
+        said += f": {result.design.in_own_names(result.words.status(bare.status))}"
+    yield Factor(bare.limit, said)
+
+
+def history(result: Result) -> Iterator[Factor]:
+    """Where cohesive blocks begin to run in another history of falling strength."""
+    found = result.history
+    if found is None:
+        return
+    ends = "all blocks rest at the first, run at the second"
+    if found.runs is None:
+        ends = "all blocks rest at this, whether they run beyond it is not known"
+    yield Factor(found.rests, f"another history (slip and lost cohesion stay): {ends}", to=found.runs)
+
+
 def methods(result: Result) -> list[Entry]:
     """The methods of columns, which know other mechanics: printed beside, not compared."""
     if not result.methods:

@@ -116,7 +116,8 @@ class Drive:
 class Bed:
     """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load.
 
-    `held` (k, u) is the relative motion of contacts by blocks that are held where they are.
+    `held` (k, u) is the relative motion of contacts by blocks that are held where they are, `slid` (g, t) the slip that
+    stays, None where joints spring back from all of it.
     """
 
     def __init__(
@@ -131,6 +132,7 @@ class Bed:
         self.ratio = ratio
         self.bond = np.ones(len(model.control_area)) if bond is None else bond
         self.held = held
+        self.slid: Floats | None = None
         if held is not None:
             of_pairs = (model.normal_rows * held[model.pair_contact]).sum(axis=1)
             of_groups = np.matmul(model.slip_rows, held[model.group_contact][:, :, None])
@@ -236,10 +238,12 @@ class Bed:
         """
         self.evaluations += 1
         reduction, load = self.drive.at(parameter)
-        if self._kernels is not None and modes is None and not self.dilates:
+        if self._kernels is not None and modes is None and not self.dilates and self.slid is None:
             return self._compiled_forces(at, reduction, load, frozen)
         relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
+        if self.slid is not None:
+            slip = slip - self.slid
         pressing = -self.area * opening
         elastic = self.spring[:, None] * slip
         size = np.abs(elastic[:, 0]) if self.tangents == 1 else np.sqrt((elastic * elastic).sum(axis=1))
@@ -455,6 +459,7 @@ class Bed:
         ratio = self.ratio[groups] if isinstance(self.ratio, np.ndarray) else self.ratio
         few = Bed(model, drive, self.bond[pairs], ratio, held[:, :, 0])
         few.unbalanced_at_most = self.unbalanced_at_most[those]
+        few.slid = None if self.slid is None else self.slid[groups]
         return few
 
     def with_bonds(self, bond: Floats) -> "Bed":
@@ -464,6 +469,18 @@ class Bed:
         if self._kernels is not None:
             given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
             other._law = self._kernels.law(self._pattern.contacts, *given)
+        return other
+
+    def with_slip_of(self, at: Floats, there: BedForces) -> "Bed":
+        """The same joints, their slip at a displacement (N,) there to stay but for what its forces spring back.
+
+        Bolts, which go slack, spring back by all of theirs.
+        """
+        other = copy.copy(self)
+        slip = (self.rows @ at)[self.pairs :].reshape(self.groups, self.tangents)
+        other.slid = slip + there.friction / self.spring[:, None]
+        if self.bolted is not None:
+            other.slid[self.bolted] = 0.0
         return other
 
     def polished(self, at: Floats, parameter: float) -> tuple[Floats, BedForces]:

@@ -64,6 +64,31 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     return replace(ended, started=start)
 
 
+def history(bed: Bed, start: float) -> tuple[float, float | None] | None:
+    """The last parameter at rest and the first at which blocks run whose slip stays.
+
+    Joints spring back by their elastic slip alone, from rest to rest, where on a path they do by all of it: another law
+    on the way, the same at the limit of one motion. The second is None where the blocks come neither to rest nor to
+    run; both where they rest at no strength to begin with, or stand without any.
+
+    Parameters
+    ----------
+    start : the parameter at which gravity, or the first load, comes on: of strength, of a path, as in `fall`
+
+    Raises
+    ------
+    EffortSpentError
+        The work that is allowed is done.
+    """
+    begun = _begun(bed, start * _STUCK if bed.drive.ramp is None else start)
+    if begun is None or begun[2].ended != "rest":
+        return None
+    _, ran, _ = _fallen(*begun, stays=True)
+    if ran.flow.ended == "rest":
+        return None
+    return ran.parameter, ran.bad if ran.flow.ended == "runs" else None
+
+
 def _is_there(bed: Bed, ran: Ran, ended: PathLimit, snaps: bool) -> bool:
     """Whether a limit or a peak is no farther than where the blocks run, and a limit needs no pair that pulls.
 
@@ -102,14 +127,16 @@ def _begun(bed: Bed, start: float) -> tuple[Bed, float, Flow] | None:
     return bed, parameter, flow
 
 
-def _fallen(bed: Bed, parameter: float, flow: Flow) -> tuple[Bed, Ran, bool]:
+def _fallen(bed: Bed, parameter: float, flow: Flow, stays: bool = False) -> tuple[Bed, Ran, bool]:
     """The joints as they are where the blocks run, or stand without strength, and whether bonds broke as they ran.
 
     Parameters
     ----------
     parameter, flow : at rest to begin with, no bond left on contacts that are open all over
+    stays : slip is there to stay
     """
     start = parameter
+    bed = bed.with_slip_of(flow.at, flow.forces) if stays else bed
     stride = _STRIDE
     while True:
         trial = bed.drive.harder(parameter, math.exp(-stride))
@@ -119,7 +146,8 @@ def _fallen(bed: Bed, parameter: float, flow: Flow) -> tuple[Bed, Ran, bool]:
                 return left, Ran(parameter, flow, trial, found), left is not bed
             stride *= 0.5
             continue
-        parameter, flow, bed = trial, found, left
+        parameter, flow = trial, found
+        bed = left.with_slip_of(flow.at, flow.forces) if stays else left
         if parameter < LEAST_STRENGTH * start if bed.drive.ramp is None else parameter > FARTHEST:
             return bed, Ran(parameter, flow, parameter, flow), False
 

@@ -36,6 +36,8 @@ class Groups:
     The first group is the single block that slides out most easily, with its neighbours. All blocks together, none
     held, then come to rest at just a little more strength than the group's limit, or flow: who flows is the next
     group. Where they rest just before it, their strength along its motion used up or running beyond, it is that of all.
+    Cohesive blocks may rest there with bonds that another group has broken by then, which fails sooner by itself: of
+    those that are known the first to fail comes first.
     """
 
     def __init__(
@@ -85,12 +87,20 @@ class Groups:
             return None
         return mechanism_range(model, limit.motion, 1.0 / limit.parameter, limit.bond, (limit.normal, limit.friction))
 
-    def _first(self) -> Ints:
+    def _first(self, bond: Floats, falls: bool) -> Ints:
         """The group to begin with."""
         bolts = self.scene.loads.bolts
         bolted = np.isin(self.alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
         first = self.alone[np.argsort(bolted, kind="stable")][:1]
-        return self.group if len(self.group) else _with_neighbours(self.scene.assembly, first, self.blocks)
+        group = self.group if len(self.group) else _with_neighbours(self.scene.assembly, first, self.blocks)
+        if not self.model.has_cohesion or not len(self.near):
+            return group
+        return max(group, self.near, key=lambda one: self._strength_at_limit(one, bond, falls))
+
+    def _strength_at_limit(self, group: Ints, bond: Floats, falls: bool) -> float:
+        """Of a group with all others held and some bonds (m,) of all; 0 where it has no limit."""
+        solution = self._of_group(group, bond, falls)
+        return solution[1].parameter or 0.0 if solution is not None and solution[1].found else 0.0
 
     def _of_group(self, group: Ints, bond: Floats, falls: bool) -> Solution | None:
         """The limit of a group with all others held and some bonds (m,) of all."""
@@ -192,7 +202,7 @@ class Groups:
         self.found, self.snapped = None, None
         if not len(self.alone):
             return None
-        group, work = self._first(), 0
+        group, work = self._first(bond, falls), 0
         for _ in range(_MOST_GROUPS):
             solution = self._of_group(group, bond, falls)
             if solution is None:
