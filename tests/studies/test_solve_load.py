@@ -322,11 +322,11 @@ def _bench(number):
 
 def test_a_load_on_a_cohesive_bench_says_what_it_has_to_do_with_cohesion() -> None:
     """W307 in the load's own terms, on the sheet of `solve` and of `quake`: contacts that it opens lose their bonds."""
-    found = sk.solve(_bench(15), KEY, fos=1.0)
+    found = sk.solve(_bench(7), KEY, fos=1.0)
     (said,) = [notice.message for notice in found.warnings if notice.code == "W307"]
-    assert "with 36 % of the node pairs; open pairs of other contacts keep theirs): the load jumps" in said
-    assert found.answer.value == pytest.approx(0.88138, rel=1e-4)
-    shaken = sk.quake(_bench(15), "sine:0.5g,1Hz")
+    assert "with 13 % of the node pairs; open pairs of other contacts keep theirs): the load jumps" in said
+    assert found.answer.value == pytest.approx(0.91049, rel=1e-4)
+    shaken = sk.quake(_bench(7), "sine:0.5g,1Hz")
     assert said in [notice.message for notice in shaken.warnings]
     assert "notes" not in shaken.to_dict()["yield"][0]
 

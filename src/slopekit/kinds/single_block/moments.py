@@ -195,7 +195,8 @@ def with_finer_motion(
 ) -> CohesionLimit:
     """The same with the factor by mechanism on the pairs of the last refinement, where its passes settle.
 
-    With the bond gone it is no more: where that has no limit on those pairs the one on coarser pairs says nothing.
+    Of joints that dilate, which no cracked base vouches for, it is no more with the bond gone: where that has no limit
+    on those pairs the one on coarser pairs says nothing.
     """
     if by_rules.motion.passes > STEERED or len(by_rules.motion.bond) == len(scene.pairs):
         return by_rules
@@ -204,7 +205,7 @@ def with_finer_motion(
     if not again.factor or again.passes > STEERED:
         return by_rules
     rules = replace(rules, by_mechanism=again.factor)
-    if again.factor >= rules.headline * (1.0 - MOMENTS):
+    if not scene.model.dilates or again.factor >= rules.headline * (1.0 - MOMENTS):
         return replace(by_rules, rules=rules)
     own = scene if analysis.model is None else replace(scene, model=analysis.model)
     rules = replace(rules, rule="by_mechanism", headline=again.factor)
