@@ -116,8 +116,9 @@ def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterat
                      f"to it open, have lost their cohesion ({gone} of {of_all}, with {_percent(bonds.lost)} of the "
                      f"node pairs; open pairs of other contacts keep theirs): the {of} jumps where that happens"
                      f"{before}")  # fmt: skip
-    both = bonds.without is not None and bonds.sooner is not None
-    as_kept = both and bonds.kept > 0 and shown(bonds.sooner) == shown(bonds.without)  # one number: W494 has it
+    as_kept = False  # one number: W494 has it
+    if bonds.kept and bonds.without is not None and bonds.sooner is not None:
+        as_kept = shown(bonds.sooner) == shown(bonds.without)
     if bonds.kept:
         without = " (where blocks would move without it is not known)"
         if as_kept:

@@ -10,7 +10,7 @@ import slopekit as sk
 from benchmarks import populations
 from slopekit.design.templates import path_of
 from slopekit.evidence import History
-from slopekit.kinds.assemblies import many_blocks
+from slopekit.kinds.assemblies import many_blocks, many_blocks_ladder
 from slopekit.kinds.blocks import OWN
 from slopekit.preie.solvers import effort
 from slopekit.studies.check.run import _history
@@ -78,11 +78,11 @@ def test_a_rule_on_what_was_not_computed_is_not_met() -> None:
 
 def test_no_more_work_goes_into_it_than_into_the_limit(monkeypatch) -> None:
     monkeypatch.setattr(many_blocks, "_LEAST_WORK", 1.0)
-    monkeypatch.setattr(effort, "spent", lambda: 0.0)
+    monkeypatch.setattr(effort, "spent", lambda: 0.0)  # the limit took none
     found = sk.run(sk.load(block(acceptance={"rules": ["fos.without_cohesion >= 0.1"]})))
     assert found.without_cohesion.status == "not_converged"
     assert found.without_cohesion.limit is None
-    assert "without any cohesion (the same blocks, c = 0): not found with as much work as the limit took" in said(found)
+    assert "without any cohesion (the same blocks, c = 0): not found with the work that is allowed" in said(found)
     assert found.accepted is False
 
 
@@ -131,11 +131,21 @@ def test_check_holds_the_limit_against_the_history(history, met) -> None:
 
 
 def test_check_follows_the_history_of_more_blocks(monkeypatch) -> None:
-    monkeypatch.setattr(many_blocks, "_MOST_FOLLOWED", 0)
+    for module in (many_blocks, many_blocks_ladder):
+        monkeypatch.setattr(module, "MOST_FOLLOWED", 0)
     assert sk.run(sk.load(block())).history is None
     checked = sk.check(sk.load(block()))
     assert checked.result.history.rests < checked.result.fos.limit < checked.result.history.runs
     assert [finding.met for finding in checked.findings if finding.name == "history"] == [True]
+
+
+def test_a_history_that_only_check_follows_lowers_the_lowest_factor_as_well(monkeypatch) -> None:
+    monkeypatch.setattr(many_blocks_ladder, "MOST_FOLLOWED", 0)
+    monkeypatch.setattr(many_blocks_ladder, "history_of", lambda part, most: History(0.8, 0.81))
+    found = sk.check(sk.load(block())).result
+    assert found.fos.limit > 0.82
+    assert found.fos.lowest == found.history.rests == 0.8
+    assert "run at 0.8100" in next(notice.message for notice in found.warnings if notice.code == "W504")
 
 
 def test_no_history_is_followed_where_it_would_be_of_other_blocks(monkeypatch) -> None:

@@ -441,6 +441,14 @@ def test_of_groups_that_all_blocks_would_vouch_for_the_first_to_fail_is_the_limi
     assert found.history.runs == pytest.approx(0.9394, rel=5e-3)
 
 
+def test_a_group_whose_rest_counts_on_bonds_of_open_contacts_is_not_the_limit() -> None:
+    """Six blocks have 1.9056, and all rest just before it only with 113 open pairs bonded: the path of all decides."""
+    found = sk.run(path_of("bench"), set={"strength.bedding.c": 5, "strength.joint.c": 5})
+    assert found.fos.limit == pytest.approx(1.8618, rel=1e-4)
+    assert found.fos.lowest < found.history.runs < found.fos.limit
+    assert "W493" not in [notice.code for notice in found.warnings]
+
+
 @pytest.mark.parametrize(("strength", "carries"), [(0.5, 0.5), (2.0, 1.0)])
 def test_slip_that_stays_is_gone_when_a_block_is_let_back(strength, carries) -> None:
     """A block pressed by 1 on a joint of unit friction slips as far as its springs would carry 1: it holds min(λ, 1).

@@ -91,8 +91,8 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
-_LEAST_WORK = effort.SECOND  # that may go into the limit without cohesion, however little the one with it took
-_MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
+_LEAST_WORK = 10.0 * effort.SECOND  # that may go into the limit without cohesion, however little the one with it took
+MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
 _START = 2.0  # times the strength at the limit, where the path that a history is begun for would begin
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
@@ -262,8 +262,9 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     with clock("loads"):
         loads = scene_loads(scene)
     with clock("solve"), effort.allowed(math.inf):
+        before = effort.spent()
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
-        work = effort.spent()
+        work = effort.spent() - before
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
         mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
@@ -283,9 +284,9 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     with clock("without_cohesion"):
         bare = _without_cohesion(scene, loads, work) if limit is not None else None
     with clock("history"):
-        history = history_of(ravelling.failures[0].parts[0], _MOST_FOLLOWED) if limit is not None else None
-    if history is not None and limit is not None and history.falls_short(limit):
-        low = history.rests if low is None else min(low, history.rests)
+        history = history_of(ravelling.failures[0].parts[0], MOST_FOLLOWED) if limit is not None else None
+    if history is not None and limit is not None:
+        low = lowest_with(history, limit, low)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
@@ -342,6 +343,13 @@ def _without_cohesion(scene: AssemblyScene, loads: AssemblyLoads, work: float) -
         return WithoutCohesion("no_driving_force", None)
     first = mechanism(failures[0], scene)
     return WithoutCohesion(first.status, None if first.status == "not_converged" else first.fos)
+
+
+def lowest_with(history: History, limit: float, low: float | None) -> float | None:
+    """The lowest factor of a limit: no more than where all blocks last rest in a history that falls short of it."""
+    if not history.falls_short(limit):
+        return low
+    return history.rests if low is None else min(low, history.rests)
 
 
 def history_of(part: Part, most: int) -> History | None:

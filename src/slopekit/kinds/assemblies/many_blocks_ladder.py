@@ -6,13 +6,16 @@ from functools import partial
 
 from slopekit.core.onlooker import say
 from slopekit.kinds.assemblies.many_blocks import (
+    MOST_FOLLOWED,
     SolvedAssembly,
     all_pairs_of,
     balance_of,
     history_of,
+    lowest_with,
     search_of_all_pairs,
 )
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.kinds.assemblies.many_blocks_notices import said_of_history
 from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
@@ -34,10 +37,14 @@ def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder
             fos = replace(result.fos, all_pairs_failed=search.factor)
             result = replace(result, fos=fos, all_pairs=all_pairs_of(search))
     failures = solution.ravelling.failures
-    if failures and result.history is None and result.fos.limit:
+    if failures and len(failures[0].parts[0].blocks) > MOST_FOLLOWED and (limit := result.fos.limit):
         say("history of falling strength", head=True)
         part = failures[0].parts[0]
-        result = replace(result, history=history_of(part, len(part.blocks)))
+        history = history_of(part, len(part.blocks))
+        if history is not None:
+            fos = replace(result.fos, lowest=lowest_with(history, limit, result.fos.lowest))
+            said = (*result.warnings, *said_of_history(history, limit))
+            result = replace(result, history=history, fos=fos, warnings=said)
     unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
     with one_thread():  # as the analysis
         rungs = tuple(_rungs(solution))

@@ -93,10 +93,17 @@ def notices_of(
                      f"closed forms count, it is {straight:.4f}; of a wedge (kind: wedge) no credit is taken for "
                      "that")  # fmt: skip
     yield from said_of_bonds(ravelling.failures[0])
-    if history is not None and first.fos and history.falls_short(first.fos):
-        yield Notice("W504", f"all blocks, none held, run at {history.runs:.4f} as their strength falls where what has "
-                     "slipped and what cohesion is lost stay so: the factor of safety lies "
-                     f"{(history.excess(first.fos) or 0.0) * 100.0:.2g} % above that, rely on the lower")  # fmt: skip
+    if history is not None and first.fos:
+        yield from said_of_history(history, first.fos)
+
+
+def said_of_history(history: History, limit: float) -> Iterator[Notice]:
+    """W504: in another history all blocks run at less."""
+    if history.falls_short(limit):
+        yield Notice("W504", f"in another history all blocks, none held, run at {history.runs:.4f}: strength falls, "
+                     "and what has slipped and what cohesion is lost stay so; the factor of safety, where joints "
+                     f"spring back, lies {(history.excess(limit) or 0.0) * 100.0:.2g} % above that, rely on the "
+                     "lower")  # fmt: skip
 
 
 def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling) -> Iterator[Notice]:

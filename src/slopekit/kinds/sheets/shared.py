@@ -196,7 +196,7 @@ def without_cohesion(result: Result) -> Iterator[Factor]:
         return
     said = "without any cohesion (the same blocks, c = 0)"
     if bare.status == "not_converged":
-        said += ": not found with as much work as the limit took"
+        said += ": not found with the work that is allowed"
     elif bare.status != result.status:
         said += f": {result.design.in_own_names(result.words.status(bare.status))}"
     yield Factor(bare.limit, said)
@@ -206,6 +206,9 @@ def history(result: Result) -> Iterator[Factor]:
     """Where cohesive blocks begin to run in another history of falling strength."""
     found = result.history
     if found is None:
+        if result.without_cohesion is not None:
+            yield Factor(None, "another history (slip and lost cohesion stay): not followed, or not to an end; of more "
+                         "than 100 blocks `check` follows it")  # fmt: skip
         return
     ends = "all blocks rest at the first, run at the second"
     if found.runs is None:
@@ -356,7 +359,8 @@ def _judgement(result: Result, rule: Rule) -> str:
     if result.fos.limit is None and result.status != "no_driving_force":
         return "NOT MET (no factor of safety)"
     if result.value_of(rule) is None:
-        return "NOT MET (there is no such number here)"
+        of = ": it is one of many blocks with cohesion" if rule.name == "fos.without_cohesion" else ""
+        return f"NOT MET (there is no such number here{of})"
     return "NOT MET"
 
 

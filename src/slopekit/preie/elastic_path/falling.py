@@ -17,15 +17,16 @@ from slopekit.preie.elastic_path.path import ROUGHER, Ran, at_rest_first, at_res
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, RUNS
 
-# Of the random benches 1 to 140 with 5 kPa, of which 104 have a factor:
-# times the strength of a path's start, where hardly anything slips. With 64 seven of the first 35 move, five of them by
+# Counts are of the random benches 1 to 140 with 5 kPa, of which 104 have a factor.
+# Times the strength of a path's start, where hardly anything slips. With 64 seven of the first 35 move, five of them by
 # less than a thousandth, one from 0.645 to 0.464 (3: what it opens does two thirds of its work); less leaves bonds
-# whole that histories break
+# whole that histories break.
 _STUCK = 32.0
 _STRIDE = 0.05  # of ln λ, a step: in longer ones contacts open and touch again
 NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the blocks run
-# from there to the limit of the motion in space: with 0.01 the peak stands for the limit of two benches, without an end
-# one has the limit of another motion (bench 50: 1.96 for 2.44); of the first 35 from 0.03 to 0.3 none moves
+# How far from there the limit of the motion may lie in space: with 0.01 the peak stands for the limit of two benches,
+# without an end one has the limit of another motion (bench 50: 1.96 for 2.44); of the first 35 from 0.03 to 0.3 none
+# moves.
 _DROPS = 0.1
 _MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 

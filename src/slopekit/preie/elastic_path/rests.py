@@ -21,8 +21,8 @@ _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: 
 #: long, in shorter ones; and where they come to rest at none so near.
 _LEAP, _LEAP_WITH_BONDS, _CLOSER = 0.01, 0.1, 0.5
 #: Unknowns from which, and up to which, the last rest is looked for at once: of 1,987 blocks that takes half as long as
-#: the first rest and a leap from it, of 939 hardly less; of 7,251 it is not found so.
-_AT_ONCE, _MOST_AT_ONCE = 6000, 24000  # and from the last on there is only a rest but for a rounding
+#: the first rest and a leap from it, of 939 hardly less. Of 7,251 no sharp rest is found: there it is a lagged one.
+_AT_ONCE, _MOST_AT_ONCE = 6000, 24000
 _OF_AT_ONCE = 0.4  # of the work that is left, for that
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried

@@ -88,7 +88,7 @@ class Groups:
         return mechanism_range(model, limit.motion, 1.0 / limit.parameter, limit.bond, (limit.normal, limit.friction))
 
     def _first(self, bond: Floats, falls: bool) -> Ints:
-        """The group to begin with."""
+        """The group to begin with: of cohesive blocks the one that fails first."""
         bolts = self.scene.loads.bolts
         bolted = np.isin(self.alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
         first = self.alone[np.argsort(bolted, kind="stable")][:1]
@@ -221,6 +221,8 @@ class Groups:
                 flow, gap = rests_before(bed, below, RESTS_NEAR)
             if flow.ended == "rest" and model.has_cohesion:
                 bed, flow = _without_open(bed, flow, 1.0 / (below * (1.0 - gap)))
+                if open_all_over(bed, flow) is not None and len(self.blocks) <= _LONG:
+                    return None  # that rest counts on bonds of open contacts: the path of all decides
             if flow.ended == "rest":
                 if factor > top * (1.0 + BOUND_ACCURACY):
                     return None

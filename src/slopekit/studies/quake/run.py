@@ -314,7 +314,7 @@ def quake(
     """How far a slope slides in earthquakes: yield coefficient by both methods, Newmark displacement, exactly.
 
     A record pushes the block toward --toward where it is positive; it is used reversed too. Exit codes: 0 done, 4 the
-    methods disagree on the yield coefficient, or a step of --six did not settle.
+    methods disagree on the yield coefficient, or PRE-IE or a step of --six did not settle.
 
     Raises
     ------

@@ -555,7 +555,9 @@ def _target(design: Design, fos: float | None) -> tuple[float, bool]:
     if fos is None:
         wanted = [rule.value for rule in design.rules if rule.name in ("fos", "fos.limit") and ">" in rule.relation]
         if not wanted:
-            raise DesignError([Fault("E314", "no target is given, and the design has no acceptance rule", "", advice)])
+            raise DesignError(
+                [Fault("E314", "no target is given, and no acceptance rule on fos or fos.limit", "", advice)]
+            )
         return max(wanted), True
     checked_target(fos, advice)
     return fos, False
