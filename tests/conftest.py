@@ -31,11 +31,6 @@ collect_ignore = ["caller.py"]
 gc.disable()
 
 
-def pytest_xdist_auto_num_workers() -> int:
-    """One more than there are cores: pages wait for a browser, studies for their workers."""
-    return (os.cpu_count() or 1) + 1
-
-
 def pytest_collection_finish() -> None:
     gc.freeze()
     gc.enable()
