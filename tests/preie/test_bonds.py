@@ -442,10 +442,9 @@ def test_of_groups_that_all_blocks_would_vouch_for_the_first_to_fail_is_the_limi
 
 
 def test_a_group_whose_rest_counts_on_bonds_of_open_contacts_is_not_the_limit() -> None:
-    """Six blocks have 1.9056, and all rest just before it only with 113 open pairs bonded: the path of all decides."""
+    """Six blocks have 1.9056, and all rest just before it only with 113 open pairs bonded: all blocks run at 1.845."""
     found = sk.run(path_of("bench"), set={"strength.bedding.c": 5, "strength.joint.c": 5})
-    assert found.fos.limit == pytest.approx(1.8618, rel=1e-4)
-    assert found.fos.lowest < found.history.runs < found.fos.limit
+    assert found.history.rests < found.fos.limit < 1.01 * found.history.runs  # the group's is 3.3 % above
     assert "W493" not in [notice.code for notice in found.warnings]
 
 
