@@ -410,10 +410,16 @@ def test_the_page_of_messages_is_up_to_date() -> None:
 
 
 @pytest.mark.parametrize("arguments", [[], ["E203", "--all"]])
-def test_explain_takes_a_code_or_all(arguments) -> None:
+def test_explain_takes_codes_or_all(arguments) -> None:
     code, said = called(["explain", *arguments])
     assert code == 2
-    assert said.startswith("E100 explain takes one code or --all\n")
+    assert said.startswith("E100 explain takes codes or --all\n")
+
+
+def test_explain_takes_several_codes() -> None:
+    """Each once, in their order."""
+    code, said = called(["explain", "W494", "e203", "w494"])
+    assert (code, [line for line in said.splitlines() if re.fullmatch(r"[EW]\d{3}", line)]) == (0, ["W494", "E203"])
 
 
 def test_codes_that_pages_name_exist() -> None:

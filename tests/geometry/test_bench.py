@@ -234,6 +234,16 @@ def test_fixed_slivers_stay_fixed() -> None:
     assert joined.block.tolist() == [0, 1, 1]
 
 
+def test_slivers_that_are_no_sliver_together_stay_bedrock() -> None:
+    """Two ends of 30 on a free piece of 40: nothing where they are slivers, rock that goes on where 50 is asked."""
+    volumes, ends = np.array([30.0, 40.0, 30.0]), np.array([True, False, True])
+    first, second, areas = np.array([0, 1]), np.array([1, 2]), np.array([1.0, 1.0])
+    joined = join_slivers(volumes, ends, first, second, areas, 50.0)
+    assert (joined.block.tolist(), joined.fixed.tolist()) == ([0, 0, 0], [True])
+    joined = join_slivers(volumes * [0.01, 1.0, 0.01], ends, first, second, areas, 1.0)
+    assert (joined.block.tolist(), joined.fixed.tolist()) == ([0, 0, 0], [False])
+
+
 def test_max_blocks() -> None:
     sets = (JointSet(EAST, 3.0), JointSet(SOUTH, 2.0), JointSet(FLAT, 1.0))
     assert cut_bench(BOX, planes(*sets), max_blocks=1000).blocks == 1000

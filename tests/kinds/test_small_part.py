@@ -7,6 +7,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import Notice
+from slopekit.design.templates import path_of
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.assemblies.many_blocks_notices import said_of_size
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
@@ -83,3 +84,15 @@ def test_studies_hear_it_too() -> None:
     """`solve` and `quake` ask for factors alone."""
     design = sk.load(beside_a_chip(0.1))
     assert [type(note) for note in kind_of(design).factors(design).notes] == [Notice]
+
+
+def test_pieces_joined_until_nothing_is_left_say_so() -> None:
+    """The template's 137 cells (132 blocks and 5 slivers) all lie below 500 m³: two blocks, on no bedrock, fell without
+    a factor and without a word on the key."""
+    bench = path_of("bench")
+    with pytest.raises(sk.GeometryError, match="E256 none of the 2 blocks can move") as refused:
+        sk.run(bench, set={"cut.min_volume": 500})
+    assert refused.value.faults[0].advice.endswith("deeper bench, or a cut.min_volume below 500 m3.")
+    coarse = {one.code: one.message for one in cut(sk.load(bench, set={"cut.min_volume": 50})).notices}
+    assert "hold 100 % of the rock" in coarse["W505"] and ": 17 of 137 blocks are left, " in coarse["W505"]
+    assert "W505" not in {one.code for one in cut(sk.load(bench)).notices}

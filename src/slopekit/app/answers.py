@@ -23,7 +23,7 @@ from slopekit.design.common import Design
 from slopekit.design.fields import words_of
 from slopekit.design.reading.nodes import Node
 from slopekit.kinds import analyse, kind_of
-from slopekit.kinds.sheets.shared import verdict
+from slopekit.kinds.sheets.shared import judged_on, verdict
 from slopekit.result import JUDGED, Result
 from slopekit.strength.registry import LAWS
 from slopekit.strength.waviness import Wavy
@@ -83,7 +83,10 @@ def told(moment: Moment, result: Result, final: bool = True) -> Answer:
         "agree": result.agree, "agree_words": verdict(result), "difference": result.difference,
         "moments_govern": result.moments_govern, "accepted": result.accepted, "line": result.line,
         "governs": list(_governs(moment.design, result, keys)),
-        "acceptance": [{"rule": str(rule), "met": result.judged(rule)} for rule in moment.design.rules],
+        "acceptance": [
+            {"rule": str(rule), "on": judged_on(result, rule), "met": result.judged(rule)}
+            for rule in moment.design.rules
+        ],
         "notices": [*_of_design(moment), *(notice_of(one) for one in result.warnings)],
         "words": [entry for section in slope[:1] for entry in section.entries if isinstance(entry, str)],
         "net": net_of(moment, result), "stale": False,

@@ -25,7 +25,7 @@ def _codes(incomplete: str) -> list[str]:
 
 
 _TEMPLATE = typer.Argument(help="A template, see list.", autocompletion=_template_names)
-_CODE = typer.Argument(help="A code such as E203.", metavar="CODE", autocompletion=_codes)
+_CODE = typer.Argument(help="Codes such as E203.", metavar="CODE...", autocompletion=_codes)
 
 templates = typer.Typer(name="templates", help="Starter design files.", rich_markup_mode=None, add_completion=False)
 
@@ -119,13 +119,13 @@ def doctor() -> None:
 
 
 def explain(
-    code: Annotated[str | None, _CODE] = None,
+    codes: Annotated[list[str] | None, _CODE] = None,
     every: Annotated[bool, typer.Option("--all", help="Every message, as Markdown: docs/messages.md.")] = False,
 ) -> None:
-    """The long text of a message."""
-    if every != (code is None):
-        raise DesignError([Fault("E100", "explain takes one code or --all", "", "slopekit explain E203")])
-    if code is None:
+    """The long text of messages."""
+    if every != (not codes):
+        raise DesignError([Fault("E100", "explain takes codes or --all", "", "slopekit explain E203 W307")])
+    if not codes:
         from slopekit.views.messages import messages_page
 
         typer.echo(messages_page(), nl=False)
@@ -133,5 +133,13 @@ def explain(
     from slopekit.cli.common import folded
     from slopekit.core.explanations import explanation
 
-    for line in explanation(code).splitlines():
+    texts, faults = [], []
+    for code in codes:
+        try:
+            texts.append(explanation(code))
+        except DesignError as unknown:
+            faults += unknown.faults
+    if faults:
+        raise DesignError(faults)
+    for line in "\n\n".join(dict.fromkeys(texts)).splitlines():
         typer.echo(folded(line))

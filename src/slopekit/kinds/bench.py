@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from slopekit.geometry.rock.bench import ConvexBody
 
 MOST_SEED = 2**63 - 1
+_SLIVERS = 0.01  # of the rock: pieces that hold more are blocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,6 +216,12 @@ def cut(design: BenchDesign) -> AssemblyScene:
         left = f", {cut.slivers_left_out} without a neighbour left out ({cut.volume_left_out:.3g} m³)"
         notices.append(Notice("W336", f"{cut.slivers_joined} slivers below {cut.min_volume:.3g} m³ were joined to the "
                               f"neighbour they share most with{left if cut.slivers_left_out else ''}"))  # fmt: skip
+    share = cut.volume_of_slivers / cut.body_volume
+    if share > _SLIVERS:
+        of_all = cut.blocks + cut.slivers_joined + cut.slivers_left_out
+        notices.append(Notice("W505", f"pieces below cut.min_volume = {cut.min_volume:.3g} m³ hold {share * 100.0:.3g} "
+                              f"% of the rock and were joined to neighbours: {cut.blocks} of {of_all} blocks are left, "
+                              "not those that the joints cut; take less"))  # fmt: skip
     scene = AssemblyScene(
         assembly, tuple(f"B{k}" for k in range(1, len(assembly) + 1)), tuple(given.name for given in design.sets),
         tuple(design.strength(given.strength) for given in design.sets),
@@ -228,7 +235,8 @@ def cut(design: BenchDesign) -> AssemblyScene:
         tuple(notices), origin=np.array(design.origin_m),
         crest=Crest(_up_the_face(design), design.face.normal(), design.upper.normal()),
     )  # fmt: skip
-    advice = "Take closer joints or a longer and deeper bench."
+    smaller = f", or a cut.min_volume below {cut.min_volume:.3g} m3" if share > _SLIVERS else ""
+    advice = f"Take closer joints or a longer and deeper bench{smaller}."
     if design.has_table or design.table_depth_m is not None or design.surcharge_kpa:
         scene = _with_ground(design, scene, body)
     return with_loads(design, scene, design.face.dip_direction_deg, advice)

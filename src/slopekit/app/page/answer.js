@@ -64,7 +64,7 @@ export function show(answer) {
       el("p", { class: `fos${answer.lead === null ? " none" : ""}`, id: "fos" }, answer.lead ?? (faulty ? "no answer" : answer.stale ? "…" : "no factor")),
       faulty ? null : el("p", { class: "status" }, answer.status_words),
       el("div", { class: "badges" }, badge(answer), answer.acceptance.map((one) =>
-        el("span", { class: `badge ${one.met ? "good" : "bad"}` }, `${one.rule} ${one.met ? "met" : "not met"}`)))),
+        el("span", { class: `badge ${one.met ? "good" : "bad"}` }, `${one.rule}${one.on} ${one.met ? "met" : "not met"}`)))),
     faulty ? el("section", { class: "faults", "aria-label": "Why there is no answer" }, answer.faults.map(faultCard),
       byId("view").classList.contains("blank") ? null : el("p", { class: "soft" }, "The dimmed view is the last design that could be analysed.")) : null,
     stale(answer), numbers(answer),

@@ -119,7 +119,8 @@ def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas
     """Join every cell with less than the `least` volume to the neighbour that shares most area with it.
 
     Slivers that choose each other become one cell and choose again, until all are large enough or have no neighbour.
-    A fixed sliver goes to a fixed neighbour where it has one. What they make is fixed if its largest cell is.
+    A fixed sliver goes to a fixed neighbour where it has one. What they make is fixed if its largest cell is, or if its
+    fixed cells together are no sliver: rock that goes on beyond the model is not let go by naming all cells slivers.
 
     Parameters
     ----------
@@ -135,19 +136,20 @@ def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas
     count = len(volumes)
     root = np.arange(count)
     volume = volumes.copy()
-    small = volume < least
+    small, holds = volume < least, fixed
     while small.any():
-        best = _best_neighbour(root[first], root[second], areas, small, fixed)
+        best = _best_neighbour(root[first], root[second], areas, small, holds)
         going = np.flatnonzero(best >= 0)
         if len(going) == 0:
             break
         root, volume = _merged(root, volume, volumes, going, best[going])
         small = (volume < least) & (root == np.arange(count))
+        holds = fixed | (np.bincount(root[fixed], volumes[fixed], count) >= least)
     left_out = small[root]
     hosts, block = np.unique(root[~left_out], return_inverse=True)
     of_cell = np.full(count, -1, dtype=np.int64)
     of_cell[~left_out] = block
-    return Joined(of_cell, fixed[hosts], len(hosts), count - len(hosts) - int(left_out.sum()))
+    return Joined(of_cell, holds[hosts], len(hosts), count - len(hosts) - int(left_out.sum()))
 
 
 def _best_neighbour(first: Ints, second: Ints, areas: Floats, small: Bools, fixed: Bools) -> Ints:
@@ -194,7 +196,7 @@ class BenchCut:
     plane_error : how far corners are at most from the planes that made their faces, m
     joint_area : half the sum of all joint faces before slivers were joined, m²
     blocks, fixed : how many
-    slivers_joined : cells smaller than `min_volume` joined to a neighbour
+    slivers_joined : cells smaller than `min_volume` joined to a neighbour; volume_of_slivers : of all smaller ones, m³
     slivers_left_out, volume_left_out : cells without a neighbour, m³
     planes_merged, planes_on_body_faces : see `SetPlanes`
     min_volume : m³
@@ -210,6 +212,7 @@ class BenchCut:
     blocks: int
     fixed: int
     slivers_joined: int
+    volume_of_slivers: float
     slivers_left_out: int
     volume_left_out: float
     planes_merged: int
@@ -221,8 +224,8 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     """Cut a convex body into blocks along planes that all go through it.
 
     Cells smaller than `min_volume` (m³; at least 1e-9 of the body) are joined to the neighbour with which they share
-    the largest patch; cells at the far faces rather to one that is there too. A block is fixed where it (not a sliver
-    joined to it) has a face on a far face of the body.
+    the largest patch; cells at the far faces rather to one that is there too. A block is fixed where it (not slivers
+    joined to it, unless they make up `min_volume` together) has a face on a far face of the body.
 
     Raises
     ------
@@ -285,10 +288,11 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     patches = _patches(soup, faces, below, other[below], joined.block, planes.joint, normals, where)
     assembly = _assembly(soup, cells, faces, other, joined, patches, where)
     left_out = float(cells.volumes[joined.block < 0].sum()) * half**3
+    of_slivers = float(cells.volumes[cells.volumes < least].sum()) * half**3
     return BenchCut(
         assembly, body_volume * half**3, float(assembly.volumes.sum()), volume_error, area_error,
         away * half, joint_area * half**2, joined.count, int(joined.fixed.sum()), joined.joined,
-        int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,
+        of_slivers, int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,
     )  # fmt: skip
 
 

@@ -312,10 +312,10 @@ def all_pairs(result: Result) -> list[Entry]:
 
 def accept(result: Result) -> list[str]:
     """The acceptance rules, each with its judgement."""
-    return [f"{rule}{_judged_on(result, rule)}: {_judgement(result, rule)}" for rule in result.design.rules]
+    return [f"{rule}{judged_on(result, rule)}: {_judgement(result, rule)}" for rule in result.design.rules]
 
 
-def _judged_on(result: Result, rule: Rule) -> str:
+def judged_on(result: Result, rule: Rule) -> str:
     """The number that a rule judged, and why that: a bare `fos` is the criterion's, of blocks the first to fail."""
     value, name = result.value_of(rule), result.name_of(rule)
     called = {"limit": "limit", **JUDGED}[name]

@@ -51,7 +51,8 @@ class SolvedValue:
     jumps : whether the factor, put back, was seen to fall past the target at once there
     not_compared : of a load on many blocks, why the other of its two histories says nothing of the value; empty where
         both do
-    notes : of many blocks, what the value has to do with their cohesion: W307, W484, W486, W493 to W496, W500
+    notes : of many blocks, that it is of a small part of them (W503), and what it has to do with their cohesion: W307,
+        W484, W486, W493 to W496, W500
     """
 
     how: Literal["root", "jump", "gap"]
