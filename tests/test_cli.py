@@ -153,7 +153,8 @@ def test_explain_and_version() -> None:
     assert unknown.returncode == 2
     assert "Did you mean E203?" in unknown.stderr
     several = slopekit("explain", "E2O3", "w307", "W999").stderr
-    assert several.startswith("E128 E2O3 ") and "\nE128 W999 " in several  # all faults at once
+    assert several.startswith("E128 E2O3 ")
+    assert "\nE128 W999 " in several  # all faults at once
     assert slopekit("--version").stdout == "slopekit 0.1.0\n"
 
 

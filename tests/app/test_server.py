@@ -271,7 +271,8 @@ def test_set_is_answered_with_the_number_that_the_library_gives(desk):
     assert found["fos"]["limit"] == own.fos.limit
     assert found["status_words"] == own.status_text
     assert found["values"][DIP] == {"value": 52.0, "text": "52°", "given": True, "is_default": False, "changed": True}
-    assert found["acceptance"] == [{"rule": "fos >= 1.5", "on": f" (limit {own.fos.limit:.4f})", "met": own.fos.limit >= 1.5}]
+    judged = f" (limit {own.fos.limit:.4f})"
+    assert found["acceptance"] == [{"rule": "fos >= 1.5", "on": judged, "met": own.fos.limit >= 1.5}]
 
 
 def test_while_it_works_only_the_newest_waits(desk):
