@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from slopekit.cli.progress import watched
-from slopekit.core.errors import DesignError, Fault, writing
+from slopekit.core.errors import DesignError, Fault, Faults, writing
 
 
 def _template_names(incomplete: str) -> list[str]:
@@ -133,13 +133,10 @@ def explain(
     from slopekit.cli.common import folded
     from slopekit.core.explanations import explanation
 
-    texts, faults = [], []
+    texts, faults = list[str](), Faults()
     for code in codes:
-        try:
+        with faults.kept():
             texts.append(explanation(code))
-        except DesignError as unknown:
-            faults += unknown.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     for line in "\n\n".join(dict.fromkeys(texts)).splitlines():
         typer.echo(folded(line))

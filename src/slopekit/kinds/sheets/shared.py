@@ -359,7 +359,8 @@ def _judgement(result: Result, rule: Rule) -> str:
     if result.fos.limit is None and result.status != "no_driving_force":
         return "NOT MET (no factor of safety)"
     if result.value_of(rule) is None:
-        of = ": it is one of many blocks with cohesion" if rule.name == "fos.without_cohesion" else ""
+        bare = rule.name == "fos.without_cohesion"
+        of = ": it is one of many blocks with cohesion, without any it is fos" if bare else ""
         return f"NOT MET (there is no such number here{of})"
     return "NOT MET"
 
