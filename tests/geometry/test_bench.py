@@ -235,12 +235,14 @@ def test_fixed_slivers_stay_fixed() -> None:
 
 
 def test_slivers_that_are_no_sliver_together_stay_bedrock() -> None:
-    """Two ends of 30 on a free piece of 40: nothing where they are slivers, rock that goes on where 50 is asked."""
-    volumes, ends = np.array([30.0, 40.0, 30.0]), np.array([True, False, True])
+    """Two ends on a larger free piece: rock that goes on where they hold what is asked, or half of what they make."""
+    ends = np.array([True, False, True])
     first, second, areas = np.array([0, 1]), np.array([1, 2]), np.array([1.0, 1.0])
-    joined = join_slivers(volumes, ends, first, second, areas, 50.0)
-    assert (joined.block.tolist(), joined.fixed.tolist()) == ([0, 0, 0], [True])
-    joined = join_slivers(volumes * [0.01, 1.0, 0.01], ends, first, second, areas, 1.0)
+    for end, least, bedrock in ((24.0, 48.0, True), (24.0, 48.1, False), (24.9, 60.0, False), (25.1, 60.0, True)):
+        volumes = np.array([end, 100.0 - 2.0 * end, end])
+        joined = join_slivers(volumes, ends, first, second, areas, least)
+        assert (joined.block.tolist(), joined.fixed.tolist()) == ([0, 0, 0], [bedrock])
+    joined = join_slivers(np.array([0.3, 40.0, 0.3]), ends, first, second, areas, 1.0)
     assert (joined.block.tolist(), joined.fixed.tolist()) == ([0, 0, 0], [False])
 
 

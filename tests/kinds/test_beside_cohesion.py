@@ -73,7 +73,7 @@ def test_blocks_without_cohesion_have_nothing_beside() -> None:
 def test_a_rule_on_what_was_not_computed_is_not_met() -> None:
     found = sk.run(sk.load(path_of("wedge"), set={"acceptance": {"rules": ["fos.without_cohesion >= 0.1"]}}))
     assert found.accepted is False
-    assert "there is no such number here: it is one of many blocks with cohesion, without any it is fos" in said(found)
+    assert "no such number here: it is one of many blocks with cohesion; where they have none it is fos" in said(found)
 
 
 def test_no_more_work_goes_into_it_than_into_the_limit(monkeypatch) -> None:

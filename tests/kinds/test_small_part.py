@@ -93,7 +93,20 @@ def test_pieces_joined_until_nothing_is_left_say_so() -> None:
     with pytest.raises(sk.GeometryError, match="E256 none of the 2 blocks can move") as refused:
         sk.run(bench, set={"cut.min_volume": 500})
     assert refused.value.faults[0].advice.endswith("deeper bench, or a cut.min_volume below 500 m3.")
-    coarse = {one.code: one.message for one in cut(sk.load(bench, set={"cut.min_volume": 50})).notices}
-    assert "hold 100 % of the rock" in coarse["W505"]
-    assert ": 17 of 137 blocks are left, " in coarse["W505"]
-    assert "W505" not in {one.code for one in cut(sk.load(bench)).notices}
+    whole, coarse = cut(sk.load(bench)), cut(sk.load(bench, set={"cut.min_volume": 50}))
+    (said,) = [one.message for one in coarse.notices if one.code == "W505"]
+    small = whole.assembly.volumes < 50.0
+    assert small.all()
+    assert "hold 100 % of the rock" in said
+    assert f": {len(coarse.assembly)} of {len(small) + 5} blocks are left, " in said
+    assert "W505" not in {one.code for one in whole.notices}
+
+
+@pytest.mark.parametrize(("beside", "is_said"), [(1.001, True), (0.999, False)])
+def test_slivers_are_a_hundredth_of_the_rock_at_most(beside, is_said) -> None:
+    """A `min_volume` just above and just below the block with which the smallest first hold more than that."""
+    bench = path_of("bench")
+    volumes = np.sort(cut(sk.load(bench)).assembly.volumes)
+    first_above = np.searchsorted(np.cumsum(volumes), 0.01 * volumes.sum())
+    joined = cut(sk.load(bench, set={"cut.min_volume": volumes[first_above] * beside}))
+    assert ("W505" in {one.code for one in joined.notices}) == is_said

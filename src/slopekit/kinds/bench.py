@@ -216,7 +216,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
         left = f", {cut.slivers_left_out} without a neighbour left out ({cut.volume_left_out:.3g} m³)"
         notices.append(Notice("W336", f"{cut.slivers_joined} slivers below {cut.min_volume:.3g} m³ were joined to the "
                               f"neighbour they share most with{left if cut.slivers_left_out else ''}"))  # fmt: skip
-    share = cut.volume_of_slivers / cut.body_volume
+    share = cut.volume_joined / cut.body_volume
     if share > _SLIVERS:
         of_all = cut.blocks + cut.slivers_joined + cut.slivers_left_out
         notices.append(Notice("W505", f"pieces below cut.min_volume = {cut.min_volume:.3g} m³ hold {share * 100.0:.3g} "

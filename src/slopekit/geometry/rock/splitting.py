@@ -120,7 +120,8 @@ def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas
 
     Slivers that choose each other become one cell and choose again, until all are large enough or have no neighbour.
     A fixed sliver goes to a fixed neighbour where it has one. What they make is fixed if its largest cell is, or if its
-    fixed cells together are no sliver: rock that goes on beyond the model is not let go by naming all cells slivers.
+    fixed cells together are half of it or no sliver: rock that goes on beyond the model is not let go by naming all
+    cells slivers.
 
     Parameters
     ----------
@@ -144,7 +145,7 @@ def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas
             break
         root, volume = _merged(root, volume, volumes, going, best[going])
         small = (volume < least) & (root == np.arange(count))
-        holds = fixed | (np.bincount(root[fixed], volumes[fixed], count) >= least)
+        holds = fixed | (np.bincount(root[fixed], volumes[fixed], count) >= np.minimum(least, 0.5 * volume))
     left_out = small[root]
     hosts, block = np.unique(root[~left_out], return_inverse=True)
     of_cell = np.full(count, -1, dtype=np.int64)
@@ -196,7 +197,7 @@ class BenchCut:
     plane_error : how far corners are at most from the planes that made their faces, m
     joint_area : half the sum of all joint faces before slivers were joined, m²
     blocks, fixed : how many
-    slivers_joined : cells smaller than `min_volume` joined to a neighbour; volume_of_slivers : of all smaller ones, m³
+    slivers_joined : cells smaller than `min_volume` joined to a neighbour; volume_joined : m³
     slivers_left_out, volume_left_out : cells without a neighbour, m³
     planes_merged, planes_on_body_faces : see `SetPlanes`
     min_volume : m³
@@ -212,7 +213,7 @@ class BenchCut:
     blocks: int
     fixed: int
     slivers_joined: int
-    volume_of_slivers: float
+    volume_joined: float
     slivers_left_out: int
     volume_left_out: float
     planes_merged: int
@@ -225,7 +226,7 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
 
     Cells smaller than `min_volume` (m³; at least 1e-9 of the body) are joined to the neighbour with which they share
     the largest patch; cells at the far faces rather to one that is there too. A block is fixed where it (not slivers
-    joined to it, unless they make up `min_volume` together) has a face on a far face of the body.
+    joined to it, unless they make up half of it or `min_volume` together) has a face on a far face of the body.
 
     Raises
     ------
@@ -288,11 +289,12 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     patches = _patches(soup, faces, below, other[below], joined.block, planes.joint, normals, where)
     assembly = _assembly(soup, cells, faces, other, joined, patches, where)
     left_out = float(cells.volumes[joined.block < 0].sum()) * half**3
-    of_slivers = float(cells.volumes[cells.volumes < least].sum()) * half**3
+    small = cells.volumes < least
+    volume_joined = float(cells.volumes[small & (joined.block >= 0)].sum()) * half**3
     return BenchCut(
         assembly, body_volume * half**3, float(assembly.volumes.sum()), volume_error, area_error,
         away * half, joint_area * half**2, joined.count, int(joined.fixed.sum()), joined.joined,
-        of_slivers, int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,
+        volume_joined, int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,
     )  # fmt: skip
 
 

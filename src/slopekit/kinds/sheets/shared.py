@@ -360,7 +360,7 @@ def _judgement(result: Result, rule: Rule) -> str:
         return "NOT MET (no factor of safety)"
     if result.value_of(rule) is None:
         bare = rule.name == "fos.without_cohesion"
-        of = ": it is one of many blocks with cohesion, without any it is fos" if bare else ""
+        of = ": it is one of many blocks with cohesion; where they have none it is fos" if bare else ""
         return f"NOT MET (there is no such number here{of})"
     return "NOT MET"
 

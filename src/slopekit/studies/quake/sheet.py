@@ -57,27 +57,19 @@ def line_of(quake: Quake) -> str:
 
 
 def _length(metres: float) -> str:
-    """In cm to four digits, no power of ten up to ten kilometres.
-
-    >>> _length(0.2788), _length(356.04)
-    ('27.88 cm', '35600 cm')
-    """
-    return f"{_plain(metres)} cm"
-
-
-def _plain(metres: float) -> str:
-    """In cm to four digits."""
-    shown = f"{metres * 100.0:.4g}"
-    return f"{float(shown):.0f}" if 1e2 <= metres < 1e4 else shown
+    return f"{_centimetres(metres)} cm"
 
 
 def _centimetres(metres: float) -> str:
     """In cm, none in more digits than a column has.
 
-    >>> _centimetres(0.2788), _centimetres(4e-5), _centimetres(0.0), _centimetres(255.96)
-    ('27.88', '< 0.01', '0', '25600')
+    >>> _centimetres(0.2788), _centimetres(4e-5), _centimetres(0.0), _centimetres(99.996), _centimetres(255.96)
+    ('27.88', '< 0.01', '0', '10000', '25600')
     """
-    return "< 0.01" if 0.0 < metres < 1e-4 else _plain(metres)  # 2.56e+04 would touch the column before it
+    shown = f"{metres * 100.0:.4g}"
+    if 1e4 <= float(shown) < 1e6:  # 2.56e+04 would touch the column before it
+        shown = f"{float(shown):.0f}"
+    return "< 0.01" if 0.0 < metres < 1e-4 else shown
 
 
 def _now(quake: Quake) -> str:
