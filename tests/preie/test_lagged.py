@@ -50,8 +50,8 @@ def test_joints_that_dilate_have_none(bed):
 
 def test_thousands_of_blocks_rest_so(bed, monkeypatch):
     """Where Newton's method is not tried: as near to the factor as is asked, with its rounding."""
-    monkeypatch.setattr(rests, "_AT_ONCE", 0)
-    monkeypatch.setattr(rests, "_MOST_AT_ONCE", 1)
+    monkeypatch.setattr(rests, "_LAGGED", 0)
+    monkeypatch.setattr(rests, "_LAGGED_FAR", 1)
     flow, gap = rests_before(bed, LIMIT, RESTS_NEAR)
     assert flow.ended == "rest"
     assert gap == RESTS_NEAR

@@ -11,8 +11,13 @@ one of a convex program, with one symmetric factorisation. Where blocks rest z -
 grows from step to step, as their slip does.
 
 What is left of N G and of z - ẑ, in parts of the elastic energy, is the rounding of the law. Forces balance, and are
-within their strength, as in any rest.
+within their strength, as in any rest: where the rounding is small and only slivers are out of balance yet, the forces
+go to the nearest that balance, each change in parts of what it may be (Dikin 1967, Soviet Math. Dokl. 8, 674), and what
+that adds to the joints counts as rounding. Of 3,199 blocks that saves all that comes after 130 steps, more than 130.
 """
+
+import copy
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,12 +37,14 @@ from slopekit.strength.mohr_coulomb import line
 #: To begin with: the least normal force in parts of the lighter block's load, the barrier in parts of the mean energy
 #: of a pair, friction in parts of what it may be.
 _LIFTED, _BARRIER, _HALF = 0.3, 0.3, 0.5
-_MOST, _TO_BOUNDARY = 250, 0.99  # steps; part of the way to where a force or gap is nothing
+_MOST, _TO_BOUNDARY = 250, 0.9  # steps; part of the way to where a force or gap is nothing
 #: What the barrier falls to in a step, by how long the last one was; it stays above a part of what ẑ lags by.
-_FALLS, _LAGS = ((0.5, 0.25), (0.1, 0.5), (0.0, 0.8)), 0.1
+_FALLS, _LAGS = ((0.5, 0.25), (0.1, 0.5), (0.0, 0.8)), 0.15
 #: Corrections of a step at most, how long it has to be to need none, how much farther it is to go, and what that is
-#: worth; products of a force and its gap then, in parts of the barrier: the inverse is the largest.
-_CORRECTIONS, _LONG, _FARTHER, _WORTH, _LEAST_PRODUCT = 2, 0.95, 0.3, 0.03, 0.1
+#: worth; products of a force and its gap then, in parts of the barrier: the inverse is the largest. Of 3,199 blocks a
+#: factorisation takes ten times as long as a correction, and with two of them there are twice as many steps.
+_CORRECTIONS, _LONG, _FARTHER, _WORTH, _LEAST_PRODUCT = 8, 0.95, 0.3, 0.01, 0.1
+_SLIVERS, _EVERY = 0.01, 5  # part of the blocks out of balance, and steps after which their forces are tried
 _RUNS, _SURE = 10.0, 30  # what ẑ lags by grows to so many times its least, after so many steps: they do not rest
 
 
@@ -79,10 +86,16 @@ class _Law:
 
     def __init__(self, bed: Bed, parameter: float) -> None:
         self.bed, self.contacts = bed, bed.stiffness.contacts
-        self.give, self.soft = 1.0 / bed.area, 1.0 / bed.spring
+        self.give, self.soft, self.shift = 1.0 / bed.area, 1.0 / bed.spring, DIAGONAL_SHIFT
         self.friction, self.cohesion = parameter * bed.friction, parameter * bed.cohesion
         self.none = np.zeros(bed.pairs)
         _, self.load = bed.drive.at(parameter)
+
+    def rigid(self) -> "_Law":
+        """The same strengths of joints that do not give."""
+        other = copy.copy(self)
+        other.give, other.soft, other.shift = self.none, self.none, 0.0
+        return other
 
     def begun(self) -> _Point:
         """Joints that stick, their normal forces kept above nothing."""
@@ -139,9 +152,10 @@ def _run(law: _Law) -> Flow | None:
     length, least = 1.0, np.inf
     for taken in range(_MOST):
         off = _Residuals.of(law, at)
-        balanced = bool((np.abs(off.balance) < bed.unbalanced_at_most).all())
-        if balanced and off.rounding < LAGGED_ROUNDING:
-            return Flow(at.moved, _forces(law, at, off), "rest", at.moved, 0.0, off.rounding)
+        if off.rounding < LAGGED_ROUNDING:
+            rest = _balanced(law, at, off, taken % _EVERY == 0)
+            if rest is not None:
+                return rest
         least = min(least, off.lags)
         if not np.isfinite(off.left) or (taken > _SURE and off.lags > _RUNS * least):
             break
@@ -153,6 +167,27 @@ def _run(law: _Law) -> Flow | None:
             break
         at = at.taken(step, length)
     return None
+
+
+def _balanced(law: _Law, at: _Point, off: _Residuals, to_nearest: bool) -> Flow | None:
+    """The rest at a point where all blocks balance, or, `to_nearest`, all but slivers; None where they do not."""
+    bed = law.bed
+    out = np.abs(off.balance) >= bed.unbalanced_at_most
+    if out.any() and to_nearest and out.reshape(-1, bed.model.unknowns).any(axis=1).mean() < _SLIVERS:
+        none = np.zeros_like(off.normal), np.zeros_like(off.slip), np.zeros_like(off.cone)
+        alone = replace(off, normal=none[0], slip=none[1], cone=none[2])
+        try:
+            step, _ = _Equations(law.rigid(), at, alone).direction(none[0], none[2])
+        except SolverError:
+            return None
+        at = replace(at, normal=at.normal + step.normal, friction=at.friction + step.friction)
+        off = _Residuals.of(law, at)
+        out = np.abs(off.balance) >= bed.unbalanced_at_most
+        room = line(law.cohesion, law.friction, at.normal) - np.sqrt((at.friction * at.friction).sum(axis=1))
+        out |= bool(at.normal.min() <= 0.0 or room.min() <= 0.0 or off.rounding >= LAGGED_ROUNDING)
+    if out.any():
+        return None
+    return Flow(at.moved, _forces(law, at, off), "rest", at.moved, 0.0, off.rounding)
 
 
 class _Equations:
@@ -167,7 +202,7 @@ class _Equations:
             local, border,
         )  # fmt: skip
         bed.factorisations += 1
-        self.solver: Solver = bed.stiffness.factored(local, DIAGONAL_SHIFT, True)
+        self.solver: Solver = bed.stiffness.factored(local, law.shift, True)
 
     def step(self, barrier: float) -> tuple[_Point, float]:
         """Towards a barrier, with corrections of the products that would go astray (Gondzio 1996); and its length."""
@@ -185,12 +220,12 @@ class _Equations:
 
         none = np.zeros_like(at.cone)
         aim(_Point(at.moved, self.law.none, none, self.law.none, none, none), -1.0)
-        step, length = self._direction(of_normal, to_cone)
+        step, length = self.direction(of_normal, to_cone)
         for _ in range(_CORRECTIONS):
             if length > _LONG:
                 break
             aim(step, min(1.0, length + _FARTHER))
-            corrected, now = self._direction(of_normal, to_cone)
+            corrected, now = self.direction(of_normal, to_cone)
             before = length
             if now > before:
                 step, length = corrected, now
@@ -198,7 +233,8 @@ class _Equations:
                 break
         return step, length
 
-    def _direction(self, to_normal: Floats, to_cone: Floats) -> tuple[_Point, float]:
+    def direction(self, to_normal: Floats, to_cone: Floats) -> tuple[_Point, float]:
+        """The step towards given products of the normal forces (m,) and of the cones (m, 3), and its length."""
         at, off, kernels, contacts = self.at, self.off, compiled(), self.law.contacts
         normal, friction, gap = np.empty_like(at.normal), np.empty_like(at.friction), np.empty_like(at.gap)
         cone, slip, forces = np.empty_like(at.cone), np.empty_like(at.slip), off.balance.copy()
@@ -213,12 +249,13 @@ class _Equations:
 
 
 def _forces(law: _Law, at: _Point, off: _Residuals) -> BedForces:
-    """The forces of a point that is at rest."""
+    """The forces of a point that is at rest; pairs touch where they are pressed more than they are open."""
     bed = law.bed
+    touching = law.give * at.normal > at.gap
     size = np.sqrt((at.friction * at.friction).sum(axis=1))
     slips = at.slip[:, 0] > law.soft * size  # more than it gives
     return BedForces(
-        at.normal, at.friction, line(bed.cohesion, bed.friction, at.normal), at.normal > law.none, slips,
+        at.normal, at.friction, line(bed.cohesion, bed.friction, at.normal), touching, slips,
         -at.friction / np.maximum(size, TINY)[:, None], law.soft * size + at.slip[:, 0], off.balance,
         max(bed.load_size, float(at.normal.max())), SPRING_ROUNDING * float(at.normal.max()),
     )  # fmt: skip

@@ -20,9 +20,10 @@ _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: 
 #: From one gap to the next in parts of it: in one leap, with cohesion, where that fails as a rule and takes twice as
 #: long, in shorter ones; and where they come to rest at none so near.
 _LEAP, _LEAP_WITH_BONDS, _CLOSER = 0.01, 0.1, 0.5
-#: Unknowns from which, and up to which, the last rest is looked for at once: of 1,987 blocks that takes half as long as
-#: the first rest and a leap from it, of 939 hardly less. Of 7,251 no sharp rest is found: there it is a lagged one.
-_AT_ONCE, _MOST_AT_ONCE = 6000, 24000
+#: Unknowns from which the last rest is looked for at once, and up to which: of 1,500 blocks that takes half as long as
+#: the first rest and a leap from it, of 939 hardly less. Of more a lagged one is found sooner (of 1,987 in a third of the
+#: time, of 3,199 in a sixth), up to some number just before the factor, of 7,251 in minutes only farther from it.
+_AT_ONCE, _LAGGED, _LAGGED_FAR = 6000, 10000, 30000
 _OF_AT_ONCE = 0.4  # of the work that is left, for that
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
@@ -62,15 +63,16 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     """The last rest each time, and how near to the factor it is; at the end what `rests_before` returns."""
     gap, space = _FIRST, bed.tangents > 1
     strong = 1.0 / (factor * (1.0 - gap))
-    last = _last_at_once(bed, factor) if space and _AT_ONCE < bed.size < _MOST_AT_ONCE else None
+    if space and bed.size > _LAGGED:
+        for trial in (JUST, near) if bed.size <= _LAGGED_FAR else (near,):
+            lagged = lagged_rest(bed, 1.0 / (factor * (1.0 - trial)))
+            if lagged is not None:
+                yield lagged, trial
+                return
+    last = _last_at_once(bed, factor) if space and _AT_ONCE < bed.size <= _LAGGED_FAR else None
     if last is not None:
         yield last, JUST
         return
-    if space and bed.size >= _MOST_AT_ONCE:  # Newton's method finds none of so many
-        nearly = lagged_rest(bed, 1.0 / (factor * (1.0 - near)))
-        if nearly is not None:
-            yield nearly, near
-            return
     at_once = rest_from(bed, bed.elastic_displacement, strong) if space else None
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`

@@ -9,6 +9,7 @@ from slopekit.geometry.patches import Assembly
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import open_all_over
 from slopekit.preie.elastic_path.flow import Flow
+from slopekit.preie.elastic_path.lagged import lagged_rest
 from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
 from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rests_before
@@ -253,10 +254,11 @@ class Groups:
 def _without_open(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
     """From a rest of all blocks to one without the bonds of contacts that are open all over, if that is found."""
     while (left := open_all_over(bed, flow)) is not None:
-        after = rest_from(bed.with_bonds(left), flow.at, parameter)
+        weaker = bed.with_bonds(left)
+        after = lagged_rest(weaker, parameter) if flow.rounding else rest_from(weaker, flow.at, parameter)
         if after is None:
             break
-        bed, flow = bed.with_bonds(left), after
+        bed, flow = weaker, after
     return bed, flow
 
 
