@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from slopekit.preie.elastic_path import rests
 from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.elastic_path.lagged import lagged_rest
 from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.rests import rests_before
@@ -25,20 +27,44 @@ def bed() -> Bed:
     return Bed(model, Drive(model.load.ravel()))
 
 
-def test_it_is_near_a_sharp_rest(bed):
-    """Forces that balance every block within strength, and the work of the rest that Newton's method finds."""
-    factor = 0.95 * LIMIT
-    rest = lagged_rest(bed, 1.0 / factor)
-    sharp = rest_from(bed, bed.elastic_displacement, 1.0 / factor)
+@pytest.fixture(scope="module")
+def both(bed) -> tuple[Flow, Flow]:
+    """A rounded rest and a sharp one at the same strength."""
+    parameter = 1.0 / (0.95 * LIMIT)
+    rest, sharp = lagged_rest(bed, parameter), rest_from(bed, bed.elastic_displacement, parameter)
     assert rest is not None
     assert sharp is not None
+    return rest, sharp
+
+
+def test_it_is_near_a_sharp_rest(bed, both):
+    """Forces that balance every block within strength, and the work of the rest that Newton's method finds."""
+    factor, (rest, sharp) = 0.95 * LIMIT, both
     assert 0.0 < rest.rounding < LAGGED_ROUNDING
     admissible(bed.model, factor, rest.forces.normal, rest.forces.friction, rest.forces.strength)
     work, of_sharp = (float(bed.drive.load @ one.at) for one in (rest, sharp))
     assert work == pytest.approx(of_sharp, rel=LAGGED_ROUNDING)
 
 
-@pytest.mark.parametrize(("part", "rests_there"), [(0.998, True), (1.002, False), (1.02, False)])
+def test_slivers_do_not_hold_up_all_others(bed):
+    """Their forces go to the nearest that balance: it took 238 steps until they did by themselves."""
+    begun = bed.factorisations
+    rest = lagged_rest(bed, 1.0 / (0.99 * LIMIT))
+    assert rest is not None
+    assert bed.factorisations - begun < 60
+    admissible(bed.model, 0.99 * LIMIT, rest.forces.normal, rest.forces.friction, rest.forces.strength)
+
+
+def test_contacts_that_lie_open_are_those_of_a_sharp_rest(bed, both):
+    """Every force of a rounded rest is above nothing: a bond of an open contact would count."""
+    contact = bed.model.pair_contact
+    lies_open = [np.bincount(contact, one.forces.touching, bed.contacts) == 0 for one in both]
+    area = np.bincount(contact, bed.area, bed.contacts)
+    assert lies_open[1].sum() > 100
+    assert area[lies_open[0] != lies_open[1]].sum() < 0.05 * area[lies_open[1]].sum()
+
+
+@pytest.mark.parametrize(("part", "rests_there"), [(0.998, True), (1.0005, False), (1.02, False)])
 def test_beyond_a_limit_there_is_none(bed, part, rests_there):
     assert (lagged_rest(bed, 1.0 / (part * LIMIT)) is not None) == rests_there
 

@@ -187,8 +187,8 @@ SHARP_FAR_DOWN = 1e-5
 #: Rounding up to which the path is that of sharp joints: histories agree.
 SURE_ROUNDING = 1e-4
 
-#: Rounding of the joints of thousands of blocks at rest, in parts of their elastic energy: 0.2 % beyond the limits of
-#: three benches it is five times that at least, and grows.
+#: Rounding of the joints of thousands of blocks at rest, in parts of their elastic energy: 0.05 % beyond the limits of
+#: three benches it is twice that, five times of more blocks, and grows.
 LAGGED_ROUNDING = 5e-3
 
 #: Range of the factor over the last passes, in parts of it, where the normal forces do not settle.

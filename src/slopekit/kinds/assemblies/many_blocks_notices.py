@@ -64,8 +64,9 @@ def notices_of(
         yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
     if limit.rounding and first.fos:
-        yield Notice("W502", "no rest of so many blocks was found with the sharp law of their joints: at the factor "
-                     "all forces balance within strength, and what joints give, open and slip fits them but for "
+        where = "at" if limit.basis is Basis.PEAK else "just before"
+        yield Notice("W502", f"all blocks rest {where} the factor but for a rounding of the law of their joints: "
+                     "forces balance within strength, and what joints give, open and slip fits them but for "
                      f"{limit.rounding * 100.0:.1g} % of the elastic energy")  # fmt: skip
     if limit.loads_last and first.fos:
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "

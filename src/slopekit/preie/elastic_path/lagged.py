@@ -13,7 +13,7 @@ grows from step to step, as their slip does.
 What is left of N G and of z - ẑ, in parts of the elastic energy, is the rounding of the law. Forces balance, and are
 within their strength, as in any rest: where the rounding is small and only slivers are out of balance yet, the forces
 go to the nearest that balance, each change in parts of what it may be (Dikin 1967, Soviet Math. Dokl. 8, 674), and what
-that adds to the joints counts as rounding. Of 3,199 blocks that saves all that comes after 130 steps, more than 130.
+that adds to the joints counts as rounding. Of 3,199 blocks two slivers are out of balance after twice as many steps.
 """
 
 import copy

@@ -21,8 +21,8 @@ _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: 
 #: long, in shorter ones; and where they come to rest at none so near.
 _LEAP, _LEAP_WITH_BONDS, _CLOSER = 0.01, 0.1, 0.5
 #: Unknowns from which the last rest is looked for at once, and up to which: of 1,500 blocks that takes half as long as
-#: the first rest and a leap from it, of 939 hardly less. Of more a lagged one is found sooner (of 1,987 in a third of the
-#: time, of 3,199 in a sixth), up to some number just before the factor, of 7,251 in minutes only farther from it.
+#: the first rest and a leap from it, of 939 hardly less. Of more a lagged one is found sooner (of 1,987 in a third of
+#: the time, of 3,199 in a sixth), up to some number just before the factor, of 7,251 in minutes only farther from it.
 _AT_ONCE, _LAGGED, _LAGGED_FAR = 6000, 10000, 30000
 _OF_AT_ONCE = 0.4  # of the work that is left, for that
 _FAR = 5.0  # times the work: another rest is far away
