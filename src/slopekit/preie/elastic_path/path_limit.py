@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 from scipy.linalg import lapack
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces
 from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, STEADY, TINY
@@ -46,6 +46,7 @@ class PathLimit:
     factorisations : work done
     reached : of a last state at rest, the parameter that another way there came to
     rounding : what the law of the joints is rounded by in that state, in parts of their elastic energy
+    touching : (m,) there, where it is rounded; else what presses touches
     """
 
     outcome: PathOutcome
@@ -64,6 +65,7 @@ class PathLimit:
     width: float = 0.0
     reached: float | None = None
     rounding: float = 0.0
+    touching: Bools | None = None
 
     @property
     def found(self) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from slopekit.core.arrays import Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.elastic_path.lagged import lagged_rest
@@ -29,6 +30,20 @@ _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _OF_LEFT = 0.7  # of the work that is left
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
+
+
+def rest_at(bed: Bed, at: Floats, parameter: float) -> Flow | None:
+    """All blocks at rest at one strength, from a displacement (N,); of thousands, from joints that stick, a lagged one.
+
+    None where they are not.
+    """
+    rest = lagged_rest(bed, parameter) if _is_large(bed) else None
+    return rest if rest is not None or bed.size > _LAGGED_FAR else rest_from(bed, at, parameter)
+
+
+def _is_large(bed: Bed) -> bool:
+    """Whether a lagged rest is looked for first: with bonds only where there is no other, it rounds what lies open."""
+    return bed.tangents > 1 and bed.size > (_LAGGED_FAR if bed.has_bonds else _LAGGED)
 
 
 def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:
@@ -63,7 +78,7 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     """The last rest each time, and how near to the factor it is; at the end what `rests_before` returns."""
     gap, space = _FIRST, bed.tangents > 1
     strong = 1.0 / (factor * (1.0 - gap))
-    if space and bed.size > _LAGGED:
+    if _is_large(bed):
         for trial in (JUST, near) if bed.size <= _LAGGED_FAR else (near,):
             lagged = lagged_rest(bed, 1.0 / (factor * (1.0 - trial)))
             if lagged is not None:

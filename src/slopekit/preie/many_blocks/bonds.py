@@ -113,7 +113,8 @@ class _Rounds:
             if not np.array_equal(last.motion, ended.limit.motion):
                 return last
         if last.group:
-            touches = np.bincount(self.model.pair_contact, last.normal > 0.0, len(self.bonded)) > 0
+            pressed = last.normal > 0.0 if last.touching is None else last.touching
+            touches = np.bincount(self.model.pair_contact, pressed, len(self.bonded)) > 0
             counts = self.bonded & ~self._lost(last) & ~self.opens
             ended = replace(ended, counted=int((counts & ~touches).sum()))
         if not self.opens.any() or last.parameter is None:

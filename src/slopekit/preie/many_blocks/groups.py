@@ -9,10 +9,8 @@ from slopekit.geometry.patches import Assembly
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import open_all_over
 from slopekit.preie.elastic_path.flow import Flow
-from slopekit.preie.elastic_path.lagged import lagged_rest
-from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
-from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rests_before
+from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rest_at, rests_before
 from slopekit.preie.many_blocks.blocks import first_limit, unit_bound
 from slopekit.preie.many_blocks.blocks_limit import Span
 from slopekit.preie.many_blocks.key_blocks import slide_alone
@@ -25,7 +23,7 @@ from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
 
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
 _LONG = 100  # blocks of which the path takes seconds
-_OF_GROUP = 0.3  # of the work that is left, for the limit of a group
+_OF_GROUP = 0.6  # of the work that is left, for the limit of a group
 
 Solution = tuple[AssemblyModel, PathLimit, Floats]
 """The model of a group, its limit, and the bonds (m,) of all that are left there."""
@@ -146,7 +144,7 @@ class Groups:
         model, unit = self.model, small.force_scale / small.area_scale
         moved = limit.displacement * unit * model.area_scale / model.force_scale
         at = self._moved(small, moved, bed.elastic_displacement)
-        return rest_from(bed, at, limit.parameter)
+        return rest_at(bed, at, limit.parameter)
 
     def _moved(self, small: AssemblyModel, motion: Floats, others: Floats) -> Floats:
         """A motion of the blocks of a group and that of all others (N,)."""
@@ -242,7 +240,7 @@ class Groups:
                     limit, outcome=settled, width=width, group=len(group), displacement=at,
                     normal=forces.normal, friction=forces.friction,
                     residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work,
-                    rounding=flow.rounding,
+                    rounding=flow.rounding, touching=flow.forces.touching if flow.rounding else None,
                 )  # fmt: skip
             if flow.ended == "lost":
                 return None
@@ -255,7 +253,7 @@ def _without_open(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
     """From a rest of all blocks to one without the bonds of contacts that are open all over, if that is found."""
     while (left := open_all_over(bed, flow)) is not None:
         weaker = bed.with_bonds(left)
-        after = lagged_rest(weaker, parameter) if flow.rounding else rest_from(weaker, flow.at, parameter)
+        after = rest_at(weaker, flow.at, parameter)
         if after is None:
             break
         bed, flow = weaker, after
