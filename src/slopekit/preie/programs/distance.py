@@ -20,6 +20,7 @@ from slopekit.core.records import dataclass
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.solvers.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
+    BOUND_ACCURACY,
     CLOSE,
     FARTHEST,
     LEAST_REDUCTION,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS = 60  # of λ
+_LONGEST_STRIDE = 10.0  # of λ: where one is known roughly, less to begin with
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +151,8 @@ class Distance:
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
     """The static bound by Newton on the distance at one λ, bracketed; None where that does not close.
 
-    Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there.
+    Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there. What is known
+    from rough programs says where to begin, and no more: where blocks jam it may be off by a few percent.
 
     Parameters
     ----------
@@ -157,6 +160,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     """
     program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
     reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
+    stride, proved = _LONGEST_STRIDE, 0.0
     best: DistanceAt | None = None
     motion = np.zeros(model.load.size)
 
@@ -168,28 +172,32 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         steps += 1
         far = program.at(reduction, tolerance)
         newton = far.slope < 0.0 and _LEFT * _SPARE < far.distance < math.inf
-        trial = reduction - far.distance / far.slope if newton else 10.0 * reduction
-        if tolerance > SOLVED and newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE:
-            reduction, tolerance, low, high = trial, SOLVED, 0.0, math.inf  # rough distances may have the wrong sign
-            continue
+        trial = reduction - far.distance / far.slope if newton else math.inf
+        near_enough = newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE
         if far.distance > 0.0:  # also where the program gave up: it did not find any
-            low, motion = reduction, far.motion
+            low = reduction
         else:
             high, best = reduction, far
-        if tolerance > SOLVED and high < low * (1.0 + ROUGHLY_CLOSE):  # its ends are as rough as the programs were
-            low, high, tolerance = low / (1.0 + ROUGHLY_CLOSE), high * (1.0 + ROUGHLY_CLOSE), SOLVED
-            reduction = math.sqrt(low * high)
+        if 0.0 < far.distance < math.inf:
+            proved, motion = reduction, far.motion
+        if tolerance > SOLVED and (near_enough or high < low * (1.0 + ROUGHLY_CLOSE)):
+            reduction = trial if near_enough else math.sqrt(low * high)
+            tolerance, stride, low, high = SOLVED, 1.0 + ROUGHLY_CLOSE, 0.0, math.inf
             continue
         if newton and abs(trial / reduction - 1.0) < NEAR:
             best, motion = far, far.motion
             return bound(trial)
         if high < low * (1.0 + CLOSE):
-            return bound(high)
+            return bound(high) if proved > (1.0 - BOUND_ACCURACY) * high else None
         if reduction < LEAST_REDUCTION:
             return bound(None, locked=True)
         if low > FARTHEST:
             break
-        if not low < trial < high:
-            trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high
+        if not max(low, reduction / stride) < trial < min(high, reduction * stride):
+            if 0.0 < low and high < math.inf:
+                trial = math.sqrt(low * high)
+            else:
+                trial = low * stride if low > 0.0 else high / stride
+                stride = min(stride * stride, _LONGEST_STRIDE)
         reduction = trial
     return None
