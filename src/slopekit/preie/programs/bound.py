@@ -10,6 +10,7 @@ Both sides are used: a mechanism proposes λ, and forces that balance the loads 
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +18,10 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL, ROUNDING
+from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL, ROUNDING
+
+if TYPE_CHECKING:
+    from slopekit.preie.system.assembly import AssemblyModel
 
 _MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
@@ -42,6 +46,28 @@ class StaticBound:
     velocity: Floats
     normal_force: Floats
     steps: int
+
+
+def is_proved(model: "AssemblyModel", bound: StaticBound) -> bool:
+    """Whether the motion of a bound is one of joints that dilate: then no forces balance the loads beyond it.
+
+    To `BOUND_ACCURACY` of what slip opens of the fastest motion, and of friction in parts of the load of a contact's
+    lighter block. Where blocks are locked, or jam just above another bound, an interior-point method may end anywhere
+    below, its forces as large as it bears: no motion is found there.
+    """
+    assert bound.factor is not None
+    reduction, joints = 1.0 / bound.factor, model.joint_pairs
+    opening, slip = model.opening_and_slip(bound.velocity.ravel())
+    size = np.sqrt((slip * slip).sum(axis=1))
+    fastest = max(float(np.abs(opening[joints]).max(initial=0.0)), float(size.max(initial=0.0)))
+    over = opening - (reduction * model.tan_friction * size)[model.group_of_pair]
+    cohesion = model.by_group(model.cohesion)
+    cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt pulls
+    work = float((model.load.ravel() + reduction * model.mean_pulls) @ bound.velocity.ravel())
+    own = np.sqrt((model.load * model.load).sum(axis=1))
+    lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))[model.group_contact]
+    least = reduction * float((cohesion - BOUND_ACCURACY * lighter) @ size)
+    return work >= least and float(over[joints].min(initial=0.0)) >= -BOUND_ACCURACY * reduction * fastest
 
 
 def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:
