@@ -227,7 +227,7 @@ def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps:
     normal = np.maximum(path_end.normal, 0.0)  # a limit state may pull by what it is admissible to
     top = bound.factor
     if path_end.outcome is PathOutcome.STANDS:
-        outcome = Outcome.NO_DRIVING_FORCE
+        outcome = Outcome.NO_DRIVING_FORCE if top is None else Outcome.NOT_CONVERGED  # what stands has none
     elif path_end.outcome is PathOutcome.NO_REST or factor is None:
         outcome = Outcome.NO_REST if path_end.outcome is PathOutcome.NO_REST else Outcome.NOT_CONVERGED
     else:

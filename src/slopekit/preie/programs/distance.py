@@ -17,7 +17,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.programs.bound import StaticBound
+from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.solvers.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
@@ -149,7 +149,7 @@ class Distance:
 
 
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
-    """The static bound by Newton on the distance at one λ, bracketed; None where that does not close.
+    """The static bound by Newton on the distance at one λ, bracketed; None where that does not close, or proves nothing.
 
     Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there. What is known
     from rough programs says where to begin, and no more: where blocks jam it may be off by a few percent.
@@ -184,9 +184,11 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             reduction = trial if near_enough else math.sqrt(low * high)
             tolerance, stride, low, high = SOLVED, 1.0 + ROUGHLY_CLOSE, 0.0, math.inf
             continue
-        if newton and abs(trial / reduction - 1.0) < NEAR:
+        # a step of the distance where blocks jam is no root, nor is what is left of it as λ goes to nothing
+        if newton and abs(trial / reduction - 1.0) < NEAR and abs(far.distance) < ROUGHLY_SOLVED:
             best, motion = far, far.motion
-            return bound(trial)
+            found = bound(trial)
+            return found if is_proved(model, found) else None
         if high < low * (1.0 + CLOSE):
             return bound(high) if proved > (1.0 - BOUND_ACCURACY) * high else None
         if reduction < LEAST_REDUCTION:
