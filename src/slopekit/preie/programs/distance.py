@@ -39,6 +39,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS = 60  # of λ
+_ROUNDED = 1e-3  # λ below which distances are rounding: blocks are locked unless a motion proves their bound
 _LONGEST_STRIDE = 10.0  # of λ: where one is known roughly, less to begin with
 
 
@@ -149,7 +150,7 @@ class Distance:
 
 
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
-    """The static bound by Newton on the distance at one λ, bracketed; None where that does not close, or proves nothing.
+    """The static bound by Newton on the distance at one λ, bracketed; None where that does not close or is not proved.
 
     Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there. What is known
     from rough programs says where to begin, and no more: where blocks jam it may be off by a few percent.
@@ -167,6 +168,13 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     def bound(at: float | None, locked: bool = False) -> StaticBound:
         normal = np.zeros(len(model.control_area)) if best is None else best.normal_force
         return StaticBound(None if at is None else 1.0 / at, False, locked, motion, normal, steps)
+
+    def ended(at: float, sure: bool) -> StaticBound | None:
+        """The bound at a λ if that is sure, or its motion proves it."""
+        found = bound(at)
+        if sure or is_proved(model, found):
+            return found
+        return bound(None, locked=True) if at < _ROUNDED else None
 
     for _ in range(_MOST_TRIALS):
         steps += 1
@@ -187,16 +195,15 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         # a step of the distance where blocks jam is no root, nor is what is left of it as λ goes to nothing
         if newton and abs(trial / reduction - 1.0) < NEAR and abs(far.distance) < ROUGHLY_SOLVED:
             best, motion = far, far.motion
-            found = bound(trial)
-            return found if is_proved(model, found) else None
+            return ended(trial, False)
         if high < low * (1.0 + CLOSE):
-            return bound(high) if proved > (1.0 - BOUND_ACCURACY) * high else None
+            return ended(high, high > _ROUNDED and proved > (1.0 - BOUND_ACCURACY) * high)
         if reduction < LEAST_REDUCTION:
             return bound(None, locked=True)
         if low > FARTHEST:
             break
         if not max(low, reduction / stride) < trial < min(high, reduction * stride):
-            if 0.0 < low and high < math.inf:
+            if low > 0.0 and high < math.inf:
                 trial = math.sqrt(low * high)
             else:
                 trial = low * stride if low > 0.0 else high / stride
