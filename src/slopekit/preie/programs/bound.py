@@ -51,23 +51,27 @@ class StaticBound:
 def is_proved(model: "AssemblyModel", bound: StaticBound) -> bool:
     """Whether the motion of a bound is one of joints that dilate: then no forces balance the loads beyond it.
 
-    To `BOUND_ACCURACY` of what slip opens of the fastest motion, and of friction in parts of the load of a contact's
-    lighter block. Where blocks are locked, or jam just above another bound, an interior-point method may end anywhere
-    below, its forces as large as it bears: no motion is found there.
+    What contacts close by beyond that is nothing of what slip opens, or nothing by the work that the forces of the
+    bound, or the loads of the blocks, do on it; the loads work as much as cohesion does. Both to `BOUND_ACCURACY`, of
+    work in parts of what friction does with the load of each contact's lighter block. Where blocks are locked, or jam
+    just above another bound, an interior-point method may end anywhere below, its forces as large as it bears: its
+    motion proves nothing there.
     """
     assert bound.factor is not None
-    reduction, joints = 1.0 / bound.factor, model.joint_pairs
-    opening, slip = model.opening_and_slip(bound.velocity.ravel())
+    reduction, joints, velocity = 1.0 / bound.factor, model.joint_pairs, bound.velocity.ravel()
+    opening, slip = model.opening_and_slip(velocity)
     size = np.sqrt((slip * slip).sum(axis=1))
     fastest = max(float(np.abs(opening[joints]).max(initial=0.0)), float(size.max(initial=0.0)))
-    over = opening - (reduction * model.tan_friction * size)[model.group_of_pair]
+    closes = np.maximum((reduction * model.tan_friction * size)[model.group_of_pair] - opening, 0.0)[joints]
+    own = np.sqrt((model.load * model.load).sum(axis=1))
+    lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
+    nothing = BOUND_ACCURACY * reduction * float(lighter[model.group_contact] @ size)
+    lost = float(np.maximum(bound.normal_force, lighter[model.pair_contact])[joints] @ closes)
     cohesion = model.by_group(model.cohesion)
     cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt pulls
-    work = float((model.load.ravel() + reduction * model.mean_pulls) @ bound.velocity.ravel())
-    own = np.sqrt((model.load * model.load).sum(axis=1))
-    lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))[model.group_contact]
-    least = reduction * float((cohesion - BOUND_ACCURACY * lighter) @ size)
-    return work >= least and float(over[joints].min(initial=0.0)) >= -BOUND_ACCURACY * reduction * fastest
+    work = float((model.load.ravel() + reduction * model.mean_pulls) @ velocity) - reduction * float(cohesion @ size)
+    opens = lost <= nothing or float(closes.max(initial=0.0)) <= BOUND_ACCURACY * reduction * fastest
+    return opens and work >= -nothing
 
 
 def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:

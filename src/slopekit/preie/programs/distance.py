@@ -170,7 +170,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         return StaticBound(None if at is None else 1.0 / at, False, locked, motion, normal, steps)
 
     def ended(at: float, sure: bool) -> StaticBound | None:
-        """The bound at a λ if that is sure, or its motion proves it."""
+        """The bound at a λ if that is sure or its motion proves it; below `_ROUNDED` blocks are locked otherwise."""
         found = bound(at)
         if sure or is_proved(model, found):
             return found
