@@ -81,9 +81,13 @@ def notices_of(
     elif limit.outcome is Outcome.NOT_CONVERGED:
         yield _given_up(limit)
     bound = ravelling.static_bound
-    if first.fos and bound is None:
-        yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
-                     "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
+    if first.fos and bound is None and ravelling.locked:
+        yield Notice("W309", "there is no static bound: with joints free to dilate the blocks would be locked at any "
+                     "friction, and methods that take normality (limit analysis by linear or cone programs) find no "
+                     "failure; the limit is held against no upper bound")  # fmt: skip
+    elif first.fos and bound is None:
+        yield Notice("W309", "no static bound was found: its search gave up, or the blocks are too many for it; the "
+                     "limit is held against no upper bound")  # fmt: skip
     if first.fos and bound and bound > _FAR_ABOVE * first.fos:
         times = many_times(bound / first.fos)
         more = f"{times} as much" if times else f"{(bound / first.fos - 1.0) * 100.0:.0f} % more"

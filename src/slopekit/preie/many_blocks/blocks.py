@@ -252,7 +252,7 @@ def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps:
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
         None if highest is None else factor, highest, loads.carried, loads.last, steps, bound.steps, path_end.group,
-        path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun,
+        path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun, locked=bound.locked,
     )  # fmt: skip
 
 
