@@ -157,7 +157,7 @@ def mechanism_range(
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
     """
     say("range of the mechanism")
-    away = Distance(model, _cleaned(model, velocity, forces, factor), bond)
+    away = Distance(model, _cleaned(model, velocity, forces, factor), bond, 1.0 / factor)
     if away.at(1.0 / factor).distance > FEASIBLE:
         return None
     ends = []

@@ -59,10 +59,14 @@ class Distance:
     Parameters
     ----------
     velocity : (N,) of the mechanism; bond : (m,) 0 where a pair has lost its cohesion
+    reduction : λ at which it moves: there no joint dilates by more than λ tan φ, and one that slip opens by more is
+        open, at any other λ as well
     least : s_least; below zero there is so much to spare
     """
 
-    def __init__(self, model: "AssemblyModel", velocity: Floats, bond: Floats, least: float = 0.0) -> None:
+    def __init__(
+        self, model: "AssemblyModel", velocity: Floats, bond: Floats, reduction: float, least: float = 0.0
+    ) -> None:
         import clarabel
         from scipy import sparse
 
@@ -70,7 +74,8 @@ class Distance:
         size = np.sqrt((slip * slip).sum(axis=1))
         fastest = max(float(np.abs(opening).max()), float(size.max()), TINY)
         pairs, groups, tangents = len(opening), *slip.shape
-        opens = opening - (model.tan_dilation * size)[model.group_of_pair] > NO_MOTION * fastest
+        dilation = np.minimum(model.tan_dilation, reduction * model.tan_friction)
+        opens = opening - (dilation * size)[model.group_of_pair] > NO_MOTION * fastest
         opens[model.joint_pairs.stop :] = True
         slips = size > NO_MOTION * fastest
         direction = np.where(slips[:, None], slip / np.maximum(size, TINY)[:, None], 0.0)
@@ -159,7 +164,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     ----------
     start : λ to begin with; steps : work done before
     """
-    program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
+    program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), start, _SPARE)
     reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
     stride, proved = _LONGEST_STRIDE, 0.0
     best: DistanceAt | None = None
