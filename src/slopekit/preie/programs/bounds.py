@@ -70,18 +70,13 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     if at_once.settled and at_once.unbalanced < BOUND_ACCURACY:
         locked = at.load_factor < LEAST_REDUCTION
         known = StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
-        if locked:
+        if locked or not few or (model.unknowns == 3 and is_proved(model, known)):
             return known
-        sure = is_proved(model, known)
-        if sure and (model.unknowns == 3 or not few):
-            return known
-        # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
-        exact = bound_by_programs(model, at.load_factor, steps) if few else None
-        if exact is not None and (exact.locked or (exact.factor or 0.0) > (1.0 - BOUND_ACCURACY) / at.load_factor):
-            return exact
-        if sure:
-            return known
-        asked = True
+        # where blocks jam it settles a little low, or anywhere where they are locked; each bound has forces that prove
+        # it, so the higher holds
+        exact = bound_by_programs(model, at.load_factor, steps)
+        higher = exact is not None and (exact.locked or (exact.factor or 0.0) > (1.0 - BOUND_ACCURACY) / at.load_factor)
+        return exact if exact is not None and higher else known
     # programs that did not close would end as they did
     exact_bound = bound_by_programs(model, steps=steps) if few and not asked else None
     if exact_bound is not None:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS = 60  # of λ
-_ROUNDED = 1e-3  # λ below which distances are rounding: blocks are locked unless a motion proves their bound
+_ROUNDED = 1e-4  # λ below which distances are rounding: blocks are locked unless a motion proves their bound
 _LONGEST_STRIDE = 10.0  # of λ: where one is known roughly, less to begin with
 
 
