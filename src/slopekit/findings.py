@@ -63,7 +63,8 @@ class Mechanism:
 
     Attributes
     ----------
-    status : as of a result; fos, static_bound : None where there is none
+    status : as of a result; fos, static_bound : None where there is none; the bound is that of the component which
+        fails, and the least of several that fail together: of all blocks it may be lower (`fos.static_bound`)
     change : relative change of the factor in the last passes; 0 where Newton settled it
     blocks : those that move, the fastest first; interfaces : those that govern, the largest share first
     pairs_by_mode : node pairs that stick, slip and are open

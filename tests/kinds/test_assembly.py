@@ -17,6 +17,7 @@ from slopekit.kinds import cut, kind_of
 from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.result import Result
+from tests.preie import path_oracle
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -339,6 +340,33 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
     assert "come to rest at 0.9993 of it" in held
     assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
+
+
+@pytest.mark.parametrize("number", [27, 107])
+def test_the_static_bound_is_that_of_all_blocks(number) -> None:
+    """Those that fail first may have a higher one than others that do not touch them: by a program of all blocks."""
+    design = populations.bench(number)
+    result = sk.run(design)
+    assert result.fos.static_bound == pytest.approx(path_oracle.static_bound(path_oracle.model_of(design)), rel=1e-5)
+    assert result.findings.mechanisms[0].static_bound > 1.01 * result.fos.static_bound
+    assert result.fos.limit <= result.fos.static_bound
+
+
+def test_the_bound_of_blocks_that_fail_together_is_the_least() -> None:
+    """One of two components is locked in a slot at any friction, the other is not."""
+    result = sk.run(populations.bench(34))
+    first = result.findings.mechanisms[0]
+    assert first.static_bound == result.fos.static_bound == pytest.approx(14.026, rel=1e-4)
+    assert "W309" not in codes(result)
+
+
+def test_blocks_locked_by_dilation_are_held_against_no_bound() -> None:
+    result = sk.run(populations.bench(54))
+    assert result.fos.limit is not None
+    assert result.fos.static_bound is None
+    said = {notice.code: notice.message for notice in result.warnings}
+    assert "locked at any friction" in said["W309"]
+    assert "W341" not in said
 
 
 def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:

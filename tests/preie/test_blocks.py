@@ -12,6 +12,8 @@ from scipy.optimize import linprog
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.path import follow
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
+from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.one_block.passes import Outcome
@@ -117,6 +119,20 @@ def test_nothing_drives_blocks_on_level_ground(scene) -> None:
     found = limit_of_blocks(scene.model(30.0))
     assert found.outcome is Outcome.NO_DRIVING_FORCE
     assert found.factor is None
+
+
+def test_what_has_a_static_bound_does_not_stand_at_any_strength(monkeypatch) -> None:
+    """A path that says so of a block on an incline has lost its way: a motion proves the bound."""
+
+    def stands(bed: Bed, start: float, *_: object) -> PathLimit:
+        none = np.zeros(bed.size)
+        return result_of(bed, PathOutcome.STANDS, None, None, none, none, bed.forces(none, start))
+
+    monkeypatch.setattr(blocks, "follow", stands)
+    found = limit_of_blocks(stack(1, 20.0, 6.0).model(35.0))
+    assert found.outcome is Outcome.NOT_CONVERGED
+    assert found.factor is None
+    assert found.static_bound is not None
 
 
 @pytest.mark.parametrize("scene", [stack(1, width=5.0), wall(2, 2), wall(4, 4)])

@@ -25,6 +25,7 @@ from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.system.assembly import AssemblyModel
+from tests.preie import path_oracle
 from tests.preie.block_scenes import boxes_in_space, section_patches, weighed
 from tests.preie.path_oracle import breaking, model_of
 
@@ -503,6 +504,27 @@ def test_finer_node_pairs_change_nothing_where_nothing_has_settled() -> None:
     assert runs < 1.0035 * rests
     assert 0.8 * rests < found.fos.limit < rests
     assert "W317" in [notice.code for notice in found.warnings]
+
+
+@pytest.mark.parametrize(("runs_at", "factor"), [(30.0, 1.9153), (100.0, 2.7868), (1e4, 2.8028)])
+def test_a_history_that_snaps_has_not_run(runs_at, factor, monkeypatch) -> None:
+    """Bench 80 with 5 kPa, a wedge that slips by hundreds of its elastic movements before it goes, without a lost bond.
+
+    By 30 times the elastic work in one step the history runs at 1.915, far below the peak of the path. It has snapped:
+    left to flow on it rests again, and goes on to where the path goes. So it is of what counts as running.
+    """
+    design = populations.bench(80)
+    design["strength"]["joint"]["c"] = 5.0
+    model = model_of(design)
+    found = limit_of_blocks(model, ranged=False)
+    assert found.basis is Basis.PEAK
+    assert found.factor == pytest.approx(2.7358, rel=1e-4)
+    monkeypatch.setattr(path_oracle, "_RUNS", runs_at)
+    rests, runs, left = breaking(model, 30.0)
+    assert runs == pytest.approx(factor, rel=1e-4)
+    assert runs < 1.003 * rests
+    assert (left == model.cohesion).all()
+    assert (rests > found.factor) is (runs_at > 30.0)
 
 
 @cache

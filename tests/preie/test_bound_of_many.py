@@ -6,15 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks import populations
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
 from slopekit.preie.programs import bound_of_many, bounds
+from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.programs.distance import bound_by_programs
 from slopekit.preie.programs.program import ProgramResult
 from slopekit.preie.system.assembly import AssemblyModel
-from tests.preie import assembly_oracle
+from tests.preie import assembly_oracle, path_oracle
 from tests.preie.block_scenes import bench, boxes_in_space, downhill, random_bench
 
 BENCH = bench((("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0)))  # 16 blocks, loads from 1 to 4,000
@@ -88,6 +90,55 @@ def test_the_motion_proves_it() -> None:
     assert float(model.load.ravel() @ found.velocity) > -1e-5 * fastest
     higher = opening - 1.001 * model.tan_friction * size / (found.factor or 0.0)
     assert float(higher.min()) < -1e-4 * fastest
+
+
+@pytest.mark.parametrize(("times", "proved"), [(0.99, False), (1.0, True), (1.01, True)])
+def test_what_a_motion_proves(times, proved) -> None:
+    """Beyond the bound, and all the more beyond a higher number, no forces balance; below it some do."""
+    model = MODELS["bench with cohesion"]()
+    found = bound_in_one_run(model)
+    assert found is not None
+    assert is_proved(model, replace(found, factor=times * (found.factor or 0.0))) is proved
+
+
+def test_a_motion_against_the_loads_proves_nothing() -> None:
+    """All blocks off their base, as joints that dilate may move."""
+    model = BOXES.model(33.0)
+    off = np.zeros_like(model.load)
+    off[:, :3] = model.plus_motion[np.flatnonzero(model.minus < 0)[0], 0, :3]
+    opening, _ = model.opening_and_slip(off.ravel())
+    assert float(opening.min()) > -1e-12
+    assert not is_proved(model, StaticBound(2.0, False, False, off, opening, 0))
+    assert is_proved(replace(model, load=-model.load), StaticBound(2.0, False, False, off, opening, 0))
+
+
+@pytest.mark.parametrize("number", [54, 104, 151])
+def test_blocks_locked_in_a_slot_have_no_bound(number) -> None:
+    """Between parallel joints forces of any size hold them at any friction: an independent program says so too.
+
+    An interior-point method ended at 597, 2,197 and 5,551, its forces as large as it bears.
+    """
+    model = path_oracle.model_of(populations.bench(number))
+    found = static_bound(model)
+    assert (found.factor, found.locked, found.lifted) == (None, True, False)
+    assert path_oracle.static_bound(model) == np.inf
+
+
+@pytest.mark.parametrize(("population", "number"), [("benches", 15), ("benches", 139), ("sections", 424)])
+def test_where_blocks_jam_the_bound_is_that_of_an_independent_program(population, number) -> None:
+    """Found to 1e-4; they were 3 %, 0.2 % and 0.07 % low, or the independent one was 0.05 % low."""
+    model = path_oracle.model_of(populations.POPULATIONS[population][0](number))
+    found = static_bound(model)
+    assert found.factor == pytest.approx(path_oracle.static_bound(model), rel=5e-5)
+
+
+def test_programs_do_not_trust_their_rough_ends() -> None:
+    """Where blocks jam a rough program may miss forces that are there: 11.51 for 11.93."""
+    blocks = path_oracle.model_of(populations.bench(51))
+    part = blocks.among(np.array([1]))[0]
+    found = bound_by_programs(part)
+    assert found is not None
+    assert found.factor == pytest.approx(path_oracle.static_bound(part), rel=5e-5)
 
 
 def test_without_an_end_others_say_why() -> None:

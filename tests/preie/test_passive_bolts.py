@@ -408,7 +408,7 @@ def test_an_incremental_history(assembly) -> None:
 def test_the_slope_of_the_range(assembly) -> None:
     """How the distance of forces from a mechanism's changes with λ, beyond an end of its range: central differences."""
     _, model, found = assembly
-    away = Distance(model, found.velocity.ravel(), found.bond)
+    away = Distance(model, found.velocity.ravel(), found.bond, 1.0 / found.factor)
     for at in (1.2 / found.lowest, 0.8 / found.highest):
         ahead, behind = (away.at(at * (1.0 + step)).distance for step in (1e-4, -1e-4))
         there = away.at(at)

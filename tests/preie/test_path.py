@@ -11,6 +11,7 @@ import pytest
 import slopekit as sk
 from benchmarks import populations
 from slopekit.geometry.patches import BEDROCK
+from slopekit.kinds.assemblies.many_blocks_states import states_of_part
 from slopekit.loads import PassiveBolts
 from slopekit.preie.elastic_path import path, proposal
 from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive, NewtonStep
@@ -21,7 +22,7 @@ from slopekit.preie.elastic_path.proposal import proposed
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.many_blocks.ravelling import _twisting
+from slopekit.preie.many_blocks.ravelling import Part, _twisting
 from slopekit.preie.one_block.limit import limit_analysis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bounds import held_by_normals, static_bound
@@ -556,6 +557,42 @@ def test_dilation_does_not_matter_where_forces_are_statically_determined(dip, c,
     """7c_two_block 1, 2 and 6: both bases slip, the smooth interface presses; seven digits."""
     model = active_passive(dip).model([30.0, 30.0, 0.0], [c, c, 0.0], [4.0, 2.0, 0.0])
     assert limit_of_blocks(model).factor == pytest.approx(factor, rel=5e-7)
+
+
+DILATING = {"section": model_of(populations.section(12)), "bench": model_of(populations.bench(36))}  # F of 4.9, 9.4
+
+
+@pytest.mark.parametrize("name", DILATING)
+def test_with_normality_a_mechanism_has_one_factor(name) -> None:
+    """ψ = 20° is more than the reduced friction angle: no normal force works on what slip opens by just that.
+
+    So the work of the loads gives the factor, whatever forces are locked in. What a joint opens by more than its
+    reduced friction angle is open, if by less than tan ψ: counted as closed, ranges began at 4.868 and at 2.562.
+    """
+    model = DILATING[name]
+    found = limit_of_blocks(replace(model, tan_dilation=np.full_like(model.tan_dilation, tangent(20))))
+    assert found.basis is Basis.LIMIT
+    assert found.factor > float(model.tan_friction.max()) / tangent(20)
+    assert found.lowest == pytest.approx(found.factor, rel=1e-7)
+    assert found.highest == pytest.approx(found.factor, rel=1e-7)
+
+
+@pytest.mark.parametrize("model", [*DILATING.values(), model_of(populations.bench(94))], ids=[*DILATING, "turns"])
+def test_dilation_beyond_the_friction_angle_says_no_more(model) -> None:
+    """Friction is reduced all along the path: tan ψ = tan φ and five times that are one law, and one state."""
+    one, other = (limit_of_blocks(replace(model, tan_dilation=k * model.tan_friction)) for k in (1.0, 5.0))
+    assert (other.factor, other.lowest, other.highest) == pytest.approx((one.factor, one.lowest, one.highest), rel=1e-9)
+    none = np.zeros(0, dtype=np.int64)
+    states = [
+        states_of_part(Part(replace(model, tan_dilation=k * model.tan_friction), limit, none, none))
+        for k, limit in ((1.0, one), (5.0, other), (1.0 / one.factor, one))
+    ]
+    for state in states[1:]:
+        for ours, same in zip(states[0], state, strict=True):
+            np.testing.assert_allclose(ours, same, rtol=0.0, atol=1e-9)
+    opened, slips, _ = states[0]
+    assert opened.any()
+    assert slips.any()
 
 
 # -- the path in the load ---------------------------------------------------------------------------------------------

@@ -275,7 +275,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     status = mechanisms[0].status if mechanisms else "no_driving_force"
     sure = bool(mechanisms) and mechanisms[0].status != "not_converged"
     limit = mechanisms[0].fos if sure else None
-    bound = mechanisms[0].static_bound if mechanisms else None
+    bound = ravelling.static_bound if mechanisms else None
     governing = ravelling.failures[0].limit if ravelling.failures else None
     low, high = (governing.lowest, governing.highest) if governing is not None and sure else (None, None)
     straight = without_turning(scene, ravelling.failures[0]) if ravelling.failures else None

@@ -71,9 +71,9 @@ def notices_of(
     if limit.loads_last and first.fos:
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
-    if limit.begun and first.fos and first.static_bound:
+    if limit.begun and first.fos and limit.static_bound:
         yield Notice("W482", "with all loads on at once the blocks come to rest at "
-                     f"{first.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
+                     f"{limit.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
                      "twice; those that came on after the weight led to no limit state")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit, design.seismic.coefficient)
@@ -81,12 +81,17 @@ def notices_of(
         yield _unsettled(limit)
     elif limit.outcome is Outcome.NOT_CONVERGED:
         yield _given_up(limit)
-    if first.fos and first.static_bound is None:
-        yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
-                     "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
-    if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
-        times = many_times(first.static_bound / first.fos)
-        more = f"{times} as much" if times else f"{(first.static_bound / first.fos - 1.0) * 100.0:.0f} % more"
+    bound = ravelling.static_bound
+    if first.fos and bound is None and ravelling.locked:
+        yield Notice("W309", "there is no static bound: with joints free to dilate the blocks would be locked at any "
+                     "friction, and methods that take normality (limit analysis by linear or cone programs) find no "
+                     "failure; the limit is held against no upper bound")  # fmt: skip
+    elif first.fos and bound is None:
+        yield Notice("W309", "no static bound was found: its search gave up, or the blocks are too many for it; the "
+                     "limit is held against no upper bound")  # fmt: skip
+    if first.fos and bound and bound > _FAR_ABOVE * first.fos:
+        times = many_times(bound / first.fos)
+        more = f"{times} as much" if times else f"{(bound / first.fos - 1.0) * 100.0:.0f} % more"
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if straight is not None:

@@ -33,12 +33,16 @@ _MOST_SETTLED = 2000  # moving blocks: beyond that the elastic bed would take mi
 
 
 def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
-    """Which node pairs are open, which slip, and the slip of each friction force's contact (g,)."""
+    """Which node pairs are open, which slip, and the slip of each friction force's contact (g,).
+
+    Slip opens joints that dilate, by no more than their friction angle at the limit; beyond that they are open.
+    """
     model, limit = part.model, part.limit
     opening, slip = model.opening_and_slip(limit.velocity)
     size = np.sqrt((slip * slip).sum(axis=1))
     fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
-    opened = opening - (model.tan_dilation * size)[model.group_of_pair] > OPENS_IN_PASSES * fastest
+    dilation = np.minimum(model.tan_dilation, model.tan_friction / (limit.factor or 1.0))
+    opened = opening - (dilation * size)[model.group_of_pair] > OPENS_IN_PASSES * fastest
     opened |= limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
     slips = (size > SLIPS * fastest)[model.group_of_pair] & ~opened
     return opened, slips, size
@@ -83,7 +87,7 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     return Mechanism(
         status,
         limit.factor,
-        limit.static_bound,
+        min((part.limit.static_bound for part in failure.parts if part.limit.static_bound is not None), default=None),
         max(part.limit.change for part in failure.parts),
         tuple(blocks),
         governing,

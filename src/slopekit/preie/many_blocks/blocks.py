@@ -29,7 +29,7 @@ from slopekit.preie.elastic_path.proposal import proposed
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal, Span
 from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.programs.bound import StaticBound
+from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bounds import mechanism_range, static_bound
 from slopekit.preie.solvers.effort import MOST, EffortSpentError, allowed, part
 from slopekit.preie.system.assembly import AssemblyModel
@@ -227,7 +227,8 @@ def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps:
     normal = np.maximum(path_end.normal, 0.0)  # a limit state may pull by what it is admissible to
     top = bound.factor
     if path_end.outcome is PathOutcome.STANDS:
-        outcome = Outcome.NO_DRIVING_FORCE
+        moves = top is not None and is_proved(model, bound)  # at any strength lower than that
+        outcome = Outcome.NOT_CONVERGED if moves else Outcome.NO_DRIVING_FORCE
     elif path_end.outcome is PathOutcome.NO_REST or factor is None:
         outcome = Outcome.NO_REST if path_end.outcome is PathOutcome.NO_REST else Outcome.NOT_CONVERGED
     else:
@@ -252,7 +253,7 @@ def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps:
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
         None if highest is None else factor, highest, loads.carried, loads.last, steps, bound.steps, path_end.group,
-        path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun,
+        path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun, locked=bound.locked,
     )  # fmt: skip
 
 

@@ -43,7 +43,8 @@ class BlocksLimit:
     velocity : (n, u) of the mechanism, its largest motion 1
     normal_force : (m,); friction : (g, t); in parts of the force scale
     bond : (m,) 0 where a pair has lost its cohesion
-    static_bound : None where none was found, or none exists; lowest, highest : the range of the mechanism's factors
+    static_bound : None where none was found, or none exists; locked : none does, joints that dilate would hold the
+        blocks at any friction; lowest, highest : the range of the mechanism's factors
     carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
     loads_last : whether those loads came on after weight and water; tips : the part of them at which the blocks tip
         then, in a motion that slips nowhere, at that factor and any lower one; None where no such motion was found
@@ -101,6 +102,7 @@ class BlocksLimit:
     finer: float | None = None
     unrefined: Unrefined | None = None
     entire: bool = True
+    locked: bool = False
 
     @property
     def at_most(self) -> float:

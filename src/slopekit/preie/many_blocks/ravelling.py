@@ -96,6 +96,22 @@ class Ravelling:
     left: Bools
     ended: str
 
+    @property
+    def static_bound(self) -> float | None:
+        """That of all blocks: some forces balance the loads where some do in every component, so the least.
+
+        None where none is known, or nothing balances one of them.
+        """
+        limits = [part.limit for part in self.parts]
+        if any(limit.outcome is Outcome.LIFTED for limit in limits):
+            return None
+        return min((limit.static_bound for limit in limits if limit.static_bound is not None), default=None)
+
+    @property
+    def locked(self) -> bool:
+        """Whether there is none because joints that dilate would hold all blocks at any friction."""
+        return all(part.limit.locked for part in self.parts)
+
 
 def ravel(
     assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, count: int = 1, ranged: bool = True

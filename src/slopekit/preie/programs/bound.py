@@ -10,6 +10,7 @@ Both sides are used: a mechanism proposes λ, and forces that balance the loads 
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +18,10 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL, ROUNDING
+from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL, ROUNDING
+
+if TYPE_CHECKING:
+    from slopekit.preie.system.assembly import AssemblyModel
 
 _MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
@@ -42,6 +46,32 @@ class StaticBound:
     velocity: Floats
     normal_force: Floats
     steps: int
+
+
+def is_proved(model: "AssemblyModel", bound: StaticBound) -> bool:
+    """Whether the motion of a bound is one of joints that dilate: then no forces balance the loads beyond it.
+
+    What contacts close by beyond that is nothing of what slip opens, or nothing by the work that the forces of the
+    bound, or the loads of the blocks, do on it; the loads work as much as cohesion does. Both to `BOUND_ACCURACY`, of
+    work in parts of what friction does with the load of each contact's lighter block. Where blocks are locked, or jam
+    just above another bound, an interior-point method may end anywhere below, its forces as large as it bears: its
+    motion proves nothing there.
+    """
+    assert bound.factor is not None
+    reduction, joints, velocity = 1.0 / bound.factor, model.joint_pairs, bound.velocity.ravel()
+    opening, slip = model.opening_and_slip(velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    fastest = max(float(np.abs(opening[joints]).max(initial=0.0)), float(size.max(initial=0.0)))
+    closes = np.maximum((reduction * model.tan_friction * size)[model.group_of_pair] - opening, 0.0)[joints]
+    own = np.sqrt((model.load * model.load).sum(axis=1))
+    lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
+    nothing = BOUND_ACCURACY * reduction * float(lighter[model.group_contact] @ size)
+    lost = float(np.maximum(bound.normal_force, lighter[model.pair_contact])[joints] @ closes)
+    cohesion = model.by_group(model.cohesion)
+    cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt pulls
+    work = float((model.load.ravel() + reduction * model.mean_pulls) @ velocity) - reduction * float(cohesion @ size)
+    opens = lost <= nothing or float(closes.max(initial=0.0)) <= BOUND_ACCURACY * reduction * fastest
+    return opens and work >= -nothing
 
 
 def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:

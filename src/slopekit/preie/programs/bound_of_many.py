@@ -23,7 +23,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
 from slopekit.preie.kernels import compiled
 from slopekit.preie.many_blocks.key_blocks import sliding_factors
-from slopekit.preie.programs.bound import StaticBound
+from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.cone_steps import ConeEquations
 from slopekit.preie.programs.cone_steps import residuals as cone_residuals
 from slopekit.preie.programs.cones import determinant
@@ -127,11 +127,18 @@ class _Shortfall(BlockProgram):
 
 
 def bound_in_one_run(model: AssemblyModel) -> StaticBound | None:
-    """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many."""
+    """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many.
+
+    Nor where its motion does not prove it.
+    """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         known = _of_parts(model) if len(model.load) > _MANY else None
-        bound = None if known is None else _run(_Shortfall(model), known, True)
-        return _run(_Shortfall(model), _START) if bound is None else bound
+        bound = None if known is None else _proved(model, _run(_Shortfall(model), known, True))
+        return _proved(model, _run(_Shortfall(model), _START)) if bound is None else bound
+
+
+def _proved(model: AssemblyModel, bound: StaticBound | None) -> StaticBound | None:
+    return bound if bound is not None and is_proved(model, bound) else None
 
 
 def _of_parts(model: AssemblyModel) -> float | None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
-from slopekit.preie.programs.bound import StaticBound
+from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bound_of_many import bound_in_one_run
 from slopekit.preie.programs.distance import Distance, bound_by_programs
 from slopekit.preie.programs.program import BlockProgram, ProgramResult, Strengths
@@ -51,10 +51,11 @@ _HELD = 120  # unknowns up to which normal forces that hold all blocks are looke
 def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
     say("static bound")
-    size, programs_first = len(model.load), False
+    size = len(model.load)
+    few, asked = size <= _MOST_PROGRAMS, False
     if model.unknowns == 6 and size > _FEW:
-        exact_bound, programs_first = bound_in_one_run(model), size <= _MOST_PROGRAMS
-        if exact_bound is None and programs_first:
+        exact_bound, asked = bound_in_one_run(model), few
+        if exact_bound is None and few:
             exact_bound = bound_by_programs(model)
         if exact_bound is not None:
             return exact_bound
@@ -69,13 +70,15 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     if at_once.settled and at_once.unbalanced < BOUND_ACCURACY:
         locked = at.load_factor < LEAST_REDUCTION
         known = StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
-        if model.unknowns == 3 or locked or size > _MOST_PROGRAMS:
+        if locked or not few or (model.unknowns == 3 and is_proved(model, known)):
             return known
-        # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
+        # where blocks jam it settles a little low, or anywhere where they are locked; each bound has forces that prove
+        # it, so the higher holds
         exact = bound_by_programs(model, at.load_factor, steps)
-        return exact if exact is not None and (exact.factor or 0.0) > (1.0 - BOUND_ACCURACY) / at.load_factor else known
-    again = size <= _MOST_PROGRAMS and not programs_first  # they would end as they did
-    exact_bound = bound_by_programs(model, steps=steps) if again else None
+        higher = exact is not None and (exact.locked or (exact.factor or 0.0) > (1.0 - BOUND_ACCURACY) / at.load_factor)
+        return exact if exact is not None and higher else known
+    # programs that did not close would end as they did
+    exact_bound = bound_by_programs(model, steps=steps) if few and not asked else None
     if exact_bound is not None:
         return exact_bound
     if size == 1 and not len(model.bolts):
@@ -149,7 +152,7 @@ def mechanism_range(
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
     """
     say("range of the mechanism")
-    away = Distance(model, _cleaned(model, velocity, forces, factor), bond)
+    away = Distance(model, _cleaned(model, velocity, forces, factor), bond, 1.0 / factor)
     if away.at(1.0 / factor).distance > FEASIBLE:
         return None
     ends = []

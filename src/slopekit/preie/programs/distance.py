@@ -17,9 +17,10 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.programs.bound import StaticBound
+from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.solvers.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
+    BOUND_ACCURACY,
     CLOSE,
     FARTHEST,
     LEAST_REDUCTION,
@@ -38,6 +39,8 @@ if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to progr
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS = 60  # of λ
+_ROUNDED = 1e-4  # λ below which distances are rounding: blocks are locked unless a motion proves their bound
+_LONGEST_STRIDE = 10.0  # of λ: where one is known roughly, less to begin with
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +59,14 @@ class Distance:
     Parameters
     ----------
     velocity : (N,) of the mechanism; bond : (m,) 0 where a pair has lost its cohesion
+    reduction : λ at which it moves: there no joint dilates by more than λ tan φ, and one that slip opens by more is
+        open, at any other λ as well
     least : s_least; below zero there is so much to spare
     """
 
-    def __init__(self, model: "AssemblyModel", velocity: Floats, bond: Floats, least: float = 0.0) -> None:
+    def __init__(
+        self, model: "AssemblyModel", velocity: Floats, bond: Floats, reduction: float, least: float = 0.0
+    ) -> None:
         import clarabel
         from scipy import sparse
 
@@ -67,7 +74,8 @@ class Distance:
         size = np.sqrt((slip * slip).sum(axis=1))
         fastest = max(float(np.abs(opening).max()), float(size.max()), TINY)
         pairs, groups, tangents = len(opening), *slip.shape
-        opens = opening - (model.tan_dilation * size)[model.group_of_pair] > NO_MOTION * fastest
+        dilation = np.minimum(model.tan_dilation, reduction * model.tan_friction)
+        opens = opening - (dilation * size)[model.group_of_pair] > NO_MOTION * fastest
         opens[model.joint_pairs.stop :] = True
         slips = size > NO_MOTION * fastest
         direction = np.where(slips[:, None], slip / np.maximum(size, TINY)[:, None], 0.0)
@@ -147,16 +155,18 @@ class Distance:
 
 
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
-    """The static bound by Newton on the distance at one λ, bracketed; None where that does not close.
+    """The static bound by Newton on the distance at one λ, bracketed; None where that does not close or is not proved.
 
-    Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there.
+    Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there. What is known
+    from rough programs says where to begin, and no more: where blocks jam it may be off by a few percent.
 
     Parameters
     ----------
     start : λ to begin with; steps : work done before
     """
-    program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
+    program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), start, _SPARE)
     reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
+    stride, proved = _LONGEST_STRIDE, 0.0
     best: DistanceAt | None = None
     motion = np.zeros(model.load.size)
 
@@ -164,32 +174,44 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         normal = np.zeros(len(model.control_area)) if best is None else best.normal_force
         return StaticBound(None if at is None else 1.0 / at, False, locked, motion, normal, steps)
 
+    def ended(at: float, sure: bool) -> StaticBound | None:
+        """The bound at a λ if that is sure or its motion proves it; below `_ROUNDED` blocks are locked otherwise."""
+        found = bound(at)
+        if sure or is_proved(model, found):
+            return found
+        return bound(None, locked=True) if at < _ROUNDED else None
+
     for _ in range(_MOST_TRIALS):
         steps += 1
         far = program.at(reduction, tolerance)
         newton = far.slope < 0.0 and _LEFT * _SPARE < far.distance < math.inf
-        trial = reduction - far.distance / far.slope if newton else 10.0 * reduction
-        if tolerance > SOLVED and newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE:
-            reduction, tolerance, low, high = trial, SOLVED, 0.0, math.inf  # rough distances may have the wrong sign
-            continue
+        trial = reduction - far.distance / far.slope if newton else math.inf
+        near_enough = newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE
         if far.distance > 0.0:  # also where the program gave up: it did not find any
-            low, motion = reduction, far.motion
+            low = reduction
         else:
             high, best = reduction, far
-        if tolerance > SOLVED and high < low * (1.0 + ROUGHLY_CLOSE):  # its ends are as rough as the programs were
-            low, high, tolerance = low / (1.0 + ROUGHLY_CLOSE), high * (1.0 + ROUGHLY_CLOSE), SOLVED
-            reduction = math.sqrt(low * high)
+        if 0.0 < far.distance < math.inf:
+            proved, motion = reduction, far.motion
+        if tolerance > SOLVED and (near_enough or high < low * (1.0 + ROUGHLY_CLOSE)):
+            reduction = trial if near_enough else math.sqrt(low * high)
+            tolerance, stride, low, high = SOLVED, 1.0 + ROUGHLY_CLOSE, 0.0, math.inf
             continue
-        if newton and abs(trial / reduction - 1.0) < NEAR:
+        # a step of the distance where blocks jam is no root, nor is what is left of it as λ goes to nothing
+        if newton and abs(trial / reduction - 1.0) < NEAR and abs(far.distance) < ROUGHLY_SOLVED:
             best, motion = far, far.motion
-            return bound(trial)
+            return ended(trial, False)
         if high < low * (1.0 + CLOSE):
-            return bound(high)
+            return ended(high, high > _ROUNDED and proved > (1.0 - BOUND_ACCURACY) * high)
         if reduction < LEAST_REDUCTION:
             return bound(None, locked=True)
         if low > FARTHEST:
             break
-        if not low < trial < high:
-            trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high
+        if not max(low, reduction / stride) < trial < min(high, reduction * stride):
+            if low > 0.0 and high < math.inf:
+                trial = math.sqrt(low * high)
+            else:
+                trial = low * stride if low > 0.0 else high / stride
+                stride = min(stride * stride, _LONGEST_STRIDE)
         reduction = trial
     return None
