@@ -78,7 +78,7 @@ def test_with_enough_work_nothing_changes() -> None:
 
 
 @pytest.mark.parametrize(("units", "bound", "known"), [
-    (1e7, 0.965924, ["were last at rest with their strength divided by 0.696", "beyond 0.9659, the static bound"]),
+    (1e7, 0.965924, ["were last at rest with their strength divided by 0.6685", "beyond 0.9659, the static bound"]),
     (1e6, None, ["no rest of all blocks that would say anything was seen", "no static bound was found"]),
 ])  # fmt: skip
 def test_the_sheet_says_what_is_known(units: float, bound: float | None, known: list[str]) -> None:
@@ -108,7 +108,7 @@ def test_the_limit_of_the_blocks_that_slide_first_is_said_where_all_come_to_no_r
 
 def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
     """This bench rests at 0.9, and goes on to lose bonds."""
-    with allowed(1.5e7):
+    with allowed(8e6):
         result = sk.run(bench(1.9, 5.0))
     said = {notice.code: notice.message for notice in result.warnings}
     assert result.status == "not_converged"

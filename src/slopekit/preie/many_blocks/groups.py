@@ -23,7 +23,7 @@ from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
 
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
 _LONG = 100  # blocks of which the path takes seconds
-_OF_GROUP = 0.6  # of the work that is left, for the limit of a group
+_OF_GROUP, _OF_OPEN = 0.6, 0.5  # of the work that is left, for the limit of a group, and a rest without more bonds
 
 Solution = tuple[AssemblyModel, PathLimit, Floats]
 """The model of a group, its limit, and the bonds (m,) of all that are left there."""
@@ -250,10 +250,15 @@ class Groups:
 
 
 def _without_open(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
-    """From a rest of all blocks to one without the bonds of contacts that are open all over, if that is found."""
+    """From a rest of all blocks to one without bonds of contacts that are open all over, if that is found in time."""
+    after: Flow | None
     while (left := open_all_over(bed, flow)) is not None:
         weaker = bed.with_bonds(left)
-        after = rest_at(weaker, flow.at, parameter)
+        try:
+            with effort.part(_OF_OPEN):
+                after = rest_at(weaker, flow.at, parameter)
+        except effort.EffortSpentError:
+            after = None
         if after is None:
             break
         bed, flow = weaker, after
