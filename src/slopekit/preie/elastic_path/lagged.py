@@ -38,8 +38,11 @@ from slopekit.strength.mohr_coulomb import line
 #: of a pair, friction in parts of what it may be.
 _LIFTED, _BARRIER, _HALF = 0.3, 0.3, 0.5
 _MOST, _TO_BOUNDARY = 250, 0.9  # steps; part of the way to where a force or gap is nothing
-#: What the barrier falls to in a step, by how long the last one was; it stays above a part of what ẑ lags by.
-_FALLS, _LAGS = ((0.5, 0.25), (0.1, 0.5), (0.0, 0.8)), 0.15
+#: What the barrier falls to in a step, by how long the last one was.
+_FALLS = (0.5, 0.25), (0.1, 0.5), (0.0, 0.8)
+#: The barrier stays above a part of what ẑ lags by: the largest first, half of it at a time where in so many steps what
+#: ẑ lags by has not fallen to `_LESS`, down to the least. The least all along takes twice as many steps far from a limit.
+_LARGEST, _LEAST, _LESS, _PATIENCE = 0.3, 0.1, 0.8, 12
 #: Corrections of a step at most, how long it has to be to need none, how much farther it is to go, and what that is
 #: worth; products of a force and its gap then, in parts of the barrier: the inverse is the largest. Of 3,199 blocks a
 #: factorisation takes ten times as long as a correction, and with two of them there are twice as many steps.
@@ -149,7 +152,7 @@ class _Residuals:
 
 def _run(law: _Law) -> Flow | None:
     bed, at = law.bed, law.begun()
-    length, least = 1.0, np.inf
+    length, least, part, lagged, since = 1.0, np.inf, _LARGEST, np.inf, 0
     for taken in range(_MOST):
         off = _Residuals.of(law, at)
         if off.rounding < LAGGED_ROUNDING:
@@ -157,10 +160,14 @@ def _run(law: _Law) -> Flow | None:
             if rest is not None:
                 return rest
         least = min(least, off.lags)
+        if off.lags < _LESS * lagged:
+            lagged, since = off.lags, taken
+        elif taken - since > _PATIENCE:
+            part, lagged, since = max(0.5 * part, _LEAST), off.lags, taken
         if not np.isfinite(off.left) or (taken > _SURE and off.lags > _RUNS * least):
             break
         falls = next(falls for at_least, falls in _FALLS if length >= at_least)
-        aim = max(falls * off.left, _LAGS * min(off.lags, _RUNS * off.left))
+        aim = max(falls * off.left, part * min(off.lags, _RUNS * off.left))
         try:
             step, length = _Equations(law, at, off).step(aim / (2.0 * bed.pairs))
         except SolverError:
