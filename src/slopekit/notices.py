@@ -1,7 +1,7 @@
 """What a reader must know beside the number: notices with stable W-codes."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from slopekit.preie.tolerances import MESH_CHANGE
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
+#: Of the inputs and of what a run asks besides the factor: not of the factor, which studies repeat at other values.
+_NOT_OF_FACTORS = {"W309", "W313", "W320", "W327", "W332", "W373", INVENTED, "W428", "W429"}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
@@ -163,14 +165,19 @@ def _percent(part: float) -> str:
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
     """What a reader must know of the inputs, whatever the kind."""
     yield from _read_notices(design)
-    yield from _judged_notices(design, strengths)
+    yield from _static_bound_judged(design)
+    yield from _tension_notices(strengths)
     yield from _intact_notices(strengths)
 
 
-def _judged_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """What a rule may judge and the limit does not count."""
+def _static_bound_judged(design: Design) -> Iterator[Notice]:
+    """A rule on what is no answer."""
     if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
         yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
+
+
+def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """What the limit does not count."""
     if any(strength.tension_kpa for strength in strengths):
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
 
@@ -266,20 +273,40 @@ def unlikely_values(design: Design, strengths: Sequence[Strength]) -> Iterator[N
 
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """The notices of one analysed block, in the order of their weight for the reader."""
-    analysis, limit = facts.analysis, facts.analysis.governing
     yield from _read_notices(design)
+    yield from _of_the_factor(design, interfaces, facts)
+    strengths = [interface.strength for interface in interfaces]
+    yield from _static_bound_judged(design)
+    yield from _intact_notices(strengths)
+    if not facts.bound_is_proved:
+        yield Notice("W309", "the static bound was not found")
+    if facts.unsettled:
+        yield Notice(
+            "W313",
+            "on an elastic bed no equilibrium was found at full strength (pairs that open "
+            "there lose their cohesion): no displacements",
+        )
+
+
+def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
+    """Of the notices of an analysis those of the factor, which studies say too of the designs that they analyse."""
+    return tuple(notice for notice in said if notice.code not in _NOT_OF_FACTORS)
+
+
+def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
+    """What a reader must know of the factor of one block: what it rests on, what it leaves out, how it was found."""
+    analysis, limit = facts.analysis, facts.analysis.governing
     yield from _of_the_limit(design, facts)
     yield from _of_lost_cohesion(interfaces, facts)
     yield from _of_shaking(facts)
     strengths = [interface.strength for interface in interfaces]
-    yield from _judged_notices(design, strengths)
+    yield from _tension_notices(strengths)
     if facts.status == "slides_up":
         yield Notice("W318", f"the loads drive the {facts.block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -facts.model.bolt_rows @ limit.velocity_of(facts.model)
         if not (drawn > SQUARE).any():
             yield undrawn_notice()
-    yield from _intact_notices(strengths)
     if not len(facts.model.bolt_capacity) and not any(
         strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
     ):
@@ -289,19 +316,11 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     if facts.why_not and any(strength.dilation_deg for strength in strengths):
         yield Notice("W310", facts.why_not)
     yield from headless_notices(design)
-    if not facts.bound_is_proved:
-        yield Notice("W309", "the static bound was not found")
     if analysis.moments_govern and limit.factor and facts.mesh_change is None:
         yield Notice(
             "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
         )
     yield from mesh_notices(facts.mesh_change or 0.0)
-    if facts.unsettled:
-        yield Notice(
-            "W313",
-            "on an elastic bed no equilibrium was found at full strength (pairs that open "
-            "there lose their cohesion): no displacements",
-        )
 
 
 def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:

@@ -56,11 +56,7 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
         from slopekit.elastic.meshing import required
 
         required()
-    result = with_slips_of_size(kind.analyse(design))
-    if any(strength.residual for strength in kind.strengths(design)):
-        from slopekit.kinds.single_block.residual import with_residual
-
-        result = with_residual(kind, result)
+    result = with_all_said(kind.analyse(design))
     if elastic or bracket:
         from slopekit.kinds.elastic import with_elastic
 
@@ -68,10 +64,16 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
     return result
 
 
-def with_slips_of_size(result: Result) -> Result:
-    """A result that says W492 and W498 of itself."""
+def with_all_said(result: Result) -> Result:
+    """What a kind found with what is said of all kinds: W492 and W498 of its size, the factors on residual strength."""
     said = tuple(_of_size(result.design, result.geometry.total_height_m))
-    return replace(result, warnings=(*result.warnings, *said)) if said else result
+    result = replace(result, warnings=(*result.warnings, *said)) if said else result
+    kind = kind_of(result.design)
+    if any(strength.residual for strength in kind.strengths(result.design)):
+        from slopekit.kinds.single_block.residual import with_residual
+
+        result = with_residual(kind, result)
+    return result
 
 
 def _of_size(design: Design, height_m: float) -> Iterator[Notice]:
@@ -135,6 +137,21 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
 
     closed = kind.closed_form(design)
     return Factors(closed.status, None, closed.status, closed.factor or None, None, None, False, True)
+
+
+def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
+    """W506: numbers are those of the peak strength, and what is left of the factor on the residual strength.
+
+    Parameters
+    ----------
+    of : what is of the peak strength, in words
+    """
+    if not any(strength.residual for strength in kind_of(design).strengths(design)):
+        return ()
+    left = kind_of(design).factors(replace(design.at_residual(), rules=()))
+    factor = f"has {left.limit:.4g}" if left.limit is not None else f"has no factor ({left.status})"
+    return (Notice("W506", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
+                   f"design {factor}"),)  # fmt: skip
 
 
 def dilates(design: Design) -> bool:

@@ -55,8 +55,7 @@ class Factors:
     difference, agree : of the two on the same assumptions, None where they are not compared
     moments_govern : the limit lies below what the forces alone give
     settled : whether the passes settled to the design's `stop_when`
-    notes : of many blocks, that it is the limit of a small part (W503), and what it has to do with their cohesion:
-        W307, W484, W486, W493 to W496
+    notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
     """
 
     status: str

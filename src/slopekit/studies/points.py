@@ -1,7 +1,7 @@
 """One point of a study: a design with some of its values changed, and what both methods say of it."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, fields
 from typing import Any, Literal, TypeAlias
 
@@ -165,6 +165,32 @@ def point_of(
         return Point(None, fault.code, fault.message)
     except _BROKEN as error:  # one sample of many: it is counted, the others go on
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
+
+
+def said_at(
+    points: Sequence[tuple[str, Point]], besides: Iterable[Notice] = (), called: str = "points"
+) -> Iterator[Notice]:
+    """What runs would say of the factors at some places, each code once: at how many, and how it reads at the first.
+
+    Parameters
+    ----------
+    points : where each is, in words, and what both methods say there
+    besides : what is said of the design already; called : what the places are
+
+    >>> there = Point(Factors("slides_on_J1", 1.0, None, None, None, None, False, True, notes=(Notice("W310", "so"),)))
+    >>> [str(notice) for notice in said_at([("at c = 1", Point(None, "E203", "no")), ("at c = 2", there)])]
+    ['W310 1 of 2 points, at c = 2: so']
+    """
+    said, known = dict[str, list[tuple[str, str]]](), {notice.code for notice in besides}
+    for where, point in points:
+        notes = () if point.factors is None else point.factors.notes
+        for code in dict.fromkeys(note.code for note in notes if note.code not in known):
+            text = "; ".join(note.message for note in notes if note.code == code)
+            said.setdefault(code, []).append((where, text))
+    for code, places in said.items():
+        where, message = places[0]
+        same = len(places) == len(points) and all(other == message for _, other in places)
+        yield Notice(code, message if same else f"{len(places)} of {len(points)} {called}, {where}: {message}")
 
 
 def checked_target(fos: float, advice: str) -> None:

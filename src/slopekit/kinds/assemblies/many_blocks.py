@@ -173,7 +173,9 @@ def kind_of_many_blocks(
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(reached, status, closed, design.agree_within)
-        notes = (*said_of_size(design, scene, ravelling), *said_of_bonds(ravelling.failures[0])) if factor else ()
+        straight = without_turning(scene, ravelling.failures[0]) if mechanisms else None
+        of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
+        notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind))
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
 
     def ladder(design: A) -> "Ladder":

@@ -13,7 +13,7 @@ from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import dilates, kind_of
+from slopekit.kinds import dilates, kind_of, peak_only
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
 from slopekit.preie.solvers import effort
@@ -117,8 +117,18 @@ def for_factor(
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent,
                         load_last_beyond=beyond)  # fmt: skip
-    solution = replace(solution, rounded=_rounded(solution, asked), warnings=tuple(notices(solution)))
+    said = (*notices(solution), *_at_peak(solution))
+    solution = replace(solution, rounded=_rounded(solution, asked), warnings=said)
     return replace(solution, seconds=time.perf_counter() - began)
+
+
+def _at_peak(solution: Solution) -> tuple[Notice, ...]:
+    """W506: the target is met by the peak strength, and what is left at the value found on the residual strength."""
+    answer = solution.answer
+    if answer is None:
+        return peak_only(solution.design, "factors are those")
+    found = with_values(solution.design, values_of(solution.design, [solution.key], [answer.value]))
+    return peak_only(found, "the target is met by that")
 
 
 def level_of(factor: float, target: float) -> float:

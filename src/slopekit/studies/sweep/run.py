@@ -22,7 +22,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
-from slopekit.kinds import kind_of, notices_of_inputs
+from slopekit.kinds import kind_of, notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import (
     GIVEN_UP,
@@ -35,6 +35,7 @@ from slopekit.studies.points import (
     checked_target,
     factor_at,
     lines_of,
+    said_at,
     status_of,
 )
 from slopekit.studies.protocol import (
@@ -222,14 +223,20 @@ class Sweep(StudyOutcome):
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: points without a number, and what is said of the inputs."""
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
+        places = [(self._where(place), point) for place, point in zip(self.places, self.points, strict=True)]
+        said = tuple(said_at(places, self.of_inputs))
         if not bare:
-            return self.of_inputs
+            return (*said, *self.of_inputs)
         named = Counter(self.status(point) for point in bare)
         text = ", ".join(f"{name} {count}" for name, count in named.most_common())
         return (
             Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"),
+            *said,
             *self.of_inputs,
         )
+
+    def _where(self, place: Sequence[float]) -> str:
+        return "at " + ", ".join(f"{key.path} = {key.shown(value, 6)}" for key, value in zip(self.keys, place, strict=True))
 
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""
@@ -332,6 +339,7 @@ def sweep(
         raise DesignError([Fault("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")])
     own, values = tuple(key for key, _ in axes), tuple(of for _, of in axes)
     said += notices_of_inputs(design, [key.path for key in own])
+    said += peak_only(design, "factors are those")
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
     tasks = [values_of(design, own, place) for place in swept.places]
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
