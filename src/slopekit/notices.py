@@ -19,8 +19,8 @@ from slopekit.preie.tolerances import MESH_CHANGE
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
-#: Of the inputs and of what a run asks besides the factor: not of the factor, which studies repeat at other values.
-_NOT_OF_FACTORS = {"W309", "W313", "W320", "W327", "W332", "W373", INVENTED, "W428", "W429"}
+#: Of the inputs, of other methods and of what a run asks besides: not of the factor, which studies repeat.
+_NOT_OF_FACTORS = {"W309", "W313", "W320", "W327", "W332", "W341", "W373", INVENTED, "W428", "W429"}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none

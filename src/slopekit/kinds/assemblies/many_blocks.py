@@ -32,8 +32,6 @@ from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
     bonds_of,
     notices_of,
-    said_of_bonds,
-    said_of_size,
     without_turning,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
@@ -66,6 +64,7 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
+from slopekit.notices import those_of_factors
 from slopekit.preie.elastic_path import falling
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.many_blocks.ravelling import (

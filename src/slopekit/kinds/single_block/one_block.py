@@ -186,7 +186,9 @@ def kind_of_one_block(
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
         of_design = tuple(notices(design))
-        answer = result(own_words(design), design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
+        answer = result(
+            own_words(design), design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design
+        )
         return replace(answer, without_basal=without_basal(design))
 
     def own_words(design: D) -> Words:
@@ -292,9 +294,9 @@ def facts_of(words: Words, made: Cut, solved: Solved, status: str, closed: Close
     """What was found, for the notices to judge."""
     rest, shaking = solved.at_rest, made.loads.parts["seismic"]
     return Facts(
-        status, solved.analysis, solved.scene.pairs, solved.scene.model, solved.bound is not None or not solved.limit.factor,
-        solved.change, rest is not None and not rest.stands, closed.why_not, words.block,
-        shaking if shaking.any() else None, solved.rules is not None,
+        status, solved.analysis, solved.scene.pairs, solved.scene.model,
+        solved.bound is not None or not solved.limit.factor, solved.change, rest is not None and not rest.stands,
+        closed.why_not, words.block, shaking if shaking.any() else None, solved.rules is not None,
         solved.span, None if solved.rules is None else solved.rules.rests_to,
     )  # fmt: skip
 

@@ -117,7 +117,7 @@ def for_factor(
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent,
                         load_last_beyond=beyond)  # fmt: skip
-    said = (*notices(solution), *_at_peak(solution))
+    said = (*notices(solution), *_of_nearest(solution, asked), *_at_peak(solution))
     solution = replace(solution, rounded=_rounded(solution, asked), warnings=said)
     return replace(solution, seconds=time.perf_counter() - began)
 
@@ -478,13 +478,23 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
     return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
 
 
-def _of_factor(asked: _FactorRequest, value: float, there: Point) -> Iterator[Notice]:
-    """What the factor at a value says of cohesion: its numbers are factors, and a load's are loads."""
+def _of_factor(asked: _FactorRequest, value: float, there: Point, named: bool = False) -> Iterator[Notice]:
+    """What a run says of the factor at a value, which is `named`, or of a load: a load's own numbers are loads."""
     for notice in () if there.factors is None else there.factors.notes:
-        if _LOAD.fullmatch(asked.key.path):
+        if named or _LOAD.fullmatch(asked.key.path):
             where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
             notice = Notice(notice.code, where + notice.message)
         yield notice
+
+
+def _of_nearest(solution: Solution, asked: _FactorRequest) -> Iterator[Notice]:
+    """What a run says of the factor that comes nearest to a target which no value gives: it may be one of a chip."""
+    least, most = solution.pre_ie.least, solution.pre_ie.most
+    if solution.answer is not None or least is None or most is None:
+        return
+    value, _ = most if most[1] < solution.target else least
+    if value in asked.points:
+        yield from _of_factor(asked, value, asked.points[value], named=True)
 
 
 def _crossings(search: RootSearch[Point]) -> list[Crossing[Point]]:

@@ -236,7 +236,9 @@ class Sweep(StudyOutcome):
         )
 
     def _where(self, place: Sequence[float]) -> str:
-        return "at " + ", ".join(f"{key.path} = {key.shown(value, 6)}" for key, value in zip(self.keys, place, strict=True))
+        return "at " + ", ".join(
+            f"{key.path} = {key.shown(value, 6)}" for key, value in zip(self.keys, place, strict=True)
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""
