@@ -372,7 +372,10 @@ def _of_lost_cohesion(interfaces: Sequence[Interface], facts: Facts) -> Iterator
         what = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
         jump = "" if facts.by_rules and lost <= _ALL else ": the factor of safety jumps where that happens"
         pressed = float(limit.normal_force[on].sum()) > _PRESSED * float(limit.normal_force.sum())
-        if lost > _ALL and pressed:
+        if lost > _ALL and pressed and interface.strength.dilation_deg:
+            yield Notice("W307", f"{interface.name} is lifted in part by more than its slip dilates it and loses all "
+                         f"of its cohesion, N' is that of where it touches{jump}")  # fmt: skip
+        elif lost > _ALL and pressed:
             yield Notice("W307", f"{interface.name} opens in part and loses all of its cohesion{jump}")
         else:
             yield Notice("W307", f"{interface.name} {what} and loses its cohesion there{jump}")

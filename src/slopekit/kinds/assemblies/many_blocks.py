@@ -307,7 +307,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
         sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
         max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
-        _left_out(design, scene, parts),
+        _left_out(design, scene, parts, history is not None and history.falls_short(limit or 0.0)),
         max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
     )  # fmt: skip
     of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
@@ -444,17 +444,25 @@ def balance_of(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
     ])  # fmt: skip
 
 
-def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part]) -> tuple[str, ...]:
-    """What was not modelled, with the proof or the check that lets it be."""
+def _left_out(
+    design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part], runs_before: bool
+) -> tuple[str, ...]:
+    """What was not modelled, with the proof or the check that lets it be.
+
+    Parameters
+    ----------
+    runs_before : in another history all blocks run before the limit
+    """
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:
         said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
     for part in parts:
         if part.limit.group:
+            but = "; where slip stays they run before (W504)" if runs_before else ""
             said.append(
                 f"the limit is that of {part.limit.group} of {len(part.blocks)} blocks that touch, the others held; "
                 f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it, and there have used up "
-                "95 % of the strength along its motion, or run 1 % beyond it"
+                f"95 % of the strength along its motion, or run 1 % beyond it{but}"
             )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
