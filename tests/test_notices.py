@@ -89,11 +89,11 @@ def test_notices_of_a_design_file(code, template, changes, says) -> None:
 
 
 def test_a_joint_that_dilates_is_lifted_by_more_where_it_parts() -> None:
-    says = "J1 is lifted in part by more than its slip dilates it and loses all of its cohesion, N' is that of"
+    """Its N' of 537 MN stands on the sheet beside "loses all of its cohesion": that of where it touches, as it rides."""
     found = sk.wedge(dips=("40/160", "80/220"), c=100, dilation=2)
     assert found.forces.normal["J1"] > 0.0
     first, _ = (notice.message for notice in found.warnings if notice.code == "W307")
-    says = "J1 is lifted in part by more than its slip dilates it and loses all of its cohesion, N' is that of where it"
+    says = "J1 is lifted in part by more than its slip dilates it and loses all of its cohesion, N' is that of"
     assert first.startswith(says)
 
 
