@@ -89,7 +89,7 @@ def test_notices_of_a_design_file(code, template, changes, says) -> None:
 
 
 def test_a_joint_that_dilates_is_lifted_by_more_where_it_parts() -> None:
-    """Its N' of 537 MN stands on the sheet beside "loses all of its cohesion": that of where it touches, as it rides."""
+    """Its N' of 537 MN stands on the sheet beside "loses all of its cohesion": that of where it touches."""
     found = sk.wedge(dips=("40/160", "80/220"), c=100, dilation=2)
     assert found.forces.normal["J1"] > 0.0
     first, _ = (notice.message for notice in found.warnings if notice.code == "W307")
