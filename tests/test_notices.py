@@ -40,6 +40,7 @@ OF_A_WEDGE = [
     ("W311", {"bolts": "200@000/10"}, "bolts without a head"),
     ("W315", {"bolts": "200@180/22.909807,passive"}, "the passive bolts add nothing"),
     ("W316", {"c": 50000}, "a cohesion of 50000 kPa"),
+    ("W316", {"phi": 80}, "a friction angle of 80° is that of no joint"),
     ("W318", {"bolts": "9000000@000/00"}, "the loads drive the wedge upward"),
     ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
     ("W492", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),

@@ -29,6 +29,7 @@ _HEIGHTS_M = (0.02, 2500.0)
 _INTACT_KPA = 5000.0  # of cohesion
 _STRONGEST_LAW_KPA = 2000.0  # ... and of a curved law, at ...
 _AT_KPA = 100.0
+_STEEPEST_DEG = 75.0  # of friction: Barton (1976) ends at 70
 _ARTESIAN = 3.0  # columns of water as high as the blocks
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
@@ -183,10 +184,14 @@ def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
 
 
 def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """Cohesion that no joint has."""
+    """Cohesion and friction that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > _INTACT_KPA:
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+    steepest = max((strength.friction_angle_deg for strength in strengths if strength.law is None), default=0.0)
+    if steepest > _STEEPEST_DEG:
+        yield Notice("W316", f"a friction angle of {steepest:.6g}° is that of no joint: 70° is the most that rough ones "
+                     "are measured to have")  # fmt: skip
     for law in dict.fromkeys(strength.law for strength in strengths if strength.law is not None):
         resists = float(law.resistance(np.array([_AT_KPA]))[0])
         if resists >= _STRONGEST_LAW_KPA:
