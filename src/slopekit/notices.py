@@ -190,8 +190,7 @@ def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
     steepest = max((strength.friction_angle_deg for strength in strengths if strength.law is None), default=0.0)
     if steepest > _STEEPEST_DEG:
-        yield Notice("W316", f"a friction angle of {steepest:.6g}° is that of no joint: 70° is the most that rough ones "
-                     "are measured to have")  # fmt: skip
+        yield Notice("W316", f"a friction angle of {steepest:.6g}° is that of no joint: rough ones have 70° at most")
     for law in dict.fromkeys(strength.law for strength in strengths if strength.law is not None):
         resists = float(law.resistance(np.array([_AT_KPA]))[0])
         if resists >= _STRONGEST_LAW_KPA:

@@ -152,7 +152,7 @@ def _said(site: Site, cases: Sequence[BoltCase]) -> Iterator[Notice]:
     yield from peak_only(design, "bolts are for the factor")
     points = [("as it stands", Point(factors_of(design)))]
     for case in cases:
-        if 0 < len(case.bolts) <= _MOST_PUT_BACK:
+        if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:
             points.append((f"with the {case.acts} bolts", Point(factors_of(site.with_bolts(*case.bolts)))))
     yield from said_at(points, of_inputs, "designs")
 
