@@ -168,29 +168,30 @@ def point_of(
 
 
 def said_at(
-    points: Sequence[tuple[str, Point]], besides: Iterable[Notice] = (), called: str = "points"
+    points: Sequence[Point], where: Callable[[int], str], besides: Iterable[Notice] = (), called: str = "points"
 ) -> Iterator[Notice]:
     """What runs would say of the factors at some places, each code once: at how many, and how it reads at the first.
 
     Parameters
     ----------
-    points : where each is, in words, and what both methods say there
-    besides : what is said of the design already; called : what the places are
+    points : what both methods say at each place; called : what these are
+    where : the place of a point by its number, in words
+    besides : what is said of the design already
 
     >>> there = Point(Factors("slides_on_J1", 1.0, None, None, None, None, False, True, notes=(Notice("W310", "so"),)))
-    >>> [str(notice) for notice in said_at([("at c = 1", Point(None, "E203", "no")), ("at c = 2", there)])]
-    ['W310 1 of 2 points, at c = 2: so']
+    >>> [str(notice) for notice in said_at([Point(None, "E203", "no"), there], "at c = {}".format)]
+    ['W310 1 of 2 points, at c = 1: so']
     """
-    said, known = dict[str, list[tuple[str, str]]](), {notice.code for notice in besides}
-    for where, point in points:
+    said, known = dict[str, list[tuple[int, str]]](), {notice.code for notice in besides}
+    for k, point in enumerate(points):
         notes = () if point.factors is None else point.factors.notes
         for code in dict.fromkeys(note.code for note in notes if note.code not in known):
             text = "; ".join(note.message for note in notes if note.code == code)
-            said.setdefault(code, []).append((where, text))
+            said.setdefault(code, []).append((k, text))
     for code, places in said.items():
-        where, message = places[0]
+        first, message = places[0]
         same = len(places) == len(points) and all(other == message for _, other in places)
-        yield Notice(code, message if same else f"{len(places)} of {len(points)} {called}, {where}: {message}")
+        yield Notice(code, message if same else f"{len(places)} of {len(points)} {called}, {where(first)}: {message}")
 
 
 def checked_target(fos: float, advice: str) -> None:

@@ -150,11 +150,12 @@ def _said(site: Site, cases: Sequence[BoltCase]) -> Iterator[Notice]:
     of_inputs = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
     yield from of_inputs
     yield from peak_only(design, "bolts are for the factor")
-    points = [("as it stands", Point(factors_of(design)))]
+    points, places = [Point(factors_of(design))], ["as it stands"]
     for case in cases:
         if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:
-            points.append((f"with the {case.acts} bolts", Point(factors_of(site.with_bolts(*case.bolts)))))
-    yield from said_at(points, of_inputs, "designs")
+            points.append(Point(factors_of(site.with_bolts(*case.bolts))))
+            places.append(f"with the {case.acts} bolts")
+    yield from said_at(points, places.__getitem__, of_inputs, "designs")
 
 
 def _need_of(way: Way, area: float = 1.0) -> Need:

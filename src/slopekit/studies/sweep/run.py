@@ -223,8 +223,7 @@ class Sweep(StudyOutcome):
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: points without a number, and what is said of the inputs."""
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
-        places = [(self._where(place), point) for place, point in zip(self.places, self.points, strict=True)]
-        said = tuple(said_at(places, self.of_inputs))
+        said = tuple(said_at(self.points, self._where, self.of_inputs))
         if not bare:
             return (*said, *self.of_inputs)
         named = Counter(self.status(point) for point in bare)
@@ -235,10 +234,10 @@ class Sweep(StudyOutcome):
             *self.of_inputs,
         )
 
-    def _where(self, place: Sequence[float]) -> str:
-        return "at " + ", ".join(
-            f"{key.path} = {key.shown(value, 6)}" for key, value in zip(self.keys, place, strict=True)
-        )
+    def _where(self, number: int) -> str:
+        """The place of a point, in words."""
+        place = zip(self.keys, self.places[number], strict=True)
+        return "at " + ", ".join(f"{key.path} = {key.shown(value, 6)}" for key, value in place)
 
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""

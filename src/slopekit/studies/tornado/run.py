@@ -116,15 +116,18 @@ class Tornado(StudyOutcome):
             for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high))
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
-        places = [("as it is", self.base)]
-        for bar in self.bars:
-            for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high)):
-                places.append((f"at {bar.key.path} = {bar.key.shown(value, 6)}", point))
-        said = tuple(said_at(places, self.of_inputs))
+        said = tuple(said_at(self.points, self._where, self.of_inputs))
         if not bare:
             return (*said, *self.of_inputs)
         ends = "end has" if len(bare) == 1 else "ends have"
         return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *said, *self.of_inputs)
+
+    def _where(self, number: int) -> str:
+        """The place of a point, in words."""
+        if number == 0:
+            return "as it is"
+        bar = self.bars[(number - 1) // 2]
+        return f"at {bar.key.path} = {bar.key.shown(bar.high if number % 2 == 0 else bar.low, 6)}"
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
