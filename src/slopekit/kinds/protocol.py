@@ -172,6 +172,7 @@ class Kind(Generic[D]):
     has_site : support can be looked for: the block is a `Cut` with a free face
     crest_point : where anchors of the crest have their heads, in local axes (3,) m; None where it has no such place
     column_row : the row of toppling columns that a design is, for forces on single ones; None of other kinds
+    beside : what is known of a factor from elsewhere and takes as long as it: said of one answer, not of thousands
     at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
         no such path
     seismic_gain : (without, unit, k_y, by the closed form) how fast the mechanism at k_y gains on the ground; None of
@@ -201,6 +202,7 @@ class Kind(Generic[D]):
     has_site: bool = False
     crest_point: Callable[[D], Floats] | None = None
     column_row: "Callable[[D], ToppleDesign] | None" = None
+    beside: Callable[[D], tuple[Notice, ...]] = lambda _: ()
     at_load: Callable[[D, D, float], AtLoad | None] | None = None
     seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)

@@ -32,6 +32,7 @@ from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
     bonds_of,
     notices_of,
+    said_of_history,
     without_turning,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
@@ -177,6 +178,15 @@ def kind_of_many_blocks(
         notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind))
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
 
+    def beside(design: A) -> tuple[Notice, ...]:
+        if not any(strength.cohesion_kpa for _, strength in design.strengths):
+            return ()
+        scene = own.cut(design)
+        ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+        limit = ravelling.failures[0].limit.factor if ravelling.failures else None
+        history = None if limit is None else history_of(ravelling.failures[0].parts[0], MOST_FOLLOWED)
+        return () if history is None or limit is None else tuple(said_of_history(history, limit))
+
     def ladder(design: A) -> "Ladder":
         from slopekit.kinds.assemblies.many_blocks_ladder import ladder_of_blocks  # only `check` asks
 
@@ -196,7 +206,7 @@ def kind_of_many_blocks(
     return Kind(
         name, record, read, own.words, lambda design: solved(own, design).result, factors,
         ladder, lambda design: [strength for _, strength in design.strengths], parts,
-        own.cut, at_load=lambda *asked: _at_load(own, *asked),
+        own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
         falls_west=falls_west, column_row=column_row, answered=answered,
     )  # fmt: skip

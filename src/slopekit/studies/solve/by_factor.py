@@ -113,6 +113,10 @@ def for_factor(
             pre_ie, spent, beyond = _of_load(replace(asked, crew=ALONE), whole, lower)
         else:
             pre_ie = _answers("pre_ie", asked, search, _look_roughly(search, asked, whole))
+    if pre_ie.roots:
+        first = pre_ie.roots[0]
+        first = replace(first, notes=(*first.notes, *_beside(asked, first)))
+        pre_ie = replace(pre_ie, roots=(first, *pre_ie.roots[1:]))
     if closed is not None:
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent,
@@ -476,6 +480,15 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
             notes=notes,
         )  # fmt: skip
     return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
+
+
+def _beside(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
+    """W504 of the factor at a value: where many blocks run in another history."""
+    if solved.both.factors is None or solved.both.factors.limit is None or not solved.put_back:
+        return
+    design = with_values(asked.design, values_of(asked.design, [asked.key], [solved.value]))
+    said = kind_of(design).beside(design)
+    yield from _of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
 
 
 def _of_factor(asked: _FactorRequest, value: float, there: Point, named: bool = False) -> Iterator[Notice]:
