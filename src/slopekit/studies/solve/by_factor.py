@@ -121,7 +121,10 @@ def for_factor(
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent,
                         load_last_beyond=beyond)  # fmt: skip
-    said = (*notices(solution), *_of_nearest(solution, asked), *_at_peak(solution))
+    said = tuple(notices(solution))
+    known = {notice.code for notice in said}
+    said += tuple(notice for notice in _of_nearest(solution, asked) if notice.code not in known)
+    said += _at_peak(solution)
     solution = replace(solution, rounded=_rounded(solution, asked), warnings=said)
     return replace(solution, seconds=time.perf_counter() - began)
 
