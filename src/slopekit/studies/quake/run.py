@@ -518,4 +518,4 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
     notes += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
     known = {note.code for note in notes}
     notes += (note for note in notices_of_inputs(static, [KEY]) if note.code not in known)
-    return [*notes, *peak_only(static, "displacements are those")]
+    return [*notes, *peak_only(static, "displacements one way are those")]
