@@ -129,3 +129,26 @@ def test_a_factor_of_a_chip_is_said_where_no_value_is_found() -> None:
     (ours,) = (notice for notice in found.warnings if notice.code == "W503")
     assert ours.message.startswith("of the factor of safety at strength.weak.phi = ")
     assert ours.message.endswith(of_run.message)
+
+
+def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
+    """W507: the block above the basal joint has 3.5 with 61.6° on that joint, the wedge that it is cut from 3.171."""
+    short = sk.solve(sk.load(BASAL), "strength.bedding.phi", fos=3.5)
+    (notice,) = (notice for notice in short.warnings if notice.code == "W507")
+    run = sk.run(BASAL, set={"strength.bedding.phi": short.answer.value, "acceptance.rules": "fos >= 3.4999"})
+    assert f"falls short of 3.5: slides on both, F {run.without_basal.closed_form:.4g}" in notice.message
+    assert (short.exit_code, run.exit_code) == (1, 1)
+    enough = sk.solve(sk.load(BASAL), "strength.bedding.phi", fos=1.3)
+    assert "W507" not in codes(enough)
+    assert enough.exit_code == 0
+
+
+def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
+    found = sk.support(sk.load(BASAL, set={"strength.joint.phi": 10}), 1.5, acts="passive")
+    (notice,) = (notice for notice in found.warnings if notice.code == "W507")
+    assert notice.message.startswith("with the passive bolts the whole wedge, without the basal joint, falls short of")
+    assert found.exit_code == 1
+    none = sk.support(sk.load(BASAL, set={"strength.bedding.phi": 70}), 3.5)
+    assert none.stands
+    assert "as it stands the whole wedge" in next(one.message for one in none.warnings if one.code == "W507")
+    assert none.exit_code == 1

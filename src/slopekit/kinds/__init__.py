@@ -154,6 +154,15 @@ def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
                    f"design {factor}"),)  # fmt: skip
 
 
+def whole_falls_short(design: Design, target: float, where: str) -> tuple[Notice, ...]:
+    """W507: the block above a basal joint meets a target, the wedge that it is part of (W410) does not."""
+    whole = kind_of(design).without_basal(design)
+    if whole is None or not whole.falls_short(target):
+        return ()
+    return (Notice("W507", f"{where} the whole wedge, without the basal joint, falls short of {target:g}: "
+                   f"{whole.in_words()} by the closed form; the block above the basal joint alone has it"),)  # fmt: skip
+
+
 def dilates(design: Design) -> bool:
     """Whether any joint of the design dilates as it slips."""
     return any(strength.dilation_deg for strength in kind_of(design).strengths(design))

@@ -11,6 +11,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
+from slopekit.evidence import WithoutBasal
 from slopekit.notices import Bonds
 from slopekit.result import Result, Words
 
@@ -173,6 +174,7 @@ class Kind(Generic[D]):
     crest_point : where anchors of the crest have their heads, in local axes (3,) m; None where it has no such place
     column_row : the row of toppling columns that a design is, for forces on single ones; None of other kinds
     beside : what is known of a factor from elsewhere and takes as long as it: said of one answer, not of thousands
+    without_basal : a block that the one analysed is part of, and that may fail before it; None where there is none
     at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
         no such path
     seismic_gain : (without, unit, k_y, by the closed form) how fast the mechanism at k_y gains on the ground; None of
@@ -203,6 +205,7 @@ class Kind(Generic[D]):
     crest_point: Callable[[D], Floats] | None = None
     column_row: "Callable[[D], ToppleDesign] | None" = None
     beside: Callable[[D], tuple[Notice, ...]] = lambda _: ()
+    without_basal: Callable[[D], WithoutBasal | None] = lambda _: None
     at_load: Callable[[D, D, float], AtLoad | None] | None = None
     seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)

@@ -216,7 +216,7 @@ def kind_of_one_block(
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
         lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays,
-        answered="drag", variants=variants,
+        answered="drag", variants=variants, without_basal=without_basal,
     )  # fmt: skip
 
 

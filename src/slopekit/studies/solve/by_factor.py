@@ -13,7 +13,7 @@ from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import dilates, kind_of, peak_only
+from slopekit.kinds import dilates, kind_of, peak_only, whole_falls_short
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
 from slopekit.preie.solvers import effort
@@ -486,10 +486,11 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
 
 
 def _beside(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
-    """W504 of the factor at a value: where many blocks run in another history."""
+    """What else is known at a value: W504 where many blocks run in another history, W507 of a larger wedge."""
     if solved.both.factors is None or solved.both.factors.limit is None or not solved.put_back:
         return
     design = with_values(asked.design, values_of(asked.design, [asked.key], [solved.value]))
+    yield from whole_falls_short(design, asked.target, f"at {asked.key.shown(solved.value, 4)}")
     said = kind_of(design).beside(design)
     yield from _of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
 

@@ -178,11 +178,13 @@ class Solution(StudyOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 found, 1 there is no such value, 4 the methods disagree there, or no convergence."""
+        """0 found, 1 there is no such value or a larger wedge falls short (W507), 4 the methods disagree there."""
         answer = self.answer
         if answer is None:
             return 4 if self.is_open else 1
-        return 4 if self.agree is False or answer.status == UNSETTLED else 0
+        if self.agree is False or answer.status == UNSETTLED:
+            return 4
+        return 1 if any(note.code == "W507" for note in answer.notes) else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
