@@ -159,8 +159,8 @@ def whole_falls_short(design: Design, target: float, where: str) -> tuple[Notice
     whole = kind_of(design).without_basal(design)
     if whole is None or not whole.falls_short(target):
         return ()
-    return (Notice("W507", f"{where} the whole wedge, without the basal joint, falls short of {target:g}: "
-                   f"{whole.in_words()} by the closed form; the block above the basal joint alone has it"),)  # fmt: skip
+    said = f"{where} the whole wedge, without the basal joint, falls short of {target:g}: {whole.in_words()}"
+    return (Notice("W507", f"{said} by the closed form; the block above the basal joint alone has it"),)
 
 
 def dilates(design: Design) -> bool:
