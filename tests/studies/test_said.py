@@ -4,6 +4,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
+from slopekit.studies.support.for_cases import _in_case
 from tests.kinds.test_small_part import beside_a_chip
 
 BASAL = str(path_of("wedge-basal"))
@@ -148,7 +149,18 @@ def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
     (notice,) = (notice for notice in found.warnings if notice.code == "W507")
     assert notice.message.startswith("with the passive bolts the whole wedge, without the basal joint, falls short of")
     assert found.exit_code == 1
+    among_cases = _in_case("with its bolts", found, found.cases[0].bolts)
+    assert among_cases.limit == pytest.approx(1.5, abs=1e-3)
+    assert not among_cases.met
     none = sk.support(sk.load(BASAL, set={"strength.bedding.phi": 70}), 3.5)
     assert none.stands
     assert "as it stands the whole wedge" in next(one.message for one in none.warnings if one.code == "W507")
     assert none.exit_code == 1
+
+
+def test_no_load_case_is_met_that_the_whole_wedge_does_not_meet() -> None:
+    """The value for all cases is that of the block above the basal joint: 3.5 with 61.6°, the whole wedge has 3.171."""
+    cases = {"low": {"accept": "fos >= 1.3"}, "high": {"accept": "fos >= 3.5"}}
+    found = sk.solve(sk.load(BASAL, set={"cases": cases}), "strength.bedding.phi")
+    assert [(one.case, one.met) for one in found.for_all.inside] == [("low", True), ("high", False)]
+    assert found.exit_code == 1
