@@ -164,3 +164,16 @@ def test_no_load_case_is_met_that_the_whole_wedge_does_not_meet() -> None:
     found = sk.solve(sk.load(BASAL, set={"cases": cases}), "strength.bedding.phi")
     assert [(one.case, one.met) for one in found.for_all.inside] == [("low", True), ("high", False)]
     assert found.exit_code == 1
+
+
+def test_rules_that_a_study_does_not_judge_are_named() -> None:
+    """W508: the value found gives the factor of the rule on fos, a rule on the lowest breaks there."""
+    rules = {"acceptance.rules": ["fos >= 1.2", "fos.lowest >= 1.2"]}
+    columns = sk.load(str(path_of("topple")), set=rules)
+    found = sk.solve(columns, "strength.bedding.phi")
+    (notice,) = (one for one in found.warnings if one.code == "W508")
+    assert notice.message == "acceptance also asks for fos.lowest >= 1.2: not looked at here, run judges it"
+    run = sk.run(str(path_of("topple")), set=rules | {"strength.bedding.phi": found.answer.value})
+    assert run.fos.lowest < 1.2
+    assert "W508" in codes(sk.sweep(columns, {"strength.bedding.phi": [20]}))
+    assert "W508" not in codes(sk.solve(columns, "strength.bedding.phi", fos=1.2))

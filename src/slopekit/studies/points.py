@@ -1,7 +1,7 @@
 """One point of a study: a design with some of its values changed, and what both methods say of it."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, fields
 from typing import Any, Literal, TypeAlias
 
@@ -192,6 +192,18 @@ def said_at(
         first, message = places[0]
         same = len(places) == len(points) and all(other == message for _, other in places)
         yield Notice(code, message if same else f"{len(places)} of {len(points)} {called}, {where(first)}: {message}")
+
+
+def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]:
+    """W508: acceptance rules on numbers that a study does not find.
+
+    Parameters
+    ----------
+    judged : the names of those that it does
+    """
+    others = [str(rule) for rule in design.rules if rule.name not in judged]
+    text = f"acceptance also asks for {', '.join(others)}: not looked at here, run judges it"
+    return (Notice("W508", text),) if others else ()
 
 
 def checked_target(fos: float, advice: str) -> None:

@@ -18,7 +18,16 @@ from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
 from slopekit.preie.solvers import effort
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import UNSETTLED, Evaluation, Method, Point, checked_target, factor_at, status_of
+from slopekit.studies.points import (
+    UNSETTLED,
+    Evaluation,
+    Method,
+    Point,
+    checked_target,
+    factor_at,
+    rules_left_out,
+    status_of,
+)
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew, run_all
@@ -124,7 +133,7 @@ def for_factor(
     said = tuple(notices(solution))
     known = {notice.code for notice in said}
     said += tuple(notice for notice in _of_nearest(solution, asked) if notice.code not in known)
-    said += _at_peak(solution)
+    said += (*_at_peak(solution), *(rules_left_out(design, ("fos", "fos.limit")) if own else ()))
     solution = replace(solution, rounded=_rounded(solution, asked), warnings=said)
     return replace(solution, seconds=time.perf_counter() - began)
 

@@ -35,6 +35,7 @@ from slopekit.studies.points import (
     checked_target,
     factor_at,
     lines_of,
+    rules_left_out,
     said_at,
     status_of,
 )
@@ -54,6 +55,7 @@ from slopekit.studies.ranges import MOST, how_written, meant_in_steps, parse_val
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 
 _SAME = 1e-9  # factors that differ by less do not rise or fall
+_LEVELS = ("fos", "fos.limit", "fos.closed_form")  # names of the rules whose levels are looked for
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,7 +342,7 @@ def sweep(
         raise DesignError([Fault("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")])
     own, values = tuple(key for key, _ in axes), tuple(of for _, of in axes)
     said += notices_of_inputs(design, [key.path for key in own])
-    said += peak_only(design, "factors are those")
+    said += (*peak_only(design, "factors are those"), *rules_left_out(design, _LEVELS))
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
     tasks = [values_of(design, own, place) for place in swept.places]
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
@@ -398,7 +400,7 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
     """
     levels = {1.0: "FoS 1"}
     for rule in design.rules:
-        if rule.name in ("fos", "fos.limit", "fos.closed_form"):
+        if rule.name in _LEVELS:
             levels.setdefault(rule.value, f"acceptance, {rule}")
     if fos is not None:
         checked_target(fos, "Write --fos 1.5")
