@@ -297,6 +297,13 @@ def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
     return tuple(notice for notice in said if notice.code not in _NOT_OF_FACTORS)
 
 
+def notices_of_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
+    """Those of the notices of one analysed block that are of its factor: what studies say."""
+    yield from _of_the_factor(design, interfaces, facts)
+    yield from _weight_notices(design)
+    yield from _intact_notices([interface.strength for interface in interfaces])
+
+
 def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """What a reader must know of the factor of one block: what it rests on, what it leaves out, how it was found."""
     analysis, limit = facts.analysis, facts.analysis.governing

@@ -50,7 +50,7 @@ from slopekit.kinds.single_block.one_block_states import (
 from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.loads import Loads
-from slopekit.notices import Facts, Interface, those_of_factors
+from slopekit.notices import Facts, Interface, notices_of_factor
 from slopekit.notices import notices as common_notices
 from slopekit.preie.motion.balance import balance, of_one_block
 from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
@@ -205,7 +205,7 @@ def kind_of_one_block(
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
             limit.settled_to(design.stop_when),
-            notes=those_of_factors((*notices(design), *common_notices(design, made.interfaces, facts))),
+            notes=(*notices(design), *notices_of_factor(design, made.interfaces, facts)),
         )  # fmt: skip
 
     def ladder(design: D) -> "Ladder":
