@@ -628,3 +628,10 @@ def test_a_slope_that_hardly_stands_is_named_as_the_reason() -> None:
     stands = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": 35.0 + math.degrees(1e-4)}}})
     far = sk.quake(stands, record_of("north", *_sine(50, 0.1 * G)))
     assert 10.0 < far.shaken[0].larger_m < 1000.0
+
+
+def test_a_slope_that_nothing_holds_has_a_status_and_no_factor() -> None:
+    """E520: lifted by its water it has no factor of safety; it was said to have 0."""
+    lifted = "water={pressures: {J1: 400, J2: 400}}"
+    done = slopekit("quake", str(path_of("wedge")), "sine:0.5g,1Hz", "--set", lifted)
+    assert done.stderr.startswith("E520 the slope does not stand without an earthquake: is pushed off both planes\n")

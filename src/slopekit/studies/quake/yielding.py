@@ -28,6 +28,7 @@ from slopekit.studies.protocol import Advance
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
 from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
+from slopekit.studies.words import status_words
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
 MOST_K = 2.0  # where a design's coefficient ends
@@ -132,7 +133,10 @@ def check_stands(static: Design) -> None:
         raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
     if before <= 1.0:
         shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
-        message = f"the slope does not stand without an earthquake: its factor of safety is {shown}"
+        has = f"its factor of safety is {shown}"
+        if before == 0.0:  # nothing holds it: a status, no number
+            has = status_words(static, status_of(point, "pre_ie"))
+        message = f"the slope does not stand without an earthquake: {has}"
         raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
 
 
