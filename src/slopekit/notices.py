@@ -244,15 +244,26 @@ def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
             yield Notice("W320", f"{name} is a distribution: this run takes {value}")
 
 
-def _read_notices(design: Design) -> Iterator[Notice]:
-    """What reading the design already says."""
-    if design.invented:
-        yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(design.invented)}")
-    yield from means_taken(design)
+def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
+    """W379, W327, W373: what was not given, what is not used and what was read in another way than it stands there.
+
+    Parameters
+    ----------
+    varied : the paths that a study gives values of its own
+    """
+    own = {part for path in varied for part in path.split(".")}
+    if invented := [name for name in design.invented if name not in own]:
+        yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(invented)}")
     if design.left_out:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
     if design.read_as:
         yield Notice("W373", f"read of {'; '.join(design.read_as)}")
+
+
+def _read_notices(design: Design) -> Iterator[Notice]:
+    """What reading the design already says."""
+    yield from not_as_given(design)
+    yield from means_taken(design)
     asks = max((rule.value for rule in design.rules if rule.relation in (">=", ">")), default=0.0)
     if design.partial is not None and asks > 1.0:
         yield Notice(

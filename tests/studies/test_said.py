@@ -177,3 +177,19 @@ def test_rules_that_a_study_does_not_judge_are_named() -> None:
     assert run.fos.lowest < 1.2
     assert "W508" in codes(sk.sweep(columns, {"strength.bedding.phi": [20]}))
     assert "W508" not in codes(sk.solve(columns, "strength.bedding.phi", fos=1.2))
+
+
+@pytest.mark.parametrize(("study", "names"), [
+    (lambda design: sk.sweep(design, {"strength.joints.phi": [20]}), "face, upper, height, c, density"),
+    (lambda design: sk.tornado(design, methods="closed-form"), "face, upper, height, c, phi, density"),
+    (lambda design: sk.solve(design, "slope.height", fos=1.3), "face, upper, c, phi, density"),
+    (lambda design: sk.quake(design, "sine:0.5g,1Hz"), "face, upper, height, c, phi, density"),
+    (lambda design: sk.support(design, 1.6, acts="active"), "face, upper, height, c, phi, density"),
+])  # fmt: skip
+def test_what_was_not_given_is_said(study, names) -> None:
+    """W379, DEFAULTS of a run: what was taken from the paper's wedge, but for what a study varies itself."""
+    design = sk.load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
+    found = study(design)
+    (notice,) = (one for one in found.warnings if one.code == "W379")
+    assert notice.message == f"not given, taken from the paper's wedge: {names}"
+    assert "W379 not given" in str(found.sheet)

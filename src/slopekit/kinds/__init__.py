@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from slopekit.core.errors import Notice, SlopekitError
 from slopekit.design import registry
 from slopekit.design.common import Design
-from slopekit.notices import means_taken, pressure_notices, size_notices, unlikely_values
+from slopekit.notices import means_taken, not_as_given, pressure_notices, size_notices, unlikely_values
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -109,8 +109,8 @@ def likely_slips(design: Design, varied: Sequence[str] = ()) -> list[Notice]:
 
 
 def notices_of_inputs(design: Design, varied: Sequence[str] = ()) -> tuple[Notice, ...]:
-    """What a study of a design at its means says of the inputs: means taken (W320), and `likely_slips`."""
-    return (*means_taken(design, varied), *likely_slips(design, varied))
+    """What a study of a design at its means says of the inputs: what was taken (W379, W320), and `likely_slips`."""
+    return (*not_as_given(design, varied), *means_taken(design, varied), *likely_slips(design, varied))
 
 
 def factors_of(design: Design, pre_ie: bool = True) -> "Factors":

@@ -24,6 +24,7 @@ from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
+from slopekit.notices import not_as_given
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Point, point_of
 from slopekit.studies.prob.bolts import (
@@ -415,7 +416,7 @@ def prob(
         design, given, asked, samples, judged.names, judged.outcome, judged.factor, judged.fails, all_samples, forming,
         confirmation, judged.evaluator, crew_in_words(crew),
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
-         *_not_used(given), *likely_slips(given), *(source.notices if source else ())), clock.done(),
+         *not_as_given(given), *likely_slips(given), *(source.notices if source else ())), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
         None if source is None else source.outcome(judged, asked.seed, confidence), sizes,
         None if cracks is None else cracks.found,
@@ -423,11 +424,6 @@ def prob(
     if desk.folder is None:
         probability.done()
     return probability
-
-
-def _not_used(design: Design) -> tuple[Notice, ...]:
-    """W327: what the design says and the study does not take."""
-    return (Notice("W327", f"not used: {'; '.join(design.left_out)}"),) if design.left_out else ()
 
 
 class _Settings(Sequence[Mapping[str, object]]):
