@@ -144,7 +144,7 @@ def _at_peak(solution: Solution) -> tuple[Notice, ...]:
     if answer is None:
         return peak_only(solution.design, "factors are those")
     found = with_values(solution.design, values_of(solution.design, [solution.key], [answer.value]))
-    return peak_only(found, "the target is met by that")
+    return peak_only(found, "the target is met by the factor")
 
 
 def level_of(factor: float, target: float) -> float:
