@@ -40,6 +40,7 @@ OF_A_WEDGE = [
     ("W311", {"bolts": "200@000/10"}, "bolts without a head"),
     ("W315", {"bolts": "200@180/22.909807,passive"}, "the passive bolts add nothing"),
     ("W316", {"c": 50000}, "a cohesion of 50000 kPa"),
+    ("W316", {"phi": 80}, "a friction angle of 80° is that of no joint"),
     ("W318", {"bolts": "9000000@000/00"}, "the loads drive the wedge upward"),
     ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
     ("W492", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),
@@ -86,6 +87,15 @@ def test_notices_of_a_wedge(code, inputs, says) -> None:
 def test_notices_of_a_design_file(code, template, changes, says) -> None:
     said = {notice.code: notice.message for notice in sk.run(path_of(template), set=changes).warnings}
     assert said[code].startswith(says)
+
+
+def test_a_joint_that_dilates_is_lifted_by_more_where_it_parts() -> None:
+    """Its N' of 537 MN stands on the sheet beside "loses all of its cohesion": that of where it touches."""
+    found = sk.wedge(dips=("40/160", "80/220"), c=100, dilation=2)
+    assert found.forces.normal["J1"] > 0.0
+    first, _ = (notice.message for notice in found.warnings if notice.code == "W307")
+    says = "J1 is lifted in part by more than its slip dilates it and loses all of its cohesion, N' is that of"
+    assert first.startswith(says)
 
 
 def test_a_plain_design_is_told_nothing() -> None:

@@ -11,6 +11,8 @@ from slopekit.core.codec import NO_JSON
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Rule
 
+_ROUNDING = 1e-9  # of a factor that was solved for
+
 
 @dataclass(frozen=True, slots=True)
 class FactorsOfSafety:
@@ -238,3 +240,13 @@ class WithoutBasal:
         if self.closed_form is None:
             return self.status not in ("lifted", "falls")
         return rule.met(self.closed_form)
+
+    def falls_short(self, target: float) -> bool:
+        """Whether it has less than a factor of safety.
+
+        >>> WithoutBasal("slides_on_both", 1.2).falls_short(1.3), WithoutBasal("falls", None).falls_short(0.1)
+        (True, True)
+        """
+        if self.closed_form is None:
+            return self.status in ("lifted", "falls")
+        return self.closed_form < target * (1.0 - _ROUNDING)

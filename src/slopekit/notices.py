@@ -1,7 +1,7 @@
 """What a reader must know beside the number: notices with stable W-codes."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from slopekit.preie.tolerances import MESH_CHANGE
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
+#: Of the inputs, of other methods and of what a run asks besides: not of the factor, which studies repeat.
+_NOT_OF_FACTORS = {"W309", "W313", "W320", "W327", "W332", "W341", "W373", INVENTED, "W428", "W429"}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
@@ -27,6 +29,7 @@ _HEIGHTS_M = (0.02, 2500.0)
 _INTACT_KPA = 5000.0  # of cohesion
 _STRONGEST_LAW_KPA = 2000.0  # ... and of a curved law, at ...
 _AT_KPA = 100.0
+_STEEPEST_DEG = 75.0  # of friction: Barton (1976) ends at 70
 _ARTESIAN = 3.0  # columns of water as high as the blocks
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
@@ -163,23 +166,31 @@ def _percent(part: float) -> str:
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
     """What a reader must know of the inputs, whatever the kind."""
     yield from _read_notices(design)
-    yield from _judged_notices(design, strengths)
+    yield from _static_bound_judged(design)
+    yield from _tension_notices(strengths)
     yield from _intact_notices(strengths)
 
 
-def _judged_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """What a rule may judge and the limit does not count."""
+def _static_bound_judged(design: Design) -> Iterator[Notice]:
+    """A rule on what is no answer."""
     if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
         yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
+
+
+def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """What the limit does not count."""
     if any(strength.tension_kpa for strength in strengths):
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
 
 
 def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """Cohesion that no joint has."""
+    """Cohesion and friction that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > _INTACT_KPA:
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+    steepest = max((strength.friction_angle_deg for strength in strengths if strength.law is None), default=0.0)
+    if steepest > _STEEPEST_DEG:
+        yield Notice("W316", f"a friction angle of {steepest:.6g}° is that of no joint: rough ones have 70° at most")
     for law in dict.fromkeys(strength.law for strength in strengths if strength.law is not None):
         resists = float(law.resistance(np.array([_AT_KPA]))[0])
         if resists >= _STRONGEST_LAW_KPA:
@@ -233,15 +244,26 @@ def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
             yield Notice("W320", f"{name} is a distribution: this run takes {value}")
 
 
-def _read_notices(design: Design) -> Iterator[Notice]:
-    """What reading the design already says."""
-    if design.invented:
-        yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(design.invented)}")
-    yield from means_taken(design)
+def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
+    """W379, W327, W373: what was not given, what is not used and what was read in another way than it stands there.
+
+    Parameters
+    ----------
+    varied : the paths that a study gives values of its own
+    """
+    own = {part for path in varied for part in path.split(".")}
+    if invented := [name for name in design.invented if name not in own]:
+        yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(invented)}")
     if design.left_out:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
     if design.read_as:
         yield Notice("W373", f"read of {'; '.join(design.read_as)}")
+
+
+def _read_notices(design: Design) -> Iterator[Notice]:
+    """What reading the design already says."""
+    yield from not_as_given(design)
+    yield from means_taken(design)
     asks = max((rule.value for rule in design.rules if rule.relation in (">=", ">")), default=0.0)
     if design.partial is not None and asks > 1.0:
         yield Notice(
@@ -266,20 +288,47 @@ def unlikely_values(design: Design, strengths: Sequence[Strength]) -> Iterator[N
 
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """The notices of one analysed block, in the order of their weight for the reader."""
-    analysis, limit = facts.analysis, facts.analysis.governing
     yield from _read_notices(design)
+    yield from _of_the_factor(design, interfaces, facts)
+    strengths = [interface.strength for interface in interfaces]
+    yield from _static_bound_judged(design)
+    yield from _intact_notices(strengths)
+    if not facts.bound_is_proved:
+        yield Notice("W309", "the static bound was not found")
+    if facts.unsettled:
+        yield Notice(
+            "W313",
+            "on an elastic bed no equilibrium was found at full strength (pairs that open "
+            "there lose their cohesion): no displacements",
+        )
+
+
+def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
+    """Of the notices of an analysis those of the factor, which studies say too of the designs that they analyse."""
+    return tuple(notice for notice in said if notice.code not in _NOT_OF_FACTORS)
+
+
+def notices_of_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
+    """Those of the notices of one analysed block that are of its factor: what studies say."""
+    yield from _of_the_factor(design, interfaces, facts)
+    yield from _weight_notices(design)
+    yield from _intact_notices([interface.strength for interface in interfaces])
+
+
+def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
+    """What a reader must know of the factor of one block: what it rests on, what it leaves out, how it was found."""
+    analysis, limit = facts.analysis, facts.analysis.governing
     yield from _of_the_limit(design, facts)
     yield from _of_lost_cohesion(interfaces, facts)
     yield from _of_shaking(facts)
     strengths = [interface.strength for interface in interfaces]
-    yield from _judged_notices(design, strengths)
+    yield from _tension_notices(strengths)
     if facts.status == "slides_up":
         yield Notice("W318", f"the loads drive the {facts.block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -facts.model.bolt_rows @ limit.velocity_of(facts.model)
         if not (drawn > SQUARE).any():
             yield undrawn_notice()
-    yield from _intact_notices(strengths)
     if not len(facts.model.bolt_capacity) and not any(
         strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
     ):
@@ -289,19 +338,11 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     if facts.why_not and any(strength.dilation_deg for strength in strengths):
         yield Notice("W310", facts.why_not)
     yield from headless_notices(design)
-    if not facts.bound_is_proved:
-        yield Notice("W309", "the static bound was not found")
     if analysis.moments_govern and limit.factor and facts.mesh_change is None:
         yield Notice(
             "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
         )
     yield from mesh_notices(facts.mesh_change or 0.0)
-    if facts.unsettled:
-        yield Notice(
-            "W313",
-            "on an elastic bed no equilibrium was found at full strength (pairs that open "
-            "there lose their cohesion): no displacements",
-        )
 
 
 def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
@@ -353,7 +394,10 @@ def _of_lost_cohesion(interfaces: Sequence[Interface], facts: Facts) -> Iterator
         what = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
         jump = "" if facts.by_rules and lost <= _ALL else ": the factor of safety jumps where that happens"
         pressed = float(limit.normal_force[on].sum()) > _PRESSED * float(limit.normal_force.sum())
-        if lost > _ALL and pressed:
+        if lost > _ALL and pressed and interface.strength.dilation_deg:
+            yield Notice("W307", f"{interface.name} is lifted in part by more than its slip dilates it and loses all "
+                         f"of its cohesion, N' is that of where it touches{jump}")  # fmt: skip
+        elif lost > _ALL and pressed:
             yield Notice("W307", f"{interface.name} opens in part and loses all of its cohesion{jump}")
         else:
             yield Notice("W307", f"{interface.name} {what} and loses its cohesion there{jump}")

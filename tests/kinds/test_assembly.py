@@ -336,10 +336,14 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "W341" not in said(static_bound=1.09 * part.limit.factor)
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
     assert said(static_bound=None)["W309"].endswith("; the limit is held against no upper bound")
-    held = " ".join(room._left_out(design, scene, (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)))
+    in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
+    held = " ".join(room._left_out(design, scene, in_group, False))
+    assert "W504" not in held
+    sooner = " ".join(room._left_out(design, scene, in_group, True))
+    assert "or run 1 % beyond it; where slip stays they run before (W504)" in sooner
     assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
     assert "come to rest at 0.9993 of it" in held
-    assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
+    assert "others held" not in " ".join(room._left_out(design, scene, (part,), True))
 
 
 @pytest.mark.parametrize("number", [27, 107])

@@ -107,7 +107,7 @@ def test_a_history_that_ends_lower_lowers_the_lowest_factor() -> None:
     above = (found.fos.limit / found.history.runs - 1.0) * 100.0
     assert f"run at {found.history.runs:.4f}" in notice.message
     assert f"lies {above:.2g} % above that" in notice.message
-    assert "or others where slip stays (W504)" in said(found)
+    assert "the low end no higher than of motions where slip stays (W504)" in said(found)
 
 
 @pytest.mark.parametrize(("runs", "excess", "short"), [
@@ -161,3 +161,18 @@ def test_no_history_is_followed_where_it_would_be_of_other_blocks(monkeypatch) -
     assert many_blocks.history_of(dilates, 1) is None
     monkeypatch.setattr(many_blocks, "_HISTORY", 1e-9)
     assert many_blocks.history_of(part, 1) is None
+
+
+def test_a_value_that_is_solved_for_says_the_other_history(monkeypatch) -> None:
+    """W504 of the factor at the value found, as `run` says it there; of a load by its value, to earthquakes too."""
+    design = sk.load(block(), set={"loads.seismic": {"k": 0.0, "toward": 270}})
+    monkeypatch.setattr(many_blocks, "history_of", lambda part, most: History(0.8, 0.81))
+    found = sk.solve(design, "strength.joint.c", fos=3.0)
+    (notice,) = [notice for notice in found.warnings if notice.code == "W504"]
+    at = sk.run(block(), set={"strength.joint.c": found.answer.value})
+    assert notice in at.warnings
+    shaken = sk.quake(design, "sine:0.5g,1Hz")
+    (notice,) = [notice for notice in shaken.warnings if notice.code == "W504"]
+    assert notice.message.startswith("of the factor of safety at loads.seismic.k = ")
+    bare = sk.solve(sk.load(block(), set={"strength.joint.c": 0}), "strength.joint.phi", fos=3.0)
+    assert "W504" not in [notice.code for notice in bare.warnings]

@@ -40,7 +40,8 @@ def test_a_target_among_values_at_which_pre_ie_does_not_converge(monkeypatch) ->
     assert found.reason.message.endswith(", where PRE-IE did not converge")
     assert found.reason.advice == f"Fewer or larger blocks, or a narrower range: {PHI}=lo:hi."
     assert found.exit_code == 4
-    assert "refused" not in str(found)
+    assert "refused" not in str(found).lower()
+    assert "UNSETTLED" in str(found.sheet)
     assert "not_converged" not in str(found)
     (stretch,) = found.to_dict()["pre_ie"]["refused"]
     assert (stretch["code"], stretch["message"]) == ("not_converged", "PRE-IE did not converge")
@@ -50,6 +51,8 @@ def test_an_input_that_is_refused_is_no_lack_of_convergence(monkeypatch) -> None
     without_a_number(monkeypatch, 18.0, 22.0, "E113", "it looks like radians")
     found = sk.solve(_slab(), PHI, fos=1.0)
     assert found.reason.message.endswith(", where the input is refused: E113 it looks like radians")
+    assert "REFUSED" in str(found.sheet)
+    assert "UNSETTLED" not in str(found.sheet)
     assert found.exit_code == 1
 
 

@@ -170,7 +170,7 @@ def test_where_moments_govern_both_values_are_given() -> None:
     put_back(ONE_PLANE, "strength.a.phi", found, 1.5)
     assert found.moments_govern
     assert found.answer.value != pytest.approx(found.closed_form.roots[0].value, rel=1e-3)
-    assert [notice.code for notice in found.warnings] == ["W355"]
+    assert [notice.code for notice in found.warnings] == ["W355", "W314", "W307"]
     assert f"use {found.key.shown(found.answer.value)}" in found.warnings[0].message
     assert "moments govern" in str(found)
 
@@ -183,7 +183,7 @@ def test_several_values_are_all_given_the_nearest_first() -> None:
     for root, own in zip(found.pre_ie.roots, found.closed_form.roots, strict=True):
         assert root.value == pytest.approx(own.value, rel=1e-9)
         assert abs(sk.run(WEDGE, set={"support.bolts.0.force": root.value}).fos.limit - 2.0) <= 1e-6
-    assert [notice.code for notice in found.warnings] == ["W356"]
+    assert [notice.code for notice in found.warnings] == ["W311", "W356"]
     far = solve(sk.load(WEDGE | {"support": {"bolts": ["4e6 kN@000/-05"]}}), "support.bolts.0.force", fos=2.0)
     assert far.answer.status == "slides_up"
 
@@ -261,7 +261,8 @@ def test_a_jump_beside_a_root_is_told() -> None:
     for how, says in (("jump", "also jumps across 1.3 at 70 kPa: 1.4 below, 1.1 above"),
                       ("gap", "also passes (where there is no factor) 1.3")):  # fmt: skip
         other = replace(found.answer, how=how, value=70.0, bracket=((70.0, 1.4), (70.1, 1.1)))
-        (notice,) = notices(replace(found, pre_ie=replace(found.pre_ie, others=(other,))))
+        with_jump = replace(found, pre_ie=replace(found.pre_ie, others=(other,)))
+        (notice,) = (one for one in notices(with_jump) if one not in found.warnings)
         assert notice.code == "W358"
         assert says in notice.message
         assert how in str(replace(found, pre_ie=replace(found.pre_ie, others=(other,))))

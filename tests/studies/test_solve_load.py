@@ -188,7 +188,7 @@ def test_a_yield_of_another_history_has_no_factor_of_the_motion(monkeypatch) -> 
 def test_no_jump_is_claimed_where_none_was_seen(monkeypatch) -> None:
     """A path in the load that ends where the factor, put back, stays above the target: the other history, W477."""
     monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.2, "slides", None))
-    found = sk.solve(with_values(_slab(), {"strength.joint.phi": 80.0, "loads.seismic.toward": 90.0}), KEY, fos=1.0)
+    found = sk.solve(with_values(_slab(), {"strength.joint.phi": 75.0, "loads.seismic.toward": 90.0}), KEY, fos=1.0)
     (said,) = found.warnings
     assert said.code == "W477"
     assert "which is given; with the strength divided last their factor there is" in said.message
@@ -271,7 +271,7 @@ def test_a_factor_that_was_not_found_is_said_not_to_be_compared(monkeypatch) -> 
     monkeypatch.setattr(by_factor, "_PUT_BACK", 1.0)
     found = sk.solve(_slab(), KEY, fos=1.0)
     assert found.answer.value == pytest.approx(YIELD, rel=1e-9)
-    assert [notice.code for notice in found.warnings] == ["W489"]
+    assert [notice.code for notice in found.warnings] == ["W489", "W360"]
     assert "their factor with the strength divided last" in found.warnings[0].message
 
 
@@ -288,7 +288,7 @@ def test_an_earthquake_says_that_histories_were_not_compared(monkeypatch) -> Non
 def test_a_path_that_ends_beyond_the_range_is_said(monkeypatch) -> None:
     """Blocks that lock, and fail at k 6.2 only: no value up to 2 gives the target, and why is said (W491)."""
     monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(6.2, "slides_up", None))
-    locked = with_values(_slab(), {"loads.seismic.toward": 90.0, "strength.joint.phi": 85.0})
+    locked = with_values(_slab(), {"loads.seismic.toward": 90.0, "strength.joint.phi": 75.0})
     found = sk.solve(locked, KEY, fos=1.0)
     assert found.answer is None
     assert found.reason.code == "E315"

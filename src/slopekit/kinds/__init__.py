@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from slopekit.core.errors import Notice, SlopekitError
 from slopekit.design import registry
 from slopekit.design.common import Design
-from slopekit.notices import means_taken, pressure_notices, size_notices, unlikely_values
+from slopekit.notices import means_taken, not_as_given, pressure_notices, size_notices, unlikely_values
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -56,11 +56,7 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
         from slopekit.elastic.meshing import required
 
         required()
-    result = with_slips_of_size(kind.analyse(design))
-    if any(strength.residual for strength in kind.strengths(design)):
-        from slopekit.kinds.single_block.residual import with_residual
-
-        result = with_residual(kind, result)
+    result = with_all_said(kind.analyse(design))
     if elastic or bracket:
         from slopekit.kinds.elastic import with_elastic
 
@@ -68,10 +64,16 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
     return result
 
 
-def with_slips_of_size(result: Result) -> Result:
-    """A result that says W492 and W498 of itself."""
+def with_all_said(result: Result) -> Result:
+    """What a kind found with what is said of all kinds: W492 and W498 of its size, the factors on residual strength."""
     said = tuple(_of_size(result.design, result.geometry.total_height_m))
-    return replace(result, warnings=(*result.warnings, *said)) if said else result
+    result = replace(result, warnings=(*result.warnings, *said)) if said else result
+    kind = kind_of(result.design)
+    if any(strength.residual for strength in kind.strengths(result.design)):
+        from slopekit.kinds.single_block.residual import with_residual
+
+        result = with_residual(kind, result)
+    return result
 
 
 def _of_size(design: Design, height_m: float) -> Iterator[Notice]:
@@ -107,8 +109,8 @@ def likely_slips(design: Design, varied: Sequence[str] = ()) -> list[Notice]:
 
 
 def notices_of_inputs(design: Design, varied: Sequence[str] = ()) -> tuple[Notice, ...]:
-    """What a study of a design at its means says of the inputs: means taken (W320), and `likely_slips`."""
-    return (*means_taken(design, varied), *likely_slips(design, varied))
+    """What a study of a design at its means says of the inputs: what was taken (W379, W320), and `likely_slips`."""
+    return (*not_as_given(design, varied), *means_taken(design, varied), *likely_slips(design, varied))
 
 
 def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
@@ -135,6 +137,30 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
 
     closed = kind.closed_form(design)
     return Factors(closed.status, None, closed.status, closed.factor or None, None, None, False, True)
+
+
+def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
+    """W506: numbers are those of the peak strength, and what is left of the factor on the residual strength.
+
+    Parameters
+    ----------
+    of : what is of the peak strength, in words
+    """
+    if not any(strength.residual for strength in kind_of(design).strengths(design)):
+        return ()
+    left = kind_of(design).factors(replace(design.at_residual(), rules=()))
+    factor = f"has {left.limit:.4g}" if left.limit is not None else f"has no factor ({left.status})"
+    return (Notice("W506", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
+                   f"design {factor}"),)  # fmt: skip
+
+
+def whole_falls_short(design: Design, target: float, where: str) -> tuple[Notice, ...]:
+    """W507: the block above a basal joint meets a target, the wedge that it is part of (W410) does not."""
+    whole = kind_of(design).without_basal(design)
+    if whole is None or not whole.falls_short(target):
+        return ()
+    said = f"{where} the whole wedge, without the basal joint, falls short of {target:g}: {whole.in_words()}"
+    return (Notice("W507", f"{said} by the closed form; the block above the basal joint alone has it"),)
 
 
 def dilates(design: Design) -> bool:

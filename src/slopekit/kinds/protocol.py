@@ -11,6 +11,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
+from slopekit.evidence import WithoutBasal
 from slopekit.notices import Bonds
 from slopekit.result import Result, Words
 
@@ -55,8 +56,7 @@ class Factors:
     difference, agree : of the two on the same assumptions, None where they are not compared
     moments_govern : the limit lies below what the forces alone give
     settled : whether the passes settled to the design's `stop_when`
-    notes : of many blocks, that it is the limit of a small part (W503), and what it has to do with their cohesion:
-        W307, W484, W486, W493 to W496
+    notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
     """
 
     status: str
@@ -173,6 +173,8 @@ class Kind(Generic[D]):
     has_site : support can be looked for: the block is a `Cut` with a free face
     crest_point : where anchors of the crest have their heads, in local axes (3,) m; None where it has no such place
     column_row : the row of toppling columns that a design is, for forces on single ones; None of other kinds
+    beside : what is known of a factor from elsewhere and takes as long as it: said of one answer, not of thousands
+    without_basal : a block that the one analysed is part of, and that may fail before it; None where there is none
     at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
         no such path
     seismic_gain : (without, unit, k_y, by the closed form) how fast the mechanism at k_y gains on the ground; None of
@@ -202,6 +204,8 @@ class Kind(Generic[D]):
     has_site: bool = False
     crest_point: Callable[[D], Floats] | None = None
     column_row: "Callable[[D], ToppleDesign] | None" = None
+    beside: Callable[[D], tuple[Notice, ...]] = lambda _: ()
+    without_basal: Callable[[D], WithoutBasal | None] = lambda _: None
     at_load: Callable[[D, D, float], AtLoad | None] | None = None
     seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)

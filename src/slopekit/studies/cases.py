@@ -24,7 +24,6 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
-from slopekit.notices import INVENTED
 from slopekit.studies.words import head
 
 #: Studies that find one thing for all cases: the module with `for_all`, and `options` of each case.
@@ -221,7 +220,7 @@ class Cases(Shown, Generic[Found]):
             sections.append(Section("GOVERNS", [f"{self.governing}: {self.cases[self.governing].line}"]))
         elif first.margin is not None:
             sections.append(Section("GOVERNS", [self.governing]))
-        sections.append(Section("NOTE", [str(notice) for notice in self.warnings if notice.code != INVENTED]))
+        sections.append(Section("NOTE", [str(notice) for notice in self.warnings]))
         return Sheet(
             head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"),
             sections,

@@ -1,7 +1,7 @@
 """One point of a study: a design with some of its values changed, and what both methods say of it."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, fields
 from typing import Any, Literal, TypeAlias
 
@@ -165,6 +165,45 @@ def point_of(
         return Point(None, fault.code, fault.message)
     except _BROKEN as error:  # one sample of many: it is counted, the others go on
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
+
+
+def said_at(
+    points: Sequence[Point], where: Callable[[int], str], besides: Iterable[Notice] = (), called: str = "points"
+) -> Iterator[Notice]:
+    """What runs would say of the factors at some places, each code once: at how many, and how it reads at the first.
+
+    Parameters
+    ----------
+    points : what both methods say at each place; called : what these are
+    where : the place of a point by its number, in words
+    besides : what is said of the design already
+
+    >>> there = Point(Factors("slides_on_J1", 1.0, None, None, None, None, False, True, notes=(Notice("W310", "so"),)))
+    >>> [str(notice) for notice in said_at([Point(None, "E203", "no"), there], "at c = {}".format)]
+    ['W310 1 of 2 points, at c = 1: so']
+    """
+    said, known = dict[str, list[tuple[int, str]]](), {notice.code for notice in besides}
+    for k, point in enumerate(points):
+        notes = () if point.factors is None else point.factors.notes
+        for code in dict.fromkeys(note.code for note in notes if note.code not in known):
+            text = "; ".join(note.message for note in notes if note.code == code)
+            said.setdefault(code, []).append((k, text))
+    for code, places in said.items():
+        first, message = places[0]
+        same = len(places) == len(points) and all(other == message for _, other in places)
+        yield Notice(code, message if same else f"{len(places)} of {len(points)} {called}, {where(first)}: {message}")
+
+
+def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]:
+    """W508: acceptance rules on numbers that a study does not find.
+
+    Parameters
+    ----------
+    judged : the names of those that it does
+    """
+    others = [str(rule) for rule in design.rules if rule.name not in judged]
+    text = f"acceptance also asks for {', '.join(others)}: not looked at here, run judges it"
+    return (Notice("W508", text),) if others else ()
 
 
 def checked_target(fos: float, advice: str) -> None:

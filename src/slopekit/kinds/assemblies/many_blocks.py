@@ -32,8 +32,7 @@ from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
     bonds_of,
     notices_of,
-    said_of_bonds,
-    said_of_size,
+    said_of_history,
     without_turning,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
@@ -66,6 +65,7 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
+from slopekit.notices import those_of_factors
 from slopekit.preie.elastic_path import falling
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.many_blocks.ravelling import (
@@ -173,8 +173,19 @@ def kind_of_many_blocks(
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(reached, status, closed, design.agree_within)
-        notes = (*said_of_size(design, scene, ravelling), *said_of_bonds(ravelling.failures[0])) if factor else ()
+        straight = without_turning(scene, ravelling.failures[0]) if mechanisms else None
+        of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
+        notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind))
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
+
+    def beside(design: A) -> tuple[Notice, ...]:
+        if not any(strength.cohesion_kpa for _, strength in design.strengths):
+            return ()
+        scene = own.cut(design)
+        ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+        limit = ravelling.failures[0].limit.factor if ravelling.failures else None
+        history = None if limit is None else history_of(ravelling.failures[0].parts[0], MOST_FOLLOWED)
+        return () if history is None or limit is None else tuple(said_of_history(history, limit))
 
     def ladder(design: A) -> "Ladder":
         from slopekit.kinds.assemblies.many_blocks_ladder import ladder_of_blocks  # only `check` asks
@@ -195,7 +206,7 @@ def kind_of_many_blocks(
     return Kind(
         name, record, read, own.words, lambda design: solved(own, design).result, factors,
         ladder, lambda design: [strength for _, strength in design.strengths], parts,
-        own.cut, at_load=lambda *asked: _at_load(own, *asked),
+        own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
         falls_west=falls_west, column_row=column_row, answered=answered,
     )  # fmt: skip
@@ -306,7 +317,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
         sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
         max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
-        _left_out(design, scene, parts),
+        _left_out(design, scene, parts, history is not None and history.falls_short(limit or 0.0)),
         max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
     )  # fmt: skip
     of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
@@ -443,17 +454,25 @@ def balance_of(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
     ])  # fmt: skip
 
 
-def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part]) -> tuple[str, ...]:
-    """What was not modelled, with the proof or the check that lets it be."""
+def _left_out(
+    design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part], runs_before: bool
+) -> tuple[str, ...]:
+    """What was not modelled, with the proof or the check that lets it be.
+
+    Parameters
+    ----------
+    runs_before : in another history all blocks run before the limit
+    """
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:
         said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
     for part in parts:
         if part.limit.group:
+            but = "; where slip stays they run before (W504)" if runs_before else ""
             said.append(
                 f"the limit is that of {part.limit.group} of {len(part.blocks)} blocks that touch, the others held; "
                 f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it, and there have used up "
-                "95 % of the strength along its motion, or run 1 % beyond it"
+                f"95 % of the strength along its motion, or run 1 % beyond it{but}"
             )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"

@@ -155,7 +155,7 @@ def locked_in(result: Result) -> Factor:
     if of_another_motion(result) and not has_range(result):
         said = f"where a motion begins {_otherwise(result)}; other forces were not looked at"
     elif of_another_motion(result):
-        said = f"{what} mechanism under other forces, or others {_otherwise(result)}"
+        said = f"{what} mechanism under other forces; the low end no higher than of motions {_otherwise(result)}"
     return Factor(fos.lowest, said, to=fos.highest)
 
 

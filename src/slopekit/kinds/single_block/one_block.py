@@ -35,7 +35,7 @@ from slopekit.kinds.single_block.moments import (
     CohesionRules,
     locked_in_range,
 )
-from slopekit.kinds.single_block.one_block_limit import MOST_REFINED, comparable, find_limit
+from slopekit.kinds.single_block.one_block_limit import MOST_REFINED, FoundLimit, comparable, find_limit
 from slopekit.kinds.single_block.one_block_states import (
     ContactModel,
     arrows,
@@ -50,7 +50,8 @@ from slopekit.kinds.single_block.one_block_states import (
 from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.loads import Loads
-from slopekit.notices import Facts, Interface, notices
+from slopekit.notices import Facts, Interface, notices_of_factor
+from slopekit.notices import notices as common_notices
 from slopekit.preie.motion.balance import balance, of_one_block
 from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.one_block.limit import LimitAnalysis, limit_analysis
@@ -185,9 +186,13 @@ def kind_of_one_block(
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
         of_design = tuple(notices(design))
-        own = next((said for key, said in variants.items() if getattr(design, key) is not None), words)
-        answer = result(own, design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
+        answer = result(
+            own_words(design), design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design
+        )
         return replace(answer, without_basal=without_basal(design))
+
+    def own_words(design: D) -> Words:
+        return next((said for key, said in variants.items() if getattr(design, key) is not None), words)
 
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)
@@ -196,9 +201,11 @@ def kind_of_one_block(
         status = block_status(limit, found_limit.analysis, found_limit.scene, made.joints)
         compared = comparable(found_limit.analysis, found_limit.scene.model)
         difference, agree = compare(compared, status, closed, design.agree_within)
+        facts = facts_of(own_words(design), made, limit_of(found_limit), status, closed)
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
             limit.settled_to(design.stop_when),
+            notes=(*notices(design), *notices_of_factor(design, made.interfaces, facts)),
         )  # fmt: skip
 
     def ladder(design: D) -> "Ladder":
@@ -209,7 +216,7 @@ def kind_of_one_block(
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
         lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays,
-        answered="drag", variants=variants,
+        answered="drag", variants=variants, without_basal=without_basal,
     )  # fmt: skip
 
 
@@ -275,8 +282,23 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
 
 def limit_alone(design: Design, made: Cut, clock: Clock) -> Solved:
     """`solve` without the static bound and what else does not change the limit."""
-    limit = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
+    return limit_of(find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined))
+
+
+def limit_of(limit: FoundLimit) -> Solved:
+    """A limit as what `solve` finds, without what else it does."""
     return Solved(limit.scene, limit.analysis, limit.refined, limit.change, None, None, None, (), limit.rules)
+
+
+def facts_of(words: Words, made: Cut, solved: Solved, status: str, closed: ClosedForm) -> Facts:
+    """What was found, for the notices to judge."""
+    rest, shaking = solved.at_rest, made.loads.parts["seismic"]
+    return Facts(
+        status, solved.analysis, solved.scene.pairs, solved.scene.model,
+        solved.bound is not None or not solved.limit.factor, solved.change, rest is not None and not rest.stands,
+        closed.why_not, words.block, shaking if shaking.any() else None, solved.rules is not None,
+        solved.span, None if solved.rules is None else solved.rules.rests_to,
+    )  # fmt: skip
 
 
 def result(
@@ -298,13 +320,7 @@ def result(
     compared = comparable(analysis, model)
     difference, agree = compare(compared, status, closed, design.agree_within)
     rest = solved.at_rest
-    facts = Facts(
-        status, analysis, solved.scene.pairs, model, solved.bound is not None or not limit.factor, solved.change,
-        rest is not None and not rest.stands, closed.why_not,
-        words.block,
-        made.loads.parts["seismic"] if made.loads.parts["seismic"].any() else None, solved.rules is not None,
-        solved.span, None if solved.rules is None else solved.rules.rests_to,
-    )  # fmt: skip
+    facts = facts_of(words, made, solved, status, closed)
     origin, turn = made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
     size = ModelSize(
@@ -322,7 +338,7 @@ def result(
             turned_back(movement_of(model, rest.displacement), turn), rest.failed_pairs, rest.residual
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
-        governs=governs, warnings=(*extra, *notices(design, made.interfaces, facts)),
+        governs=governs, warnings=(*extra, *common_notices(design, made.interfaces, facts)),
         node_pairs=pair_state(solved.scene.pairs, model, limit, made.joints, origin, turn),
         acting=arrows(
             made.loads, {f"water {face}": f"water on {name}" for face, name in made.faces.items()}, origin, turn,

@@ -49,7 +49,7 @@ from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_forc
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
-from slopekit.notices import Interface
+from slopekit.notices import Interface, those_of_factors
 from slopekit.preie.one_block.limit import curved_limit_analysis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.one_block.slippage import Slippage, slippable
@@ -155,7 +155,7 @@ def _factors(design: SurfaceDesign) -> Factors:
     settled = result.status != "not_converged" and result.model.residual <= design.stop_when
     return Factors(
         result.status, result.fos.limit, None, result.fos.closed_form, result.difference, result.agree,
-        result.moments_govern, settled,
+        result.moments_govern, settled, notes=those_of_factors(result.warnings),
     )  # fmt: skip
 
 

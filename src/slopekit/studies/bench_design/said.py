@@ -20,8 +20,12 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
     yield from asked.meant
     yield from left_out(asked.joints)
     n = len(asked.joints)
-    if n < _FEW:
-        yield Notice("W390", f"{asked.joints.name} holds {n} joints: the same few meet again and again, see the limits")
+    ways = len({joint.plane for joint in asked.joints.joints})
+    if ways < _FEW:
+        of = f" in {ways} orientation{'s' if ways > 1 else ''}" if ways < n else ""
+        alike = ", as its sets do not scatter" if of and asked.from_sets else ""
+        yield Notice("W390", f"{asked.joints.name} holds {n} joints{of}{alike}: the same few meet again and again, "
+                     "see the limits")  # fmt: skip
     known = int(np.isfinite(asked.trace_m).sum())
     if known < n:
         message = (

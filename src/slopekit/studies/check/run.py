@@ -18,7 +18,7 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
-from slopekit.kinds import kind_of, with_slips_of_size
+from slopekit.kinds import kind_of, with_all_said
 from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.motion.balance import Balance
 from slopekit.result import Result
@@ -196,7 +196,7 @@ def check(
 
         required()
     evidence = kind_of(design).ladder(design)
-    evidence = replace(evidence, result=with_slips_of_size(evidence.result))
+    evidence = replace(evidence, result=with_all_said(evidence.result))
     if elastic:
         from slopekit.kinds.elastic import with_elastic
 

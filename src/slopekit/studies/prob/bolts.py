@@ -4,7 +4,7 @@ Both methods judge each sample with the same bolts: those that hold its block.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from functools import partial
 from typing import ClassVar
 
@@ -55,7 +55,10 @@ class Sampled(Evaluation):
     before: tuple[float, ...] = ()
 
     def __call__(self, values: Mapping[str, object]) -> Record:
-        return point_of(self.design, values, self.pre_ie, partial(standing, before=np.array(self.before))).to_record()
+        point = point_of(self.design, values, self.pre_ie, partial(standing, before=np.array(self.before)))
+        if point.factors is not None and point.factors.notes:  # of the design at its means they are said once
+            point = replace(point, factors=replace(point.factors, notes=()))
+        return point.to_record()
 
 
 def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:

@@ -23,7 +23,8 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
-from slopekit.kinds import dilates, kind_of, likely_slips
+from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
+from slopekit.notices import not_as_given
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Point, point_of
 from slopekit.studies.prob.bolts import (
@@ -147,7 +148,7 @@ class Probability(StudyOutcome):
     confirmation: Confirmation | None
     evaluator: str
     crew: str
-    warnings: tuple[Notice, ...]
+    of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
     unjudged: int = 0
     disagree: int = 0
@@ -179,6 +180,17 @@ class Probability(StudyOutcome):
     def means(self) -> Point:
         """The design at the centres of its distributions."""
         return point_of(self.given, {}) if self.given.source is not None else Point(None)
+
+    @cached_property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What a reader must know: of the samples, and what a run says of the design at its means."""
+        said = {notice.code for notice in self.of_samples}
+        notes = () if self.means.factors is None else self.means.factors.notes
+        at_means = (
+            Notice(note.code, f"of the design at its means: {note.message}") for note in notes if note.code not in said
+        )
+        peak = () if self.given.source is None else peak_only(self.given, "samples are judged by factors")
+        return (*self.of_samples, *at_means, *peak)
 
     @cached_property
     def sensitivities(self) -> tuple[tuple[str, float], ...]:
@@ -404,7 +416,7 @@ def prob(
         design, given, asked, samples, judged.names, judged.outcome, judged.factor, judged.fails, all_samples, forming,
         confirmation, judged.evaluator, crew_in_words(crew),
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
-         *_not_used(given), *likely_slips(given), *(source.notices if source else ())), clock.done(),
+         *not_as_given(given), *likely_slips(given), *(source.notices if source else ())), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
         None if source is None else source.outcome(judged, asked.seed, confidence), sizes,
         None if cracks is None else cracks.found,
@@ -412,11 +424,6 @@ def prob(
     if desk.folder is None:
         probability.done()
     return probability
-
-
-def _not_used(design: Design) -> tuple[Notice, ...]:
-    """W327: what the design says and the study does not take."""
-    return (Notice("W327", f"not used: {'; '.join(design.left_out)}"),) if design.left_out else ()
 
 
 class _Settings(Sequence[Mapping[str, object]]):

@@ -23,7 +23,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
-from slopekit.kinds import kind_of, notices_of_inputs
+from slopekit.kinds import dilates, kind_of, notices_of_inputs, peak_only
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
@@ -153,9 +153,9 @@ class Quake(StudyOutcome):
     def agree(self) -> bool | None:
         """Whether the methods agree at PRE-IE's k_y on the same assumptions, or have the same; None: not compared.
 
-        What the closed form says nothing of, columns shaken into the slope, is not compared.
+        What the closed form says nothing of, columns shaken into the slope and joints that dilate, is not compared.
         """
-        if len(self.yields) < 2 or self.yields[1].why_not == NO_FORM:
+        if len(self.yields) < 2 or self.yields[1].why_not == NO_FORM or dilates(self.design):
             return None
         if self.yields[0].agree is not None and not self.moments_govern:
             return self.yields[0].agree
@@ -516,4 +516,6 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
         notes.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
                             "gone"))  # fmt: skip
     notes += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
-    return [*notes, *notices_of_inputs(static, [KEY])]
+    known = {note.code for note in notes}
+    notes += (note for note in notices_of_inputs(static, [KEY]) if note.code not in known)
+    return [*notes, *peak_only(static, "displacements one way are those")]

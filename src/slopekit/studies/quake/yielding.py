@@ -28,6 +28,7 @@ from slopekit.studies.protocol import Advance
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
 from slopekit.studies.solve.solutions import NO_CONVERGENCE, Solution
+from slopekit.studies.words import status_words
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
 MOST_K = 2.0  # where a design's coefficient ends
@@ -58,7 +59,7 @@ class Yield:
     runs : where the coefficient is that of the last state at rest, the first at which the blocks run
     not_compared : of many blocks, why the other of the two histories of the shaking says nothing of the coefficient
     beyond : where no k up to 2 moves them, that at which they fail as the shaking comes on last
-    notes : of many blocks, what the coefficient has to do with their cohesion: W307, W484, W486, W493 to W496, W500
+    notes : what a run says of the factor at the coefficient, without one of that without an earthquake
     before : the factor of safety without an earthquake; inf where nothing drives
     agree : whether the methods agree there on the same assumptions; None where that is not judged
     """
@@ -132,7 +133,10 @@ def check_stands(static: Design) -> None:
         raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
     if before <= 1.0:
         shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
-        message = f"the slope does not stand without an earthquake: its factor of safety is {shown}"
+        has = f"its factor of safety is {shown}"
+        if before == 0.0:  # nothing holds it: a status, no number
+            has = status_words(static, status_of(point, "pre_ie"))
+        message = f"the slope does not stand without an earthquake: {has}"
         raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
 
 
@@ -149,6 +153,8 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
         beyond = solution.load_last_beyond if yields[0].coefficient is None else None
         at_answer = solution.answer is not None and solution.answer.value == yields[0].coefficient
         notes = solution.answer.notes if solution.answer is not None and at_answer else ()
+        if yields[0].coefficient is None and solution.before.factors is not None:
+            notes = solution.before.factors.notes
         yields[0] = replace(yields[0], not_compared=why, beyond=beyond, notes=notes)
     if len(yields) > 1 and yields[1].coefficient is None and yields[0].coefficient is not None:
         at = point_of(static, {KEY: yields[0].coefficient})

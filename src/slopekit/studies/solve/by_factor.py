@@ -13,12 +13,21 @@ from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import dilates, kind_of
+from slopekit.kinds import dilates, kind_of, peak_only, whole_falls_short
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
 from slopekit.preie.solvers import effort
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import UNSETTLED, Evaluation, Method, Point, checked_target, factor_at, status_of
+from slopekit.studies.points import (
+    UNSETTLED,
+    Evaluation,
+    Method,
+    Point,
+    checked_target,
+    factor_at,
+    rules_left_out,
+    status_of,
+)
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew, run_all
@@ -113,12 +122,29 @@ def for_factor(
             pre_ie, spent, beyond = _of_load(replace(asked, crew=ALONE), whole, lower)
         else:
             pre_ie = _answers("pre_ie", asked, search, _look_roughly(search, asked, whole))
+    if pre_ie.roots:
+        first = pre_ie.roots[0]
+        first = replace(first, notes=(*first.notes, *_beside(asked, first)))
+        pre_ie = replace(pre_ie, roots=(first, *pre_ie.roots[1:]))
     if closed is not None:
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent,
                         load_last_beyond=beyond)  # fmt: skip
-    solution = replace(solution, rounded=_rounded(solution, asked), warnings=tuple(notices(solution)))
+    said = tuple(notices(solution))
+    known = {notice.code for notice in said}
+    said += tuple(notice for notice in _of_nearest(solution, asked) if notice.code not in known)
+    said += (*_at_peak(solution), *(rules_left_out(design, ("fos", "fos.limit")) if own else ()))
+    solution = replace(solution, rounded=_rounded(solution, asked), warnings=said)
     return replace(solution, seconds=time.perf_counter() - began)
+
+
+def _at_peak(solution: Solution) -> tuple[Notice, ...]:
+    """W506: the target is met by the peak strength, and what is left at the value found on the residual strength."""
+    answer = solution.answer
+    if answer is None:
+        return peak_only(solution.design, "factors are those")
+    found = with_values(solution.design, values_of(solution.design, [solution.key], [answer.value]))
+    return peak_only(found, "the target is met by the factor")
 
 
 def level_of(factor: float, target: float) -> float:
@@ -468,13 +494,33 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
     return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
 
 
-def _of_factor(asked: _FactorRequest, value: float, there: Point) -> Iterator[Notice]:
-    """What the factor at a value says of cohesion: its numbers are factors, and a load's are loads."""
+def _beside(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
+    """What else is known at a value: W504 where many blocks run in another history, W507 of a larger wedge."""
+    if solved.both.factors is None or solved.both.factors.limit is None or not solved.put_back:
+        return
+    design = with_values(asked.design, values_of(asked.design, [asked.key], [solved.value]))
+    yield from whole_falls_short(design, asked.target, f"at {asked.key.shown(solved.value, 4)}")
+    said = kind_of(design).beside(design)
+    yield from _of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
+
+
+def _of_factor(asked: _FactorRequest, value: float, there: Point, named: bool = False) -> Iterator[Notice]:
+    """What a run says of the factor at a value, which is `named`, or of a load: a load's own numbers are loads."""
     for notice in () if there.factors is None else there.factors.notes:
-        if _LOAD.fullmatch(asked.key.path):
+        if named or _LOAD.fullmatch(asked.key.path):
             where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
             notice = Notice(notice.code, where + notice.message)
         yield notice
+
+
+def _of_nearest(solution: Solution, asked: _FactorRequest) -> Iterator[Notice]:
+    """What a run says of the factor that comes nearest to a target which no value gives: it may be one of a chip."""
+    least, most = solution.pre_ie.least, solution.pre_ie.most
+    if solution.answer is not None or least is None or most is None:
+        return
+    value, _ = most if most[1] < solution.target else least
+    if value in asked.points:
+        yield from _of_factor(asked, value, asked.points[value], named=True)
 
 
 def _crossings(search: RootSearch[Point]) -> list[Crossing[Point]]:

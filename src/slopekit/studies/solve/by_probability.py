@@ -21,6 +21,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import likely_slips
+from slopekit.notices import not_as_given
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.protocol import Advance, StudyOutcome
 from slopekit.studies.ranges import Within, parse_within
@@ -209,7 +210,11 @@ def for_probability(
         len(asked.known) + len(asked.led), reason,
     )  # fmt: skip
     dropped = refused if roots else None
-    notices = (*_notices(solution, counted, dropped), *likely_slips(design, [one.path]))
+    notices = (
+        *_notices(solution, counted, dropped),
+        *not_as_given(design, [one.path]),
+        *likely_slips(design, [one.path]),
+    )
     return replace(solution, warnings=notices, seconds=time.perf_counter() - began)
 
 

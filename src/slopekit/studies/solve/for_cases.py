@@ -7,6 +7,8 @@ from typing import Any
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Table
 from slopekit.design.common import Design
+from slopekit.design.reading.files import with_values
+from slopekit.kinds import whole_falls_short
 from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.keys import values_of
 from slopekit.studies.points import Evaluation, Point, factor_at, status_of
@@ -123,9 +125,10 @@ def for_all(solutions: Mapping[str, Any], given: Mapping[str, Any]) -> SolutionF
 
 
 def _in_case(name: str, one: Solution, value: float) -> InCase:
-    work = Evaluation(one.design, True)
-    point = Point.from_record(work(values_of(one.design, [one.key], [value])))
+    work, values = Evaluation(one.design, True), values_of(one.design, [one.key], [value])
+    point = Point.from_record(work(values))
     limit, closed = factor_at(point, "pre_ie"), factor_at(point, "closed_form")
     met = limit is not None and limit >= one.target - _WITHIN
+    met = met and not whole_falls_short(with_values(one.design, values), one.target, "")
     own = None if one.answer is None else one.answer.value
     return InCase(name, one.target, status_of(point, "pre_ie"), limit, closed, met, own)

@@ -1,7 +1,7 @@
 """The sheet of a value that was solved for: put back by both methods, bracket, other values, or why there is none."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from operator import itemgetter
 from typing import Any
 
@@ -63,7 +63,8 @@ def _of_factor(solution: Solution) -> tuple[Section, ...]:
         Section("BRACKET", [f"{_name(one)} {_bracket(key, one.roots[0])}" for one in put_back], hang=13),
         Section("OTHERS", _others(solution), hang=13),
         Section("REACH", [f"{_name(one)} {_reach(key, one)}" for one in reached], hang=13),
-        Section("REFUSED", _refused(solution)),
+        Section("REFUSED", _refused(solution.key, (solution.closed_form or solution.pre_ie).refused, False)),
+        Section("UNSETTLED", _refused(solution.key, solution.pre_ie.refused, True)),
         Section("ASKED", [", ".join(_often(one) for one in _all(solution))]),
     )
 
@@ -241,15 +242,15 @@ def _reach(key: Key, answers: Answers) -> str:
     return f"FoS from {low} to {high}; {span}"
 
 
-def _refused(solution: Solution) -> list[str]:
-    answers = solution.closed_form or solution.pre_ie
-    entries = []
-    for low, high, code, message in answers.refused[:_MOST_REFUSED]:
-        ends = solution.key.shown(low, 7)
-        ends += f" to {solution.key.shown(high, 7)}" if high > low else ""
-        entries.append(f"{ends}: {message if code == UNSETTLED else f'{code} {message}'}".rstrip())
-    if len(answers.refused) > _MOST_REFUSED:
-        entries.append(f"… {len(answers.refused) - _MOST_REFUSED} more stretches, see the JSON")
+def _refused(key: Key, stretches: Sequence[tuple[float, float, str, str]], unsettled: bool) -> list[str]:
+    """Stretches of values that are refused, or those at which PRE-IE did not converge: they are no wrong input."""
+    entries, ours = [], [one for one in stretches if (one[2] == UNSETTLED) == unsettled]
+    for low, high, code, message in ours[:_MOST_REFUSED]:
+        ends = key.shown(low, 7)
+        ends += f" to {key.shown(high, 7)}" if high > low else ""
+        entries.append(f"{ends}: {message if unsettled else f'{code} {message}'}".rstrip())
+    if len(ours) > _MOST_REFUSED:
+        entries.append(f"… {len(ours) - _MOST_REFUSED} more stretches, see the JSON")
     return entries
 
 

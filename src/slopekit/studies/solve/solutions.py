@@ -51,8 +51,7 @@ class SolvedValue:
     jumps : whether the factor, put back, was seen to fall past the target at once there
     not_compared : of a load on many blocks, why the other of its two histories says nothing of the value; empty where
         both do
-    notes : of many blocks, that it is of a small part of them (W503), and what it has to do with their cohesion: W307,
-        W484, W486, W493 to W496, W500
+    notes : what a run says of the factor there, and of many blocks in a load what it has to do with their cohesion
     """
 
     how: Literal["root", "jump", "gap"]
@@ -179,11 +178,13 @@ class Solution(StudyOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 found, 1 there is no such value, 4 the methods disagree there, or no convergence."""
+        """0 found, 1 there is no such value or a larger wedge falls short (W507), 4 the methods disagree there."""
         answer = self.answer
         if answer is None:
             return 4 if self.is_open else 1
-        return 4 if self.agree is False or answer.status == UNSETTLED else 0
+        if self.agree is False or answer.status == UNSETTLED:
+            return 4
+        return 1 if any(note.code == "W507" for note in answer.notes) else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
@@ -348,7 +349,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
         yield Notice("W355", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
     yield from _of_paths(solution)
     if answer is not None:
-        yield from answer.notes
+        yield from (note for note in answer.notes if note.code != "W303" or not solution.moments_govern)  # W355 says it
     if len(solution.pre_ie.roots) > 1:
         further = [f"{key.shown(one.value)} ({one.status})" for one in solution.pre_ie.roots[1:]]
         others = ", ".join(further[:_MOST_LISTED]) + (", …" if len(further) > _MOST_LISTED else "")
@@ -362,7 +363,8 @@ def notices(solution: Solution) -> Iterator[Notice]:
             yield Notice("W358", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
 
-    yield from notices_of_inputs(solution.design, [key.path])
+    known = () if answer is None else {note.code for note in answer.notes}
+    yield from (note for note in notices_of_inputs(solution.design, [key.path]) if note.code not in known)
 
 
 def _of_paths(solution: Solution) -> Iterator[Notice]:

@@ -440,11 +440,12 @@ class Support(SupportOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 reached, 1 not reached, 4 the methods disagree or PRE-IE did not converge."""
+        """0 reached, 1 not reached (or not by a larger wedge, W507), 4 the methods disagree, or no convergence."""
         answers = [case.pre_ie for case in self.cases if case.pre_ie is not None]
         if self.pre_ie.agree is False or any(need.agree is False for need in answers):
             return 4
-        return 0 if self.reached else 1
+        falls_short = any(notice.code == "W507" for notice in self.warnings)
+        return 1 if falls_short or not self.reached else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values, with a crest where the kind of design has one."""

@@ -11,7 +11,7 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,8 +22,9 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
-from slopekit.kinds import dilates, kind_of, slips_of_size
+from slopekit.kinds import dilates, factors_of, kind_of, peak_only, slips_of_size, whole_falls_short
 from slopekit.notices import common_notices
+from slopekit.studies.points import Point, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
 from slopekit.studies.support.columns import ColumnSupport
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
@@ -136,12 +137,28 @@ def support(
     stands = enough(options.target, bare, bare_limit, search.dilates)
     cases = () if stands else tuple(search.cases())
     weight = design.unit_weight_kn_m3 * site.block.volume
-    notices = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
     return Support(
         design, options.target, options, bare, bare_limit, cases, None if stands else search.pressure(), weight,
-        site.area, site.unit, notices, search.dilates,
+        site.area, site.unit, tuple(_said(site, cases, options.target)), search.dilates,
         () if stands else tuple(search.crest()), time.perf_counter() - began,
     )  # fmt: skip
+
+
+def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Notice]:
+    """What is to be known of the design, and what runs of it would say, as it stands and with the bolts."""
+    design = site.design
+    of_inputs = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
+    yield from of_inputs
+    yield from peak_only(design, "bolts are for the factor")
+    points, places = [Point(factors_of(design))], ["as it stands"]
+    if not cases:
+        yield from whole_falls_short(design, target, places[0])
+    for case in cases:
+        if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:
+            points.append(Point(factors_of(site.with_bolts(*case.bolts))))
+            places.append(f"with the {case.acts} bolts")
+            yield from whole_falls_short(site.with_bolts(*case.bolts), target, places[-1])
+    yield from said_at(points, places.__getitem__, of_inputs, "designs")
 
 
 def _need_of(way: Way, area: float = 1.0) -> Need:

@@ -22,7 +22,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
-from slopekit.kinds import kind_of, notices_of_inputs
+from slopekit.kinds import kind_of, notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import (
     GIVEN_UP,
@@ -35,6 +35,8 @@ from slopekit.studies.points import (
     checked_target,
     factor_at,
     lines_of,
+    rules_left_out,
+    said_at,
     status_of,
 )
 from slopekit.studies.protocol import (
@@ -53,6 +55,7 @@ from slopekit.studies.ranges import MOST, how_written, meant_in_steps, parse_val
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 
 _SAME = 1e-9  # factors that differ by less do not rise or fall
+_LEVELS = ("fos", "fos.limit", "fos.closed_form")  # names of the rules whose levels are looked for
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,14 +225,21 @@ class Sweep(StudyOutcome):
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: points without a number, and what is said of the inputs."""
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
+        said = tuple(said_at(self.points, self._where, self.of_inputs))
         if not bare:
-            return self.of_inputs
+            return (*said, *self.of_inputs)
         named = Counter(self.status(point) for point in bare)
         text = ", ".join(f"{name} {count}" for name, count in named.most_common())
         return (
             Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"),
+            *said,
             *self.of_inputs,
         )
+
+    def _where(self, number: int) -> str:
+        """The place of a point, in words."""
+        place = zip(self.keys, self.places[number], strict=True)
+        return "at " + ", ".join(f"{key.path} = {key.shown(value, 6)}" for key, value in place)
 
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""
@@ -332,6 +342,7 @@ def sweep(
         raise DesignError([Fault("E313", f"{axes[0][0].path} is given twice", "", "Name two different keys.")])
     own, values = tuple(key for key, _ in axes), tuple(of for _, of in axes)
     said += notices_of_inputs(design, [key.path for key in own])
+    said += (*peak_only(design, "factors are those"), *rules_left_out(design, _LEVELS))
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
     tasks = [values_of(design, own, place) for place in swept.places]
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
@@ -389,7 +400,7 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
     """
     levels = {1.0: "FoS 1"}
     for rule in design.rules:
-        if rule.name in ("fos", "fos.limit", "fos.closed_form"):
+        if rule.name in _LEVELS:
             levels.setdefault(rule.value, f"acceptance, {rule}")
     if fos is not None:
         checked_target(fos, "Write --fos 1.5")

@@ -20,9 +20,9 @@ from slopekit.core.errors import Faults, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.scatter.distributions import Distribution
-from slopekit.kinds import kind_of, notices_of_inputs
+from slopekit.kinds import kind_of, notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import Method, Methods, Point, asked_of, factor_at, status_of
+from slopekit.studies.points import Method, Methods, Point, asked_of, factor_at, said_at, status_of
 from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
@@ -116,10 +116,18 @@ class Tornado(StudyOutcome):
             for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high))
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
+        said = tuple(said_at(self.points, self._where, self.of_inputs))
         if not bare:
-            return self.of_inputs
+            return (*said, *self.of_inputs)
         ends = "end has" if len(bare) == 1 else "ends have"
-        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *self.of_inputs)
+        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *said, *self.of_inputs)
+
+    def _where(self, number: int) -> str:
+        """The place of a point, in words."""
+        if number == 0:
+            return "as it is"
+        bar = self.bars[(number - 1) // 2]
+        return f"at {bar.key.path} = {bar.key.shown(bar.high if number % 2 == 0 else bar.low, 6)}"
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
@@ -200,7 +208,8 @@ def tornado(
     tasks: list[dict[str, object]] = [{}]
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
     points = evaluated(design, "tornado", tasks, methods, crew, desk)
-    study = Tornado(design, points[0], (), tuple(left_out), methods, of_inputs=notices_of_inputs(design))
+    said = (*notices_of_inputs(design), *peak_only(design, "factors are those"))
+    study = Tornado(design, points[0], (), tuple(left_out), methods, of_inputs=said)
     bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
     bars.sort(key=lambda made: (-made.swings[first], made.key.path))

@@ -15,7 +15,7 @@ from slopekit.closed_form.toppling import ColumnSlope, anchor_force_required, to
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line
 from slopekit.design.parts import Bolt
-from slopekit.kinds import factors_of, kind_of, slips_of_size
+from slopekit.kinds import factors_of, kind_of, peak_only, slips_of_size
 from slopekit.kinds.topple import ToppleDesign, column_slope, cut, not_taken, why_no_table
 from slopekit.notices import common_notices
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce, Where
@@ -39,7 +39,8 @@ def support_of_columns(design: ToppleDesign, options: SupportOptions, began: flo
     _refuse(design, options)
     search = _RowSearch(design, options)
     held = () if search.stands else tuple(search.held())
-    notices = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
+    notices = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design),
+               *peak_only(design, "bolts are for the factor"))  # fmt: skip
     return ColumnSupport(
         design, options.target, options, search.closed, search.bare, search.why_not, held,
         () if search.stands else search.by_column(), "kN/m", design.thickness_m,

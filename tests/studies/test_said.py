@@ -1,0 +1,195 @@
+"""What a run says of a factor its studies say too, of every design that they analyse."""
+
+import pytest
+
+import slopekit as sk
+from slopekit.design.templates import path_of
+from slopekit.studies.support.for_cases import _in_case
+from tests.kinds.test_small_part import beside_a_chip
+
+BASAL = str(path_of("wedge-basal"))
+WEDGE = str(path_of("wedge"))
+#: Not of the factor: of the inputs (studies say those of their own), of other methods, of what a run asks besides.
+APART = {"W309", "W313", "W320", "W341"}
+DESIGNS = {
+    "basal": (BASAL, {}, "strength.bedding.phi", 0.9),
+    "moments": (
+        WEDGE,
+        {"joints.J1.plane": "40/160", "joints.J2.plane": "80/220", "strength.weak.c": 20},
+        "strength.weak.phi",
+        0.62,
+    ),
+    "into the slope": (
+        str(path_of("plane")),
+        {"joints.J1.plane": "35/190", "loads.seismic": "0.1@000"},
+        "strength.bedding.phi",
+        1.4,
+    ),
+    "typed in Pa": (str(path_of("plane")), {"strength.bedding.c": 50000}, "strength.bedding.phi", 892.0),
+    "dilates": (WEDGE, {"strength.weak.dilation": 10, "strength.weak.tension": 50}, "strength.weak.phi", 1.5),
+    "bolts": (WEDGE, {"support.bolts": ["100 MN@000/10,passive"]}, "strength.weak.phi", 1.6),
+    "dry crack": (
+        WEDGE,
+        {"crack": {"plane": "80/180", "distance": 5}, "water": {"pressures": [5, 5]}},
+        "strength.weak.phi",
+        1.5,
+    ),
+}
+
+
+def codes(outcome) -> set[str]:
+    return {notice.code for notice in outcome.warnings}
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_studies_say_what_the_run_says(name) -> None:
+    """The codes of `run` at the value found, and at each point."""
+    source, values, key, target = DESIGNS[name]
+    found = sk.solve(sk.load(source, set=values), key, fos=target)
+    at = sk.run(source, set=values | {key: found.answer.value})
+    assert codes(at) - APART
+    said = codes(found) | ({"W303"} if found.moments_govern else set())  # W355 says what W303 does
+    assert codes(at) - APART <= said
+    swept = sk.sweep(sk.load(source, set=values), {key: [found.answer.value]})
+    assert codes(at) - APART <= codes(swept)
+
+
+def test_support_says_what_the_run_says_with_its_bolts_and_without() -> None:
+    """W410: the whole wedge, which the basal joint cuts off, may need the bolts more than the block above it."""
+    found = sk.support(sk.load(BASAL), 1.5, acts="active")
+    assert {"W306", "W410"} <= codes(found)
+    (of_whole,) = (notice for notice in found.warnings if notice.code == "W410")
+    assert "as it stands: " in of_whole.message
+
+
+def test_a_point_of_many_names_its_place() -> None:
+    """W316 where a swept cohesion is that of intact rock, at how many points, and at which first."""
+    swept = sk.sweep(sk.load(str(path_of("plane"))), {"strength.bedding.c": [25, 4000, 6000, 8000]})
+    (notice,) = swept.warnings
+    assert str(notice).startswith("W316 2 of 4 points, at strength.bedding.c = 6000 kPa: a cohesion of 6000 kPa")
+
+
+def test_a_probability_says_what_the_run_says_of_the_means() -> None:
+    scattered = {"strength.bedding.phi": {"dist": "normal", "mean": 24, "sd": 2}}
+    found = sk.prob(sk.load(BASAL, set=scattered), n=200, confirm=2, near=0.0)
+    (of_whole,) = (notice for notice in found.warnings if notice.code == "W410")
+    assert of_whole.message.startswith("of the design at its means: the basal joint cuts the toe off")
+
+
+@pytest.mark.parametrize(
+    "study",
+    [
+        lambda design: sk.sweep(design, {"strength.weak.phi": [20, 22]}, methods="pre-ie"),
+        lambda design: sk.tornado(design, methods="closed-form"),
+        lambda design: sk.solve(design, "strength.weak.phi", fos=1.6),
+        lambda design: sk.quake(design, "sine:0.5g,1Hz"),
+        lambda design: sk.support(design, 1.6, acts="active"),
+    ],
+)
+def test_studies_are_of_the_peak_strength(study) -> None:
+    """W506 with the factor of the residual strength, which `run` has beside the peak's."""
+    left = {"c": 0, "phi": 16}
+    alone = sk.run(WEDGE, set={"strength.weak.residual": left}).residual
+    found = study(sk.load(WEDGE, set={"strength.weak.residual": left}))
+    (notice,) = (notice for notice in found.warnings if notice.code == "W506")
+    assert f"has {alone.limit:.4g}" in notice.message
+    assert alone.limit < 1.0
+    assert "W506" not in codes(study(sk.load(WEDGE)))
+
+
+def test_check_judges_the_residual_strength() -> None:
+    """A rule on it was not met for want of the number; W418 is said as `run` says it."""
+    design = sk.load(
+        WEDGE,
+        set={"strength.weak.residual": {"c": 0, "phi": 18}, "acceptance.rules": ["fos >= 1.1", "fos.residual >= 1"]},
+    )
+    found, run = sk.check(design), sk.run(design)
+    assert found.exit_code == run.exit_code == 0
+    assert codes(found) == codes(run) == {"W418"}
+
+
+def test_joints_that_dilate_are_not_compared_in_an_earthquake() -> None:
+    """The closed form knows no dilation: its lower k_y is no disagreement, as W310 of the run says."""
+    found = sk.quake(sk.load(WEDGE, set={"strength.weak.dilation": 10}), "sine:0.5g,1Hz")
+    ours, other = (one.coefficient for one in found.yields)
+    assert ours > 1.05 * other
+    assert (found.agree, found.exit_code) == (None, 0)
+    assert "DISAGREE" not in str(found.sheet)
+    assert "W310" in codes(found)
+
+
+def test_a_factor_of_a_chip_is_said_where_no_value_is_found() -> None:
+    """E315 names the factor that comes nearest; that it is the chip's, W503 of a run there, stands beside it."""
+    design = beside_a_chip(0.1)
+    found = sk.solve(sk.load(design), "strength.weak.phi=25:34", fos=5.0)
+    assert found.reason.code == "E315"
+    at, factor = found.pre_ie.most
+    run = sk.run(design, set={"strength.weak.phi": at})
+    assert run.fos.limit == pytest.approx(factor, rel=1e-9)
+    (of_run,) = (notice for notice in run.warnings if notice.code == "W503")
+    (ours,) = (notice for notice in found.warnings if notice.code == "W503")
+    assert ours.message.startswith("of the factor of safety at strength.weak.phi = ")
+    assert ours.message.endswith(of_run.message)
+
+
+def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
+    """W507: the block above the basal joint has 3.5 with 61.6° on that joint, the wedge that it is cut from 3.171."""
+    short = sk.solve(sk.load(BASAL), "strength.bedding.phi", fos=3.5)
+    (notice,) = (notice for notice in short.warnings if notice.code == "W507")
+    run = sk.run(BASAL, set={"strength.bedding.phi": short.answer.value, "acceptance.rules": "fos >= 3.4999"})
+    assert f"falls short of 3.5: slides on both, F {run.without_basal.closed_form:.4g}" in notice.message
+    assert (short.exit_code, run.exit_code) == (1, 1)
+    enough = sk.solve(sk.load(BASAL), "strength.bedding.phi", fos=1.3)
+    assert "W507" not in codes(enough)
+    assert enough.exit_code == 0
+
+
+def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
+    found = sk.support(sk.load(BASAL, set={"strength.joint.phi": 10}), 1.5, acts="passive")
+    (notice,) = (notice for notice in found.warnings if notice.code == "W507")
+    assert notice.message.startswith("with the passive bolts the whole wedge, without the basal joint, falls short of")
+    assert found.exit_code == 1
+    among_cases = _in_case("with its bolts", found, found.cases[0].bolts)
+    assert among_cases.limit == pytest.approx(1.5, abs=1e-3)
+    assert not among_cases.met
+    none = sk.support(sk.load(BASAL, set={"strength.bedding.phi": 70}), 3.5)
+    assert none.stands
+    assert "as it stands the whole wedge" in next(one.message for one in none.warnings if one.code == "W507")
+    assert none.exit_code == 1
+
+
+def test_no_load_case_is_met_that_the_whole_wedge_does_not_meet() -> None:
+    """The value for all cases is that of the block above the basal joint: 3.5 with 61.6°, the whole wedge has 3.171."""
+    cases = {"low": {"accept": "fos >= 1.3"}, "high": {"accept": "fos >= 3.5"}}
+    found = sk.solve(sk.load(BASAL, set={"cases": cases}), "strength.bedding.phi")
+    assert [(one.case, one.met) for one in found.for_all.inside] == [("low", True), ("high", False)]
+    assert found.exit_code == 1
+
+
+def test_rules_that_a_study_does_not_judge_are_named() -> None:
+    """W508: the value found gives the factor of the rule on fos, a rule on the lowest breaks there."""
+    rules = {"acceptance.rules": ["fos >= 1.2", "fos.lowest >= 1.2"]}
+    columns = sk.load(str(path_of("topple")), set=rules)
+    found = sk.solve(columns, "strength.bedding.phi")
+    (notice,) = (one for one in found.warnings if one.code == "W508")
+    assert notice.message == "acceptance also asks for fos.lowest >= 1.2: not looked at here, run judges it"
+    run = sk.run(str(path_of("topple")), set=rules | {"strength.bedding.phi": found.answer.value})
+    assert run.fos.lowest < 1.2
+    assert "W508" in codes(sk.sweep(columns, {"strength.bedding.phi": [20]}))
+    assert "W508" not in codes(sk.solve(columns, "strength.bedding.phi", fos=1.2))
+
+
+@pytest.mark.parametrize(("study", "names"), [
+    (lambda design: sk.sweep(design, {"strength.joints.phi": [20]}), "face, upper, height, c, density"),
+    (lambda design: sk.tornado(design, methods="closed-form"), "face, upper, height, c, phi, density"),
+    (lambda design: sk.solve(design, "slope.height", fos=1.3), "face, upper, c, phi, density"),
+    (lambda design: sk.quake(design, "sine:0.5g,1Hz"), "face, upper, height, c, phi, density"),
+    (lambda design: sk.support(design, 1.6, acts="active"), "face, upper, height, c, phi, density"),
+])  # fmt: skip
+def test_what_was_not_given_is_said(study, names) -> None:
+    """W379, DEFAULTS of a run: what was taken from the paper's wedge, but for what a study varies itself."""
+    design = sk.load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
+    found = study(design)
+    (notice,) = (one for one in found.warnings if one.code == "W379")
+    assert notice.message == f"not given, taken from the paper's wedge: {names}"
+    assert "W379 not given" in str(found.sheet)
