@@ -41,7 +41,7 @@ _MOST, _TO_BOUNDARY = 250, 0.9  # steps; part of the way to where a force or gap
 #: What the barrier falls to in a step, by how long the last one was.
 _FALLS = (0.5, 0.25), (0.1, 0.5), (0.0, 0.8)
 #: The barrier stays above a part of what ẑ lags by: the largest first, half of it at a time where in so many steps what
-#: ẑ lags by has not fallen to `_LESS`, down to the least. The least all along takes twice as many steps far from limits.
+#: ẑ lags by has not fallen to `_LESS`, down to the least. The least all along takes twice as many steps far from one.
 _LARGEST, _LEAST, _LESS, _PATIENCE = 0.3, 0.1, 0.8, 12
 #: Corrections of a step at most, how long it has to be to need none, how much farther it is to go, and what that is
 #: worth; products of a force and its gap then, in parts of the barrier: the inverse is the largest. Of 3,199 blocks a
