@@ -14,6 +14,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
 from slopekit.geometry.patches import BEDROCK
+from slopekit.kinds.assemblies import many_blocks
 from slopekit.notices import Bonds, bond_notices
 from slopekit.preie.elastic_path import falling
 from slopekit.preie.elastic_path.bed import Bed, Drive
@@ -30,6 +31,13 @@ from tests.preie.block_scenes import boxes_in_space, section_patches, weighed
 from tests.preie.path_oracle import breaking, model_of
 
 DIP = math.radians(30.0)
+
+
+@pytest.fixture(autouse=True)
+def not_without_cohesion(monkeypatch) -> None:
+    """No test here looks at the limit on joints without cohesion, a second solve (tests/kinds/test_beside_cohesion)."""
+    monkeypatch.setattr(many_blocks, "_without_cohesion", lambda *_: None)
+
 
 # -- against a history ------------------------------------------------------------------------------------------------
 
