@@ -387,9 +387,12 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert "removed: scene.png" in again.stderr
     assert not (tmp_path / "b" / "scene.png").exists()
     (out / "stereonet.png").write_bytes(b"of another result")
+    monkeypatch.setattr(rendering, "save", lambda picture, path: path.write_bytes(b"drawn again"))
     once_more = CliRunner().invoke(app, [*arguments, "-o", str(out)])
     assert once_more.stderr.strip() == "pictures of an earlier result were removed: stereonet.png"
     assert {path.name for path in out.glob("*.png")} == {"scene.png", "mechanism.png", "reduction.png"}
+    assert (out / "scene.png").read_bytes() == b"drawn again"
+    monkeypatch.undo()
     monkeypatch.setattr(rendering, "find_spec", lambda name: None)
     without = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "c")])
     assert without.exit_code == 0
