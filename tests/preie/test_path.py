@@ -153,7 +153,7 @@ def test_a_longer_row_of_columns_has_its_closed_form() -> None:
     assert found.factor == pytest.approx(populations.goodman_bray_factor(32), rel=1e-10)
 
 
-@pytest.mark.parametrize("count", [48, 50, 64])
+@pytest.mark.parametrize("count", [48, 64])
 def test_columns_are_followed_past_their_peak(count) -> None:
     """Elastic columns carry 5 % more than the closed form before they run."""
     found = limit_of_blocks(model_of(populations.goodman_bray(count)), ranged=False)
@@ -196,7 +196,7 @@ def test_a_wall_that_comes_to_rest_at_no_strength() -> None:
     assert found.static_bound == pytest.approx(path_oracle.static_bound(model, 1e-6, found.static_bound), rel=1e-5)
 
 
-@pytest.mark.parametrize("number", [1, 37, 44])
+@pytest.mark.parametrize("number", [1, 37])
 def test_walls_that_tip_are_said_to_do_so_whatever_the_strength(number) -> None:
     """The motion is that of a limit state without slip, at any strength, by a linear program (HiGHS).
 

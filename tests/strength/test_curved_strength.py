@@ -254,13 +254,13 @@ def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:
     for name in ("wall", "topple"):
         design = with_law(template(name), ROUGH)
         found = []
-        for times in (0.1, 1.0, 10.0):
+        for times in (0.1, 10.0):
             monkeypatch.setattr(
                 strength_lines, "first_lines",
                 lambda laws, joint, model, mean, times=times: first(laws, joint, model, mean * times),
             )  # fmt: skip
             found.append(factors_of(design).limit)
-        assert found == pytest.approx([found[0]] * 3, rel=1e-9)
+        assert found[1] == pytest.approx(found[0], rel=1e-9)
 
 
 def test_where_limit_states_trade_places_the_lowest_is_printed() -> None:

@@ -82,7 +82,7 @@ def notices_of(found) -> dict[str, str]:
 # -- put back --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(5))
 def test_forces_on_random_planes_give_the_target_when_put_back(seed) -> None:
     """Both methods, active and passive, given and best direction, pressure: within 1e-6, never below."""
     rng = np.random.default_rng(seed)
@@ -388,9 +388,9 @@ def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning)
 
 
 @pytest.mark.parametrize("acts", ["active", "passive"])
-@pytest.mark.parametrize("fos", [1.7, 2.345])
 @pytest.mark.parametrize(
-    ("design", "capacity"), [(PLANE, 20.0), (PLANE, 97.3), (WEDGE, 97.3), (WEDGE, 400.0)],
+    ("design", "capacity", "fos"),
+    [(PLANE, 20.0, 1.7), (PLANE, 97.3, 2.345), (WEDGE, 97.3, 2.345), (WEDGE, 400.0, 1.7)],
     ids=["plane, many", "plane", "wedge", "wedge, few"],
 )  # fmt: skip
 def test_the_yaml_pasted_into_the_design_meets_the_target(design, capacity, fos, acts, tmp_path) -> None:
