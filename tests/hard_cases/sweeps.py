@@ -44,7 +44,7 @@ class Sweep:
     quantity: str = "factor"
     logarithmic: bool = True
     statuses: tuple[str, ...] = ()
-    tested: int = 8
+    tested: int = 6
 
     @property
     def kind(self) -> str:

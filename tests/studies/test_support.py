@@ -214,7 +214,7 @@ def test_a_passive_bolt_may_not_open_a_joint_at_a_lower_factor() -> None:
         assert ways.ask(direction, 0.99999 * best.force).level < 1.48
 
 
-@pytest.mark.parametrize("phi", [15.0, 30.0, 40.0])
+@pytest.mark.parametrize("phi", [15.0, 40.0])
 @pytest.mark.parametrize("cohesion", [0.0, 10.0])
 def test_the_best_direction_on_a_plane_is_hoek_and_brays(phi, cohesion) -> None:
     """Wyllie & Mah (2004), eq. 6.24: F (W sin ψ - T cos θ) = c L + (W cos ψ + T sin θ) tan φ.
