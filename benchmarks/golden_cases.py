@@ -7,6 +7,7 @@ a template, an example or a broken file that is new is a case without more ado.
 """
 
 import json
+import os
 import re
 import runpy
 import shutil
@@ -123,9 +124,8 @@ def _commands(commands: list[str]) -> Callable[[Path], Answer]:
             answer[f"command{number}"] = head + said + [f"2> {line}" for line in text_of(ran.stderr)]
             if is_json:
                 answer[f"stdout{number} values"] = lines_of(_document(ran.stdout))
-            for path, stamp in _files(folder).items():
-                if before.get(path) != stamp:
-                    answer[str(path.relative_to(folder))] = _content(path)
+            for path in sorted(Path(name) for name, stamp in _files(folder).items() if before.get(name) != stamp):
+                answer[str(path.relative_to(folder))] = _content(path)
             if drawn:
                 answer[f"drawn{number}"] = drawn
         shutil.rmtree(folder / "out", ignore_errors=True)
@@ -139,9 +139,15 @@ def _words(command: str) -> list[str]:
     return [quoted or plain for quoted, plain in re.findall(r"'([^']*)'|(\S+)", command)]
 
 
-def _files(folder: Path) -> dict[Path, tuple[int, int]]:
-    found = sorted(path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
-    return {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in found}
+def _files(folder: Path) -> dict[str, tuple[int, int]]:
+    """When each file of a folder was written last, and its size: looked at twice a command."""
+    found = {}
+    for root, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if name != "__pycache__"]
+        for name in files:
+            stamp = os.stat(path := f"{root}/{name}")
+            found[path] = stamp.st_mtime_ns, stamp.st_size
+    return found
 
 
 def _content(path: Path) -> Section:

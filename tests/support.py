@@ -5,16 +5,26 @@ import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import slopekit as sk
 from slopekit import studies
 from slopekit.design.registry import KINDS
+from slopekit.design.templates import path_of
+from slopekit.result import Result
 from slopekit.studies.protocol import STUDIES
 
 PAPER = {"dips": ("45/115", "45/245")}
+
+
+@cache
+def result_of(template: str) -> Result:
+    """The result of a template as it is, analysed once for all files of tests that a worker runs."""
+    return sk.run(path_of(template))
 
 
 def random_wedge(rng: np.random.Generator) -> dict[str, Any]:

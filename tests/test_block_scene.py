@@ -11,6 +11,7 @@ import slopekit as sk
 from slopekit.block_scene import MODES, BlockScene, closed, packed, prism, unpacked
 from slopekit.design.templates import path_of
 from slopekit.result import Result
+from tests.support import result_of
 
 ONE_BLOCK = ("wedge", "wedge-scatter", "plane", "footing", "paper-footing", "cylinder")
 MANY = ("blocks", "goodman-bray", "topple", "wall")
@@ -18,7 +19,7 @@ MANY = ("blocks", "goodman-bray", "topple", "wall")
 
 @cache
 def solved(name: str) -> Result:
-    return sk.run(path_of(name))
+    return result_of(name)
 
 
 def volume_of(vertices: Any, triangles: Any) -> float:

@@ -16,9 +16,9 @@ from slopekit.design.templates import names
 #: Cases that stand for the rest in every run of the tests: faults of designs (those of YAML stand in
 #: tests/design/test_document), one of each kind, one of each study.
 CHEAP = re.compile(
-    r"^(broken/(?!no-block|study|yaml)|wedge/|output/(templates|explain|help)|examples/02|designs/(sheets|pressed-plane|strike)"
-    r"|templates/(?!bench|surface|cylinder|paper|rough)|checks/(footing|blocks)|studies/(sweep-(curve|blocks)|solve-(dip|none)"
-    r"|tornado-plane|kinematic|combos$|support-short|prob-latin))"
+    r"^(broken/(?!no-block|study|yaml)|wedge/(loads|paper)|output/(templates|explain|help)|examples/02"
+    r"|designs/(sheets|strike)|templates/(blocks|footing|plane|sphere|topple|wedge$)|checks/(footing|blocks)"
+    r"|studies/(sweep-curve|solve-dip|tornado-plane|kinematic|combos$|support-short|prob-latin))"
 )
 #: Codes of reading that no file and no option reaches.
 NOT_REACHED = {

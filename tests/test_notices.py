@@ -21,6 +21,7 @@ from slopekit.notices import Facts, Interface, notices
 from slopekit.preie.one_block.limit import limit_analysis
 from slopekit.preie.system.model import JointStrength, build_model
 from tests.commands import slopekit
+from tests.support import result_of
 
 DIPS = ("45/115", "45/245")
 #: cases.json, 9_single-plane: slides on J1 alone, where moments govern
@@ -100,7 +101,7 @@ def test_a_joint_that_dilates_is_lifted_by_more_where_it_parts() -> None:
 
 def test_a_plain_design_is_told_nothing() -> None:
     for name in ("wedge", "plane", "footing", "paper-ellipsoid", "sphere"):
-        assert sk.run(path_of(name)).warnings == ()
+        assert result_of(name).warnings == ()
 
 
 def facts(**changes) -> tuple[set[str], str]:

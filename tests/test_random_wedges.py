@@ -10,7 +10,7 @@ from slopekit.result import Result
 from tests.kinds.test_factors import same
 from tests.support import random_wedge
 
-COUNT = 75
+COUNT = 60
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ from slopekit.design.registry import KINDS
 from slopekit.design.templates import names, path_of, summary
 from slopekit.result import Result
 from tests.commands import slopekit
+from tests.support import result_of
 
 # template: status, limit, tolerance, source
 ANSWERS = {
@@ -31,7 +32,7 @@ ANSWERS = {
 @cache
 def ran(name: str) -> Result:
     """A template's result, made once."""
-    return sk.run(path_of(name))
+    return result_of(name)
 
 
 @pytest.mark.parametrize("name", names())

@@ -57,11 +57,10 @@ ANGLE = [
     Sweep("dip directions apart", BETWEEN, apart, ANGLES, ROUNDING, "angle"),
     Sweep("dip directions apart, c = 0", BETWEEN, lambda x: apart(x, 0.0), ANGLES, ROUNDING, "angle"),
     Sweep("normals apart", BETWEEN, dihedral, ANGLES, ROUNDING, "angle"),
-    Sweep(
-        "apart in dip and direction", BETWEEN, skewed, ANGLES[6:], ROUNDING, "angle", statuses=("rotates",), tested=4
-    ),
+    Sweep("apart in dip and direction", BETWEEN, skewed, ANGLES[6:], ROUNDING, "angle", statuses=("rotates",),
+          tested=4, left_out=11),
     Sweep("volume", BETWEEN, apart, ANGLES, ROUNDING, "angle", "volume"),
-]
+]  # fmt: skip
 
 # -- size -------------------------------------------------------------------------------------------------
 

@@ -32,7 +32,7 @@ class Sweep:
     picture : sweeps with the same one share a chart
     quantity : what is compared: factor, volume or coordinates
     statuses : beside that of the reference, which knows no moments
-    tested : how many of the values the tests take
+    tested : how many of the values the tests take; left_out : of the last ones, which take seconds each
     """
 
     name: str
@@ -44,7 +44,8 @@ class Sweep:
     quantity: str = "factor"
     logarithmic: bool = True
     statuses: tuple[str, ...] = ()
-    tested: int = 8
+    tested: int = 6
+    left_out: int = 0
 
     @property
     def kind(self) -> str:
@@ -54,7 +55,7 @@ class Sweep:
     @property
     def thinned(self) -> tuple[float, ...]:
         """The values that the tests take: both ends and evenly between."""
-        last, many = len(self.values) - 1, min(self.tested, len(self.values))
+        last, many = len(self.values) - 1 - self.left_out, min(self.tested, len(self.values))
         return tuple(self.values[round(k * last / (many - 1))] for k in range(many))
 
 

@@ -18,6 +18,7 @@ from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.result import Result
 from tests.preie import path_oracle
+from tests.support import result_of
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -375,9 +376,7 @@ def test_blocks_locked_by_dilation_are_held_against_no_bound() -> None:
 
 def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
     """cases.json 5a: 19 % between them; the table has 16 rows, P of column 10 is 2826.71 kN at full strength."""
-    from slopekit.design.templates import path_of
-
-    result = sk.run(path_of("goodman-bray"))
+    result = result_of("goodman-bray")
     assert result.fos.static_bound == pytest.approx(1.19089, abs=1e-4)
     assert "W341" in codes(result)
     rows = result.findings.table

@@ -20,6 +20,7 @@ from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.basal import crack_reach
 from slopekit.views.pages.report_inputs import _strengths
 from tests.commands import slopekit
+from tests.support import result_of
 
 TEMPLATE = path_of("wedge-basal")
 #: A trough along 180 with a level line, behind an upright face, over a basal joint that rises from 4 m into the slope.
@@ -417,9 +418,9 @@ def test_a_socket_asks_whether_its_height_was_meant() -> None:
 
 def test_the_height_of_the_slope_is_told_from_that_of_the_block() -> None:
     """The block above a basal joint is lower than its slope: `height 20 m (total 16.7 m)` read like a contradiction."""
-    found = sk.run(path_of("wedge-basal"))
+    found = result_of("wedge-basal")
     corners = found.scene.shapes.solids.vertices[:, 2]
     size = next(line for line in str(found).splitlines() if line.startswith("SIZE"))
     assert f"height 20 m from toe to crest, the block itself {np.ptp(corners):.6g} m  volume" in size
-    whole = str(sk.run(path_of("wedge"))).partition("SIZE")[2]
+    whole = str(result_of("wedge")).partition("SIZE")[2]
     assert whole.split("\n")[0].lstrip().startswith("height 64.89 m (total 100.01")

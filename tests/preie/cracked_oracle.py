@@ -63,15 +63,18 @@ class Block:
         first = np.cross(springs.normal, np.eye(3)[np.abs(springs.normal).argmin(axis=1)])
         first /= np.linalg.norm(first, axis=1)[:, None]  # two directions along the joint
         self.slide = [np.einsum("nx,nxu->nu", way, self.move) for way in (first, np.cross(springs.normal, first))]
-        self.flat = np.concatenate(self.slide)
-        whole = (self.open * self.share[:, None]).T @ self.open
-        self.bonded = whole + SHEAR * (self.flat * np.tile(self.share, 2)[:, None]).T @ self.flat
+        self.rows = np.concatenate([self.open, *self.slide])  # opening and slips of every spring, (3 n, 6)
+        self.bonded = self._stiffness(self.share, SHEAR * self.share)
+
+    def _stiffness(self, normal, shear):
+        """Of springs that are so stiff each, (n,) and (n,)."""
+        return (self.rows.T * np.concatenate([normal, shear, shear])) @ self.rows
 
     def forces(self, u, strength):
         """Unbalanced forces at a strength (1 / F), and what gives their slope."""
-        pressure = -self.open @ u
+        opening, one, other = (self.rows @ u).reshape(3, -1)
+        pressure = -opening
         pressed = pressure > 0
-        one, other = (self.flat @ u).reshape(2, -1)
         size = np.maximum(np.sqrt(one * one + other * other), 1e-300)
         one, other = one / size, other / size
         over = np.maximum(pressure, 0.0)
@@ -80,16 +83,15 @@ class Block:
         cap = strength * (c * on + self.s.tan_friction * over)
         slides = (SHEAR * size > cap) | ~pressed
         shear = self.share * np.where(slides, cap, SHEAR * size)
-        out = self.load + (self.share * over) @ self.open - np.concatenate([shear * one, shear * other]) @ self.flat
+        out = self.load - np.concatenate([-self.share * over, shear * one, shear * other]) @ self.rows
 
         def slope():
             cap_slope = strength * (c * ((on > 0) & (on < 1)) / RAMP + self.s.tan_friction) * pressed
             ways = one[:, None] * self.slide[0] + other[:, None] * self.slide[1]
             per = np.where(slides, shear / size, self.share * SHEAR)
-            found = -(self.open * (self.share * pressed)[:, None]).T @ self.open
-            found -= (self.flat * np.tile(per, 2)[:, None]).T @ self.flat
-            of_sliding = ways * np.where(slides, per, 0.0)[:, None]
-            return found + of_sliding.T @ ways + (ways * (self.share * slides * cap_slope)[:, None]).T @ self.open
+            of_sliding = ways.T * np.where(slides, per, 0.0)
+            of_strength = (ways.T * (self.share * slides * cap_slope)) @ self.open
+            return of_sliding @ ways + of_strength - self._stiffness(self.share * pressed, per)
 
         return out, slope
 

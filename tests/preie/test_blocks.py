@@ -443,7 +443,7 @@ def slides_alone(scene: Scene, phi: float) -> float:
     return least
 
 
-@pytest.mark.parametrize("seed", [1, 8, 18, 24, 25, 27, 50, 58, 65, 80])
+@pytest.mark.parametrize("seed", [1, 8, 18, 24, 27, 50, 58, 65, 80])
 def test_a_block_that_can_slide_alone_does(seed) -> None:
     """The limit is no higher than that of any one block by itself, however its other contacts could wedge it.
 

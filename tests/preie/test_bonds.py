@@ -14,6 +14,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
 from slopekit.geometry.patches import BEDROCK
+from slopekit.kinds.assemblies import many_blocks
 from slopekit.notices import Bonds, bond_notices
 from slopekit.preie.elastic_path import falling
 from slopekit.preie.elastic_path.bed import Bed, Drive
@@ -30,6 +31,19 @@ from tests.preie.block_scenes import boxes_in_space, section_patches, weighed
 from tests.preie.path_oracle import breaking, model_of
 
 DIP = math.radians(30.0)
+
+
+@pytest.fixture(autouse=True)
+def not_without_cohesion(monkeypatch) -> None:
+    """No test here looks at the limit on joints without cohesion, a second solve (tests/kinds/test_beside_cohesion)."""
+    monkeypatch.setattr(many_blocks, "_without_cohesion", lambda *_: None)
+
+
+@pytest.fixture
+def unranged(monkeypatch) -> None:
+    """For tests of a limit alone: other forces of its mechanism are not looked at."""
+    monkeypatch.setattr(blocks, "_span", lambda *_: None)
+
 
 # -- against a history ------------------------------------------------------------------------------------------------
 
@@ -433,6 +447,7 @@ TWO_GROUPS = {
 }  # fmt: skip
 
 
+@pytest.mark.usefixtures("unranged")
 def test_of_groups_that_all_blocks_would_vouch_for_the_first_to_fail_is_the_limit() -> None:
     """A history of all blocks (`breaking`, 7 s of CPU) rests at 0.9376 and runs at 0.9394."""
     found = sk.run(sk.load(TWO_GROUPS))
@@ -442,6 +457,7 @@ def test_of_groups_that_all_blocks_would_vouch_for_the_first_to_fail_is_the_limi
     assert found.history.runs == pytest.approx(0.9394, rel=5e-3)
 
 
+@pytest.mark.usefixtures("unranged")
 def test_a_group_whose_rest_counts_on_bonds_of_open_contacts_is_not_the_limit() -> None:
     """Six blocks have 1.9056, and all rest just before it only with 113 open pairs bonded: all blocks run at 1.845."""
     found = sk.run(path_of("bench"), set={"strength.bedding.c": 5, "strength.joint.c": 5})
@@ -487,6 +503,7 @@ def test_a_block_among_others_that_are_held_keeps_what_has_slipped() -> None:
     assert np.abs(all_of_them - bed.forces(0.5 * out, 0.5).friction).max() > 0.01
 
 
+@pytest.mark.usefixtures("unranged")
 def test_bolts_are_no_contacts_that_open() -> None:
     """No node pair of a bolt is pressed: its strength is there all the same."""
     alone = sk.load(path_of("blocks"))
@@ -496,6 +513,7 @@ def test_bolts_are_no_contacts_that_open() -> None:
     assert found.fos.limit > 1.02 * without.fos.limit
 
 
+@pytest.mark.usefixtures("unranged")
 def test_finer_node_pairs_change_nothing_where_nothing_has_settled() -> None:
     """Bench 41, a peak: rounds of their own came to 0.645 on finer pairs once."""
     found = sk.run(sk.load(populations.bench(41)))
@@ -583,6 +601,7 @@ def test_the_number_is_that_of_coarser_pairs_where_nothing_settles_on_finer(monk
         assert found.fos.lowest > 0.95 * before.lowest
 
 
+@pytest.mark.usefixtures("unranged")
 def test_of_many_blocks_that_did_not_settle_no_finer_pairs_are_tried(monkeypatch) -> None:
     asked = []
 
@@ -598,6 +617,7 @@ def test_of_many_blocks_that_did_not_settle_no_finer_pairs_are_tried(monkeypatch
     assert said.endswith("the motion has not settled, and none were tried")
 
 
+@pytest.mark.usefixtures("unranged")
 @pytest.mark.parametrize(("most", "why"), [(0, "they would be too many"), (6000, "no factor was found on them")])
 def test_a_limit_without_finer_pairs_says_why(monkeypatch, most, why) -> None:
     """Of the coarse ones alone nobody knows how far the number is off."""
@@ -608,6 +628,7 @@ def test_a_limit_without_finer_pairs_says_why(monkeypatch, most, why) -> None:
     assert said == f"how far finer node pairs move the factor of safety is not known: {why}"
 
 
+@pytest.mark.usefixtures("unranged")
 def test_a_bench_whose_limit_needs_a_pair_that_pulls_has_its_number() -> None:
     design = populations.bench(241)
     design["strength"]["joint"]["c"] = 2.0

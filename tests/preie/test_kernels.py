@@ -184,7 +184,7 @@ LIMITS = {
     "stack": lambda: stack(5, width=8.0).model(35.0),
     "columns": lambda: columns().model(38.15),
     "boxes": lambda: boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(30.0, 1.0),
-    "bench": lambda: bench((("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))).model(30.0),
+    "bench": lambda: bench((("45/170", 6.0), ("80/350", 8.0), ("85/80", 9.0))).model(30.0),
     "bolted": lambda: BEDS["bolted section"](0.0),
     "dilating": lambda: BEDS["section"](8.0),
     **{f"section {k}": lambda k=k: model_of(populations.section(k)) for k in (0, 4, 7, 13)},

@@ -144,7 +144,7 @@ def whole_cylinder() -> float:
     return run({**CYLINDER, **COARSE}).fos.limit
 
 
-@pytest.mark.parametrize("length", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("length", [0.1, 10.0])
 @pytest.mark.parametrize("normals", ["true", "smoothed"])
 def test_slices_of_a_cylinder_are_all_alike(length, normals, whole_cylinder) -> None:
     """However thin: a slice nearly lets tilting through, and must not be turned for it (1.196 for 1.352 once)."""

@@ -16,6 +16,7 @@ from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.templates import names, path_of
 from slopekit.views.pages.report import report_of
+from tests.support import result_of
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 #: How many are left out of a line: a count of rows, no number of one.
@@ -27,7 +28,7 @@ SWEEP = "sweep of a wedge"
 def shown(name: str) -> Shown:
     if name == SWEEP:
         return sk.sweep(sk.load(path_of("wedge")), {"strength.weak.phi": "18:30:4"})
-    return sk.run(path_of(name))
+    return result_of(name)
 
 
 def tables(name: str) -> list[Table]:

@@ -254,20 +254,22 @@ def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:
     for name in ("wall", "topple"):
         design = with_law(template(name), ROUGH)
         found = []
-        for times in (0.1, 1.0, 10.0):
+        for times in (0.1, 10.0):
             monkeypatch.setattr(
                 strength_lines, "first_lines",
                 lambda laws, joint, model, mean, times=times: first(laws, joint, model, mean * times),
             )  # fmt: skip
             found.append(factors_of(design).limit)
-        assert found == pytest.approx([found[0]] * 3, rel=1e-9)
+        assert found[1] == pytest.approx(found[0], rel=1e-9)
 
 
-def test_where_limit_states_trade_places_the_lowest_is_printed() -> None:
+def test_where_limit_states_trade_places_the_lowest_is_printed(monkeypatch) -> None:
     """A steep power curve under a wall: no lines are those of their own tractions; range and lowest factor are said.
 
     Each of the two limit states, drawn at the tractions of the other, gives it back; the range is that of plain rounds.
+    Four rounds without gain show them as well as twelve.
     """
+    monkeypatch.setattr(strength_lines, "_FRUITLESS", 4)
     result = analyse(with_law(template("wall"), PowerCurve(2.0, 0.75)))
     assert result.fos.limit == pytest.approx(1.7031, abs=3e-3)
     assert 3e-3 < result.model.residual < 2e-2

@@ -142,8 +142,9 @@ def test_many_are_refused_where_the_mean_values_cut_no_block_too() -> None:
 
 
 def test_few_are_looked_for_alone_and_others_never_refused() -> None:
-    found = sk.prob(sk.load({**WEDGE, "crack": IN_METRES}), n=2, confirm=0, near=0.0)
+    design = sk.load({**WEDGE, "crack": IN_METRES})
+    found = sk.prob(design, n=2, confirm=0, near=0.0)
     assert found.evaluator == "closed form, sample by sample"
     checked_alone(sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3, "water": "1 m"}}), 10_000)
     with pytest.raises(DesignError, match="E424"):
-        checked_alone(sk.load({**WEDGE, "crack": IN_METRES}), 201)
+        checked_alone(design, 201)

@@ -16,11 +16,12 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import factors_of, kind_of
 from slopekit.studies.points import factor_at
 from slopekit.studies.prob import prob
-from slopekit.studies.solve import solve
+from slopekit.studies.solve import by_factor, solve
 from slopekit.studies.solve.by_factor import level_of
 from slopekit.studies.solve.by_probability import Estimate, for_probability
 from slopekit.studies.solve.solutions import notices
 from tests.studies.wedge_oracle import wedge_factor
+from tests.support import result_of
 
 WEDGE = {
     "slopekit": 1, "kind": "wedge", "slope": {"face": "60/180", "upper": "10/180", "height": 64.89},
@@ -188,13 +189,23 @@ def test_several_values_are_all_given_the_nearest_first() -> None:
     assert far.answer.status == "slides_up"
 
 
-def test_directions_are_looked_for_all_round() -> None:
-    """North is no end: the scene turned by 180° has its roots turned by 180°."""
+def test_directions_are_looked_for_all_round(monkeypatch) -> None:
+    """North is no end: the scene turned by 180° has its roots turned by 180°.
+
+    By the closed form, which answers for PRE-IE too: both are looked for in the same way.
+    """
+    own = by_factor._FactorRequest.samples
+
+    def samples(self, _, values):
+        found = own(self, "closed_form", values)
+        self.points.update({one.at: one.found for one in found})
+        return found
+
+    monkeypatch.setattr(by_factor._FactorRequest, "samples", samples)
     bare = {**WEDGE, "support": {"bolts": []}}
     turned = {**bare, "slope": {"face": "60/000", "upper": "10/000", "height": 64.89},
               "joints": {"J1": {"plane": "45/295"}, "J2": {"plane": "45/065"}}}  # fmt: skip
-    one = solved("bare", "slope.face.dip_direction", 1.5)
-    other = solve(sk.load(turned), "slope.face.dip_direction", fos=1.5)
+    one, other = (solve(sk.load(given), "slope.face.dip_direction", fos=1.5) for given in (bare, turned))
     values = [[root.value % 360.0 for root in found.closed_form.roots] for found in (one, other)]
     assert len(values[0]) == len(values[1]) >= 1
     assert sorted(value - 180.0 if value > 180.0 else value + 180.0 for value in values[1]) == pytest.approx(
@@ -295,7 +306,7 @@ def test_a_sphere_by_pre_ie_alone() -> None:
     found = solve(sk.load(path_of("sphere")), "strength.clay.c=10:40", fos=1.5)
     assert found.closed_form is None
     assert abs(found.answer.factor - 1.5) <= 1e-6
-    assert found.answer.value == pytest.approx(20.0 * 1.5 / sk.run(path_of("sphere")).fos.limit, rel=1e-6)
+    assert found.answer.value == pytest.approx(20.0 * 1.5 / result_of("sphere").fos.limit, rel=1e-6)
     assert found.pre_ie.evaluations < 20
     assert "PRE-IE" in str(found)
 

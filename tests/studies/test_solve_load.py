@@ -332,9 +332,9 @@ def test_a_load_on_a_cohesive_bench_says_what_it_has_to_do_with_cohesion() -> No
 
 
 def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_does() -> None:
-    """Bench 67: its strength divided last has the value (W477), and what the design there says of its cohesion."""
-    found = sk.solve(_bench(67), KEY, fos=1.0)
-    there = sk.run(with_values(_bench(67), {KEY: found.answer.value}))
+    """Bench 5: its strength divided last has the value (W477), and what the design there says of its cohesion."""
+    found = sk.solve(_bench(5), KEY, fos=1.0)
+    there = sk.run(with_values(_bench(5), {KEY: found.answer.value}))
     at = f"of the factor of safety at {KEY} = {found.answer.value:.4g}: "  # a factor there is no coefficient
     of_bonds = [at + notice.message for notice in there.warnings if notice.code in ("W307", "W484", "W486", "W494")]
     assert of_bonds

@@ -25,6 +25,7 @@ from slopekit.views.charts.quake_charts import draw_six
 from slopekit.views.charts.stereonet import cells
 from slopekit.views.charts.sweep_charts import draw_contour, draw_curve, draw_tornado
 from slopekit.views.plots import EVERY, need_of, offers
+from tests.support import result_of
 
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
 
@@ -229,7 +230,7 @@ def test_facet_normals_against_true_ones() -> None:
 
 def test_reduction_is_the_papers_figure() -> None:
     """Sheng et al. 2023, table 3: from 0 to all nine pairs at 1.334, where the block no longer stands."""
-    document = plain(sk.run(path_of("paper-footing")))
+    document = plain(result_of("paper-footing"))
     left, right = figure_of(draw_reduction, document).axes[:2]
     pairs = dict(labelled(right, "failed node pairs").tolist())
     assert (pairs[1.0], pairs[1.2], pairs[1.333]) == (0.0, 4.0, 8.0)
@@ -242,7 +243,7 @@ def test_reduction_is_the_papers_figure() -> None:
 
 def test_labels_of_upright_lines_stand_apart() -> None:
     """The smaller of limit and all-pairs factor is written at the left of its line, whichever it is."""
-    document = plain(sk.run(path_of("paper-wedge")))
+    document = plain(result_of("paper-wedge"))
     fos = document["fos"]
     assert fos["all_pairs_failed"] < fos["limit"]
     for values in (fos, fos | {"all_pairs_failed": 1.6}):
@@ -288,12 +289,12 @@ def test_friction_circles_in_the_colour_of_their_joint() -> None:
 
 
 def test_the_crack_of_a_plane_is_upright() -> None:
-    assert str(orientations_of(plain(sk.run(path_of("plane")))).slope["crack"]) == "90/180"
+    assert str(orientations_of(plain(result_of("plane"))).slope["crack"]) == "90/180"
 
 
 def test_a_plane_has_the_zone_of_poles() -> None:
     """Shaded cells against the planar test of joints with these poles (φ 37°, ±20°); no zone of lines, no circle."""
-    figure = figure_of(draw_orientations, plain(sk.run(path_of("plane"))))
+    figure = figure_of(draw_orientations, plain(result_of("plane")))
     said, (wide, narrow) = legend(figure), [image.get_array()[..., 3] > 0 for image in figure.axes[0].images]
     assert "poles here daylight, steeper than φ 37°" in said
     assert "lines here" not in said
@@ -319,12 +320,12 @@ def test_zones_say_which_friction_angle() -> None:
 
 
 def test_orientations_of_other_documents() -> None:
-    plane, bench = plain(sk.run(path_of("plane"))), sk.load(path_of("bench")).inputs()
+    plane, bench = plain(result_of("plane")), sk.load(path_of("bench")).inputs()
     assert [str(joint) for joint in orientations_of(plane).joints.values()] == ["35/180"]
     found = orientations_of({"kind": "bench", "inputs": json.loads(json.dumps(bench))})
     assert list(found.joints) == ["S1", "S2", "S3"]
     assert found.frictions == [40.0, 42.0]
-    assert orientations_of(plain(sk.run(path_of("footing")))) is None
+    assert orientations_of(plain(result_of("footing"))) is None
 
 
 def test_the_stereonets_of_a_survey() -> None:
@@ -389,7 +390,7 @@ def test_the_motion_in_six_degrees_of_freedom_beside_that_one_way() -> None:
 def test_offers(scattered) -> None:
     assert set(offers(scattered)) == {"stereonet", "histogram"}
     assert "curve" in offers(plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, methods="closed-form")))
-    assert set(offers(plain(sk.run(path_of("paper-footing"))))) >= {"scene", "reduction"}
+    assert set(offers(plain(result_of("paper-footing")))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
     assert len(set(EVERY)) == len(EVERY) == 23
@@ -399,7 +400,7 @@ def test_whole_documents_have_what_pictures_need(scattered) -> None:
     """What slopekit writes is never called damaged."""
     swept = [sk.sweep(sk.load(WEDGE), keys, methods="closed-form") for keys in (
         {"slope.face.dip": [20, 60, 80]}, {"slope.face.dip": [60, 80], "water.fill": [0, 1]})]  # fmt: skip
-    runs = [sk.run(path_of(name)) for name in ("paper-wedge", "paper-footing", "plane", "blocks", "topple")]
+    runs = [result_of(name) for name in ("paper-wedge", "paper-footing", "plane", "blocks", "topple")]
     studies = [
         *swept,
         *runs,

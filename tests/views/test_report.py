@@ -24,6 +24,7 @@ from slopekit.views.pages.page_pictures import still_pictures
 from slopekit.views.pages.report import report_of, verification_excerpt
 from slopekit.views.pages.report_inputs import input_tables, value_text
 from slopekit.views.solid.viewer_data import viewer_data
+from tests.support import result_of
 from tests.views import scenes
 
 pytest.importorskip("jinja2")
@@ -46,7 +47,7 @@ def wet_wedge(**more):
 @cache
 def document(name: str) -> dict:
     """The JSON of a template as the commands write it."""
-    return json.loads(json.dumps((wet_wedge() if name == "wet" else sk.run(path_of(name))).to_dict()))
+    return json.loads(json.dumps((wet_wedge() if name == "wet" else result_of(name)).to_dict()))
 
 
 @cache

@@ -19,6 +19,7 @@ from slopekit.views.solid import layers
 from slopekit.views.solid import viewer_data as viewer
 from slopekit.views.solid.stage import Stage
 from slopekit.views.solid.viewer_data import viewer_data
+from tests.support import result_of
 from tests.views import scenes
 from tests.views.test_report import document, page, wet_wedge, words
 
@@ -44,7 +45,7 @@ def no_limit() -> dict:
 
 
 def test_the_range_of_the_mechanism_is_in_the_table() -> None:
-    result = sk.run(path_of("goodman-bray"))
+    result = result_of("goodman-bray")
     found = replace(result, fos=replace(result.fos, lowest=0.7989, highest=1.1112)).to_dict()
     seen = words(report_of(found, with_pictures=False).html)
     assert "0.7989 1.1112 same mechanism, whatever forces are locked in" in seen

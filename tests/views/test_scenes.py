@@ -19,13 +19,14 @@ from slopekit.views.solid.rendering import Camera
 from slopekit.views.solid.scene_parts import resultants
 from slopekit.views.solid.scenes import SCENES, SceneOptions, compose, draw
 from slopekit.views.solid.stage import Stage
+from tests.support import result_of
 
 KINDS = ("wedge", "plane", "footing", "cylinder", "blocks", "goodman-bray", "wall")
 
 
 @cache
 def document(name: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(json.dumps(sk.run(path_of(name)).to_dict()))
+    found: dict[str, Any] = json.loads(json.dumps(result_of(name).to_dict()))
     return found
 
 
@@ -247,7 +248,7 @@ def test_a_later_mechanism_has_its_own_factor() -> None:
 
 
 def test_columns_in_several_rows_are_seen_in_space() -> None:
-    one = Stage.of(sk.run(path_of("topple")).to_dict())
+    one = Stage.of(result_of("topple").to_dict())
     rows = Stage.of(sk.run(path_of("topple"), set={"columns.rows": 2}).to_dict())
     assert (one.in_section, rows.in_section) == (True, False)
     assert abs(one.eye @ [0.0, 1.0, 0.0]) > 0.9
@@ -387,9 +388,12 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert "removed: scene.png" in again.stderr
     assert not (tmp_path / "b" / "scene.png").exists()
     (out / "stereonet.png").write_bytes(b"of another result")
+    monkeypatch.setattr(rendering, "save", lambda picture, path: path.write_bytes(b"drawn again"))
     once_more = CliRunner().invoke(app, [*arguments, "-o", str(out)])
     assert once_more.stderr.strip() == "pictures of an earlier result were removed: stereonet.png"
     assert {path.name for path in out.glob("*.png")} == {"scene.png", "mechanism.png", "reduction.png"}
+    assert (out / "scene.png").read_bytes() == b"drawn again"
+    monkeypatch.undo()
     monkeypatch.setattr(rendering, "find_spec", lambda name: None)
     without = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "c")])
     assert without.exit_code == 0

@@ -213,16 +213,19 @@ def global_equilibrium(
     pushes = np.outer(columns.weights / weight, [seismic * d[0], seismic * d[1], -1.0])
     raised = away + np.outer(columns.column_heights / (2.0 * size), [0.0, 0.0, 1.0])
     loads = np.concatenate([pushes.sum(axis=0), np.cross(raised, pushes).sum(axis=0)])
-    pressed = _six(columns.base_normals, away, normal)  # (6, 4)
+    upward, at = np.array(columns.base_normals.T, order="C"), np.array(away.T, order="C")
+    pressed = _six(upward, at, normal)  # (6, 4)
+    sizes = np.column_stack([bond, normal])
 
     def residual(unknowns: Floats) -> tuple[Floats, Floats]:
         """The six sums (6,), and their slopes (6, 6) by 1 / F, θ and the shares."""
         strength, turn, shares = unknowns[0], unknowns[1], unknowns[2:]
-        down, turned = _down(columns.base_normals, d, turn)
+        down, turned = _down(upward, d, turn)
         resisting = bond + tangent * (normal @ shares)
-        held = _six(down, away, resisting[:, None])[:, 0]
-        rows = pressed - strength * tangent * _six(down, away, normal)
-        slopes = np.column_stack([-held, -strength * _six(turned, away, resisting[:, None])[:, 0], rows])
+        sizes[:, 0] = resisting
+        sums = _six(down, at, sizes)
+        held, rows = sums[:, 0], pressed - strength * tangent * sums[:, 1:]
+        slopes = np.column_stack([-held, -strength * _six(turned, at, resisting), rows])
         return pressed @ shares - strength * held + loads, slopes
 
     best: AllEquilibrium | None = None
@@ -241,19 +244,24 @@ def global_equilibrium(
 
 
 def _six(vectors: Floats, at: Floats, sizes: Floats) -> Floats:
-    """Sums of the forces `sizes` (n, m) along `vectors` (n, 3) and of their moments: (6, m)."""
-    return np.concatenate([vectors, np.cross(at, vectors)], axis=1).T @ sizes
+    """Sums of the forces `sizes` (n,) or (n, m) along `vectors` (3, n) and of their moments: (6,) or (6, m)."""
+    (x, y, z), (along_x, along_y, along_z) = at, vectors
+    moments = y * along_z - z * along_y, z * along_x - x * along_z, x * along_y - y * along_x
+    return np.stack([*vectors, *moments]) @ sizes
 
 
 def _down(normals: Floats, d: Floats, turn: float) -> tuple[Floats, Floats]:
-    """Unit vectors down the bases in the upright plane turned from d, and their change with the turn (n, 3)."""
-    ahead = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]) @ d
-    aside = np.array([-ahead[1], ahead[0]])
-    along, across, up = normals[:, :2] @ ahead, normals[:, :2] @ aside, normals[:, 2]
+    """Unit vectors down the bases in the upright plane turned from d, and their change with the turn (3, n).
+
+    normals : (3, n)
+    """
+    x, y = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]) @ d
+    up = normals[2]
+    along, across = x * normals[0] + y * normals[1], x * normals[1] - y * normals[0]
     length = np.hypot(along, up)
-    down = np.column_stack([np.outer(up, ahead), -along]) / length[:, None]
-    change = np.column_stack([np.outer(up, aside), -across]) / length[:, None]
-    return down, change - down * (along * across / length**2)[:, None]
+    down = np.stack([x * up, y * up, -along]) / length
+    change = np.stack([-y * up, x * up, -across]) / length
+    return down, change - down * (along * across / length**2)
 
 
 def _newton(residual: Callable[[Floats], tuple[Floats, Floats]], unknowns: Floats) -> tuple[Floats, float]:
