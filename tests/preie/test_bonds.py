@@ -92,7 +92,7 @@ def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bond
     assert "W494 were the cohesion gone already that the mechanism breaks as it begins, by blasting" in said
     assert "blocks would move in another way at 2.21" in said
     assert "without it blocks would move" not in said  # W484 leaves that to W494
-    assert "or others with other cohesion left (W494)" in said
+    assert "the low end no higher than of motions with other cohesion left (W494)" in said
 
 
 @pytest.mark.parametrize(("without", "sooner", "in_w484", "in_w494"), [
