@@ -198,7 +198,7 @@ def test_parts_lock(monkeypatch) -> None:
 def test_programs_that_did_not_close_are_not_run_again(monkeypatch) -> None:
     """Nothing about them has changed."""
     programs: list[AssemblyModel] = []
-    monkeypatch.setattr(bounds, "bound_in_one_run", lambda model: None)
+    monkeypatch.setattr(bounds, "bound_in_one_run", lambda *_: None)
     monkeypatch.setattr(bounds, "bound_by_programs", lambda model, *_, **__: programs.append(model))
     monkeypatch.setattr(bounds.BlockProgram, "solve", lambda self, *_: ProgramResult(self.start, False, 1, 1.0))
     assert static_bound(MODELS["boxes"]()).factor is None

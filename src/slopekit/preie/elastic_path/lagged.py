@@ -77,6 +77,12 @@ def lagged_rest(bed: Bed, parameter: float) -> Flow | None:
     None where they do not come to rest this way. Only of joints that do not dilate, without bolts, and with compiled
     kernels: they have the steps.
     """
+    flow = lagged_flow(bed, parameter)
+    return flow if flow is not None and flow.ended == "rest" else None
+
+
+def lagged_flow(bed: Bed, parameter: float) -> Flow | None:
+    """The same, or that they run: what ẑ lags by grows to `_RUNS` times its least. None where neither is seen."""
     if compiled() is None or bed.dilates or bed.bolted is not None or bed.tangents == 1:
         return None
     say("rest of all blocks but for a rounding, strength divided by", 1.0 / parameter)
@@ -151,7 +157,8 @@ class _Residuals:
 
 
 def _run(law: _Law) -> Flow | None:
-    bed, at = law.bed, law.begun()
+    bed, before = law.bed, law.begun()
+    at = before
     length, least, part, lagged, since = 1.0, np.inf, _LARGEST, np.inf, 0
     for taken in range(_MOST):
         off = _Residuals.of(law, at)
@@ -164,15 +171,17 @@ def _run(law: _Law) -> Flow | None:
             lagged, since = off.lags, taken
         elif taken - since > _PATIENCE:
             part, lagged, since = max(0.5 * part, _LEAST), off.lags, taken
-        if not np.isfinite(off.left) or (taken > _SURE and off.lags > _RUNS * least):
+        if not np.isfinite(off.left):
             break
+        if taken > _SURE and off.lags > _RUNS * least:
+            return Flow(at.moved, _forces(law, at, off), "runs", before.moved, 0.0, off.rounding)
         falls = next(falls for at_least, falls in _FALLS if length >= at_least)
         aim = max(falls * off.left, part * min(off.lags, _RUNS * off.left))
         try:
             step, length = _Equations(law, at, off).step(aim / (2.0 * bed.pairs))
         except SolverError:
             break
-        at = at.taken(step, length)
+        before, at = at, at.taken(step, length)
     return None
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed, stepped
-from slopekit.preie.elastic_path.lagged import lagged_rest
+from slopekit.preie.elastic_path.lagged import lagged_flow, lagged_rest
 from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.solvers.effort import EffortSpentError, part
@@ -147,4 +147,7 @@ def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
     if abs(float(bed.drive.load @ limit.motion) / max(resists, TINY) - 1.0) < MOBILISED:
         return True
     beyond = (1.0 - _BEYOND) * limit.parameter
+    if flow.rounding:  # what it says of the strength of a few blocks is rounded too
+        lagged = lagged_flow(bed, beyond)
+        return lagged is not None and lagged.ended == "runs"
     return relaxed(bed, flow.at, beyond, THICK, runs_at=RUNS, patience=_LET_GO).ended == "runs"

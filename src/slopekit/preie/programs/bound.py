@@ -48,11 +48,11 @@ class StaticBound:
     steps: int
 
 
-def is_proved(model: "AssemblyModel", bound: StaticBound) -> bool:
+def is_proved(model: "AssemblyModel", bound: StaticBound, accuracy: float = BOUND_ACCURACY) -> bool:
     """Whether the motion of a bound is one of joints that dilate: then no forces balance the loads beyond it.
 
     What contacts close by beyond that is nothing of what slip opens, or nothing by the work that the forces of the
-    bound, or the loads of the blocks, do on it; the loads work as much as cohesion does. Both to `BOUND_ACCURACY`, of
+    bound, or the loads of the blocks, do on it; the loads work as much as cohesion does. Both to an accuracy, of
     work in parts of what friction does with the load of each contact's lighter block. Where blocks are locked, or jam
     just above another bound, an interior-point method may end anywhere below, its forces as large as it bears: its
     motion proves nothing there.
@@ -65,12 +65,12 @@ def is_proved(model: "AssemblyModel", bound: StaticBound) -> bool:
     closes = np.maximum((reduction * model.tan_friction * size)[model.group_of_pair] - opening, 0.0)[joints]
     own = np.sqrt((model.load * model.load).sum(axis=1))
     lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
-    nothing = BOUND_ACCURACY * reduction * float(lighter[model.group_contact] @ size)
+    nothing = accuracy * reduction * float(lighter[model.group_contact] @ size)
     lost = float(np.maximum(bound.normal_force, lighter[model.pair_contact])[joints] @ closes)
     cohesion = model.by_group(model.cohesion)
     cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt pulls
     work = float((model.load.ravel() + reduction * model.mean_pulls) @ velocity) - reduction * float(cohesion @ size)
-    opens = lost <= nothing or float(closes.max(initial=0.0)) <= BOUND_ACCURACY * reduction * fastest
+    opens = lost <= nothing or float(closes.max(initial=0.0)) <= accuracy * reduction * fastest
     return opens and work >= -nothing
 
 

@@ -40,7 +40,7 @@ from slopekit.preie.programs.program import (
     Strengths,
 )
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import DIAGONAL_SHIFT, FARTHEST, FEASIBLE, LEAST_REDUCTION, NEAR, TINY
+from slopekit.preie.tolerances import BOUND_ACCURACY, DIAGONAL_SHIFT, FARTHEST, FEASIBLE, LEAST_REDUCTION, NEAR, TINY
 from slopekit.strength.mohr_coulomb import line
 
 _MANY = 150  # blocks of which parts come first
@@ -126,19 +126,19 @@ class _Shortfall(BlockProgram):
         return small
 
 
-def bound_in_one_run(model: AssemblyModel) -> StaticBound | None:
+def bound_in_one_run(model: AssemblyModel, accuracy: float = BOUND_ACCURACY) -> StaticBound | None:
     """The static bound; None where it comes to no end: nothing balances the loads, anything does, or steps are many.
 
-    Nor where its motion does not prove it.
+    Nor where its motion does not prove it to an accuracy.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         known = _of_parts(model) if len(model.load) > _MANY else None
-        bound = None if known is None else _proved(model, _run(_Shortfall(model), known, True))
-        return _proved(model, _run(_Shortfall(model), _START)) if bound is None else bound
+        bound = None if known is None else _proved(model, _run(_Shortfall(model), known, True), accuracy)
+        return _proved(model, _run(_Shortfall(model), _START), accuracy) if bound is None else bound
 
 
-def _proved(model: AssemblyModel, bound: StaticBound | None) -> StaticBound | None:
-    return bound if bound is not None and is_proved(model, bound) else None
+def _proved(model: AssemblyModel, bound: StaticBound | None, accuracy: float) -> StaticBound | None:
+    return bound if bound is not None and is_proved(model, bound, accuracy) else None
 
 
 def _of_parts(model: AssemblyModel) -> float | None:

@@ -27,6 +27,7 @@ from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
+    BOUND_ROUGHLY,
     CARRIES,
     CLOSE,
     EQUILIBRIUM,
@@ -54,7 +55,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     size = len(model.load)
     few, asked = size <= _MOST_PROGRAMS, False
     if model.unknowns == 6 and size > _FEW:
-        exact_bound, asked = bound_in_one_run(model), few
+        exact_bound, asked = bound_in_one_run(model, BOUND_ACCURACY if few else BOUND_ROUGHLY), few
         if exact_bound is None and few:
             exact_bound = bound_by_programs(model)
         if exact_bound is not None:
