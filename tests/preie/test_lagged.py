@@ -10,6 +10,7 @@ from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.elastic_path.lagged import lagged_rest
 from slopekit.preie.elastic_path.local_viscosity import rest_from
+from slopekit.preie.elastic_path.path_limit import PathOutcome, result_of
 from slopekit.preie.elastic_path.rests import rests_before
 from slopekit.preie.kernels import compiled
 from slopekit.preie.tolerances import LAGGED_ROUNDING, RESTS_NEAR
@@ -67,6 +68,16 @@ def test_contacts_that_lie_open_are_those_of_a_sharp_rest(bed, both):
 @pytest.mark.parametrize(("part", "rests_there"), [(0.998, True), (1.0005, False)])
 def test_beyond_a_limit_there_is_none(bed, part, rests_there):
     assert (lagged_rest(bed, 1.0 / (part * LIMIT)) is not None) == rests_there
+
+
+@pytest.mark.parametrize(("part", "is_one"), [(1.0, True), (0.97, False)])
+def test_blocks_are_at_a_limit_where_they_run_beyond_it(bed, monkeypatch, part, is_one):
+    """Whatever a rounded rest says of the strength that a few of them use."""
+    monkeypatch.setattr(rests, "MOBILISED", 0.0)
+    flow = lagged_rest(bed, 1.0 / (0.999 * part * LIMIT))
+    assert flow is not None
+    limit = result_of(bed, PathOutcome.SETTLED, 1.0 / (part * LIMIT), None, flow.at, flow.at, flow.forces)
+    assert rests.at_their_limit(bed, flow, limit) == is_one
 
 
 def test_joints_that_dilate_have_none(bed):
