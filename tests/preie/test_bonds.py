@@ -10,16 +10,18 @@ import pytest
 
 import slopekit as sk
 from benchmarks import populations
+from benchmarks.benches import bench
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
 from slopekit.geometry.patches import BEDROCK
 from slopekit.kinds.assemblies import many_blocks
 from slopekit.notices import Bonds, bond_notices
-from slopekit.preie.elastic_path import falling
+from slopekit.preie.elastic_path import falling, rests
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import NEAR_RUNNING, fall, history
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
+from slopekit.preie.kernels import compiled
 from slopekit.preie.many_blocks import blocks, bonds, ravelling
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis
@@ -731,3 +733,14 @@ def test_a_rest_is_held_against_the_bound_with_the_bonds_that_are_left() -> None
     assert not blocks._is_locked(model, peak, whole)
     assert blocks._is_locked(model, replace(peak, parameter=9.0 / bare), whole)
     assert blocks._is_locked(model, replace(peak, bond=np.ones(len(model.control_area))), whole)
+
+
+@pytest.mark.skipif(compiled() is None, reason="its steps are compiled")
+@pytest.mark.usefixtures("unranged")
+def test_rounded_rests_say_on_what_lies_open_cohesion_counts(monkeypatch) -> None:
+    """Every force of such a rest is above nothing, of contacts that lie open too: W493 names those (W502 beside)."""
+    monkeypatch.setattr(rests, "_LAGGED", 0)
+    monkeypatch.setattr(rests, "_LAGGED_FAR", 0)
+    said = {notice.code: notice.message for notice in sk.run(sk.load(bench(1.0, 5.0))).warnings}
+    assert "W502" in said
+    assert int(said["W493"].removeprefix("cohesion counts on ").split()[0]) > 20
