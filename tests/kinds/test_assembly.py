@@ -14,7 +14,10 @@ from benchmarks import populations
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut, kind_of
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks.blocks_limit import Basis
+from slopekit.preie.many_blocks.ravelling import ravel
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.result import Result
 from tests.preie import path_oracle
@@ -355,6 +358,18 @@ def test_the_static_bound_is_that_of_all_blocks(number) -> None:
     assert result.fos.static_bound == pytest.approx(path_oracle.static_bound(path_oracle.model_of(design)), rel=1e-5)
     assert result.findings.mechanisms[0].static_bound > 1.01 * result.fos.static_bound
     assert result.fos.limit <= result.fos.static_bound
+
+
+@pytest.mark.parametrize(("locked", "known"), [(False, False), (True, True)])
+def test_a_component_whose_bound_was_not_found_leaves_none_of_all(locked, known) -> None:
+    """That of the others holds those alone; a component that is locked at any friction takes nothing away."""
+    scene = cut(sk.load(populations.bench(27)))
+    found = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+    first, *others = found.parts
+    assert first.limit.factor is not None
+    without = replace(first, limit=replace(first.limit, static_bound=None, locked=locked))
+    least = min(part.limit.static_bound for part in others if part.limit.static_bound is not None)
+    assert replace(found, parts=(without, *others)).static_bound == (least if known else None)
 
 
 def test_the_bound_of_blocks_that_fail_together_is_the_least() -> None:

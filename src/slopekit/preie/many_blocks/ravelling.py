@@ -100,10 +100,11 @@ class Ravelling:
     def static_bound(self) -> float | None:
         """That of all blocks: some forces balance the loads where some do in every component, so the least.
 
-        None where none is known, or nothing balances one of them.
+        None where none is known, nothing balances one of them, or that of one with a factor was not found.
         """
         limits = [part.limit for part in self.parts]
-        if any(limit.outcome is Outcome.LIFTED for limit in limits):
+        unknown = (limit.factor is not None and limit.static_bound is None and not limit.locked for limit in limits)
+        if any(unknown) or any(limit.outcome is Outcome.LIFTED for limit in limits):
             return None
         return min((limit.static_bound for limit in limits if limit.static_bound is not None), default=None)
 
