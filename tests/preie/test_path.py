@@ -16,6 +16,7 @@ from slopekit.loads import PassiveBolts
 from slopekit.preie.elastic_path import path, proposal
 from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive, NewtonStep
 from slopekit.preie.elastic_path.flow import Flow
+from slopekit.preie.elastic_path.loads_last import loads_last
 from slopekit.preie.elastic_path.path import follow
 from slopekit.preie.elastic_path.path_limit import PathOutcome, limit_state
 from slopekit.preie.elastic_path.proposal import proposed
@@ -28,6 +29,7 @@ from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bounds import held_by_normals, static_bound
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
+from slopekit.preie.tolerances import LIMIT_BALANCED
 from tests.preie import load_oracle, path_oracle
 from tests.preie.block_scenes import (
     Scene,
@@ -616,6 +618,24 @@ def test_what_is_carried_of_a_load_that_is_too_much() -> None:
     assert found.loads_last
     assert found.carried == pytest.approx(0.26374 / 0.264, rel=1e-4)
     assert found.static_bound == pytest.approx(path_oracle.static_bound(model, 1e-6, found.static_bound), rel=1e-4)
+
+
+@pytest.mark.parametrize("number", [225, 289, 419])
+def test_loads_that_just_fit_on_in_modes_of_neither_side(number) -> None:
+    """Sections whose limits just below and just above F have other modes: a history of its own says where loads fit on.
+
+    All of them do at a thousandth more strength, and not at a thousandth less. The path with all on at once ends there.
+    """
+    given = model_of(populations.section(number))
+    model, unit = blocks._in_unit_strength(given)
+    bonds, bound = np.ones(len(model.control_area)), blocks.unit_bound(given)
+    last, loads, _ = loads_last(model, unit, bonds, bound, SHEAR_TO_NORMAL)
+    assert (last.outcome, loads.last) == (PathOutcome.SETTLED, True)
+    assert last.residual < LIMIT_BALANCED
+    factor = unit / last.parameter
+    assert load_oracle.comes_on(given, 1.001 / factor) == 1.0
+    assert load_oracle.comes_on(given, 0.999 / factor) < 1.0
+    assert factor == pytest.approx(limit_of_blocks(given, ranged=False).factor, rel=1e-6)
 
 
 @pytest.mark.parametrize("strength", [0.5, 1.0])

@@ -200,7 +200,7 @@ SETTLEMENT_STEADY = 1e-3
 #: Loads that come on last, in parts of them: what fits on up to this is decided with its modes.
 LOADS_FIT = 1e-3
 
-#: Width of the bracket of the strength at which they do, in parts of it.
+#: Width of the bracket of the strength at which they do, in parts of it, where its ends are no limits.
 LOADS_BRACKET = 1e-3
 
 #: Step of ln F towards a factor: one that no shorter step reaches has no equilibrium.

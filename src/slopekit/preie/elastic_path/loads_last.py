@@ -18,7 +18,7 @@ from slopekit.preie.elastic_path.path import follow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, limit_state
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import ADMISSIBLE, LIMIT_BALANCED, LOADS_BRACKET, LOADS_FIT, NO_MOTION
+from slopekit.preie.tolerances import ADMISSIBLE, LIMIT_BALANCED, LOADS_BRACKET, LOADS_FIT, NO_MOTION, STEADY
 
 FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
@@ -42,6 +42,9 @@ def loads_last(
 ) -> tuple[PathLimit, LoadsOn, int]:
     """F where the loads beside weight and water, coming on last, all fit on; no rest where they do at no strength.
 
+    It is exact where the modes of a limit just below it are those at F. Where other modes come in between, but both
+    sides end in limits, it is as fine as a path settles.
+
     A motion at a part of them that slips nowhere is a limit state at any greater strength: there they may fit on, or
     not, as it comes, and where the search does not end in a limit they do not.
 
@@ -62,16 +65,21 @@ def loads_last(
     if fits is None:
         assert overloaded is not None
         return tried.without_rest(overloaded, tried.loaded(unit))
-    while fits / fails - 1.0 > LOADS_BRACKET:
+    while (between := fits / fails - 1.0) > STEADY:
         state = None if overloaded is None else tried.exact(overloaded, fails)
         if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
             return state, LoadsOn(True), tried.factorisations
+        if between < LOADS_BRACKET and not _are_limits(overloaded, last):
+            break
         middle = math.sqrt(fits * fails)
         trial = tried.carried(middle)
         if _fits_on(trial):
             fits, last = middle, trial
         else:
             fails, overloaded = middle, trial
+    if _are_limits(overloaded, last) and (last.parameter or math.inf) - 1.0 < LIMIT_BALANCED:
+        settled = replace(last, outcome=PathOutcome.SETTLED, parameter=fits, peak=(fits, fails))
+        return settled, LoadsOn(True), tried.factorisations
     # where blocks snap from rest to rest the loads may fit on, not fit on at more strength, and fit on again; and they
     # may all be on, the blocks at rest, where less than all of them makes them run on
     reached, stride = fits, STRONGER[-1] ** (1.0 / _SCANNED)
@@ -86,10 +94,10 @@ def loads_last(
         fits, fails = tried.narrowed(fails * stride, fails, _fits_on)
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
     forces, size = tried.at_rest(fits)
-    settled = forces.residual < LIMIT_BALANCED * size
-    if not settled and tried.tip is not None and not _fits_on(full := tried.loaded(unit)):
+    balanced = forces.residual < LIMIT_BALANCED * size
+    if not balanced and tried.tip is not None and not _fits_on(full := tried.loaded(unit)):
         return tried.without_rest(overloaded or last, full)
-    outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
+    outcome = PathOutcome.BRACKET if balanced else PathOutcome.GAVE_UP
     peak = replace(
         overloaded or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
         friction=forces.friction, residual=forces.residual / size, reached=reached,
@@ -99,6 +107,11 @@ def loads_last(
 
 def _fits_on(path_end: PathLimit) -> bool:
     return path_end.outcome is PathOutcome.STANDS or (path_end.parameter or 0.0) >= 1.0
+
+
+def _are_limits(*path_ends: PathLimit | None) -> bool:
+    """Whether they are limits of nearly all of the loads, or of little more."""
+    return all(one is not None and one.found and abs((one.parameter or 0.0) - 1.0) < LOADS_FIT for one in path_ends)
 
 
 def _come_on(path_end: PathLimit) -> bool:

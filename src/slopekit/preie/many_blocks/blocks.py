@@ -416,10 +416,10 @@ def _on_path(
         last, loads, work = loads_last(model, unit, bond, bound, ratio)
         tipped = math.inf if loads.tips is None else 1.0 / loads.tips[1]  # and with all greater strengths
         most = min(_LOCKED * start / _START, tipped)
-        if last.found or bed.tangents > 1 or bed.size > _PROPOSED or most < start:
+        if last.outcome is PathOutcome.LIMIT or bed.tangents > 1 or bed.size > _PROPOSED or most < start:
             return last, loads, work + bed.factorisations
         path_end = follow(bed, start)
-        settled = path_end.found or last.outcome is not PathOutcome.BRACKET
+        settled = path_end.found or last.outcome not in (PathOutcome.BRACKET, PathOutcome.SETTLED)
         if path_end.parameter is None or path_end.parameter > most or not settled:
             return last, loads, work + bed.factorisations
         if peaks and path_end.outcome is PathOutcome.BRACKET:
