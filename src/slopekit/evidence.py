@@ -225,8 +225,25 @@ class WithoutBasal:
     `closed_form` is None where it has no factor.
     """
 
+    NAME: ClassVar = "without_basal"
+    WHAT: ClassVar = "the whole wedge without the basal joint"
     status: str
     closed_form: float | None
+
+    @property
+    def factor(self) -> float | None:
+        """What it is judged by."""
+        return self.closed_form
+
+    @property
+    def what(self) -> str:
+        """What it is, in words."""
+        return self.WHAT
+
+    @property
+    def alone(self) -> str:
+        """By whom, and what has more, in words."""
+        return " by the closed form; the block above the basal joint alone has it"
 
     def in_words(self) -> str:
         """Status and factor."""
@@ -250,3 +267,56 @@ class WithoutBasal:
         if self.closed_form is None:
             return self.status in ("lifted", "falls")
         return self.closed_form < target * (1.0 - _ROUNDING)
+
+
+@dataclass(frozen=True, slots=True)
+class WithoutTurning:
+    """The factor at which one block of many would slide if it did not turn, where that is below its limit.
+
+    Of a wedge no credit is taken for turning: the same block written as one of many is accepted by the same number.
+    """
+
+    NAME: ClassVar = "without_turning"
+    block: str
+    limit: float
+
+    @property
+    def status(self) -> str:
+        """How it moves."""
+        return "slides"
+
+    @property
+    def factor(self) -> float:
+        """What it is judged by."""
+        return self.limit
+
+    @property
+    def what(self) -> str:
+        """What it is, in words."""
+        return f"{self.block} without turning"
+
+    @property
+    def alone(self) -> str:
+        """By whom, and what has more, in words."""
+        return " as closed forms count; only as it turns it has more (W479)"
+
+    def in_words(self) -> str:
+        """Its factor."""
+        return f"F {self.limit:.4g}"
+
+    def meets(self, rule: Rule) -> bool:
+        """Whether it keeps a least factor of safety; rules on other numbers than the limit do not ask it."""
+        asks = rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")
+        return not asks or rule.met(self.limit)
+
+    def falls_short(self, target: float) -> bool:
+        """Whether it has less than a factor of safety.
+
+        >>> WithoutTurning("B8", 1.2).falls_short(1.3)
+        True
+        """
+        return self.limit < target * (1.0 - _ROUNDING)
+
+
+#: What a design is judged by besides its own factor of safety.
+AlsoJudged = WithoutBasal | WithoutTurning

@@ -16,6 +16,7 @@ from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.design.parts import Rule
 from slopekit.evidence import (
+    AlsoJudged,
     AllPairs,
     AtFactorOne,
     CohesionUnderMoments,
@@ -29,6 +30,7 @@ from slopekit.evidence import (
     ResidualFactors,
     WithoutBasal,
     WithoutCohesion,
+    WithoutTurning,
 )
 from slopekit.extents import Geometry
 from slopekit.preie.motion.balance import Balance
@@ -118,6 +120,7 @@ class Result(Shown):
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
     `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
     `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
+    `without_turning` is the factor of one block of many without the turning that raises its limit, None elsewhere.
     `without_cohesion` is the limit of many cohesive blocks with c = 0, `history` where they run as strength falls.
     `residual` has the factors on residual strength, None where no strength has one; `elastic` those of elastic blocks.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
@@ -153,6 +156,7 @@ class Result(Shown):
     curved_strength: CurvedStrength | None = None
     residual: ResidualFactors | None = None
     without_basal: WithoutBasal | None = None
+    without_turning: WithoutTurning | None = None
     without_cohesion: WithoutCohesion | None = None
     history: History | None = None
     elastic: "ElasticBlocks | None" = None
@@ -196,15 +200,21 @@ class Result(Shown):
     def judged(self, rule: Rule) -> bool:
         """Whether the result meets a rule; what stands without strength meets every least factor of safety.
 
-        A block whose basal joint cuts the toe off a larger wedge meets none that this one breaks.
+        A block whose basal joint cuts the toe off a larger wedge meets none that this one breaks, and one of many whose
+        turning raises its factor none that it breaks without.
         """
-        if self.without_basal is not None and not self.without_basal.meets(rule):
+        if self.also is not None and not self.also.meets(rule):
             return False
         if self.status == "no_driving_force" and rule.relation in (">=", ">"):
             return True
         if self.status == "not_converged" or self.agree is False:
             return False  # a number that the two methods dispute is no reason to accept
         return rule.met(self.value_of(rule))
+
+    @property
+    def also(self) -> AlsoJudged | None:
+        """What rules are held against besides the numbers that they name."""
+        return self.without_basal or self.without_turning
 
     def name_of(self, rule: Rule) -> str:
         """The number that a rule judges: one of `fos`, or of `methods`, or residual.
@@ -237,7 +247,7 @@ class Result(Shown):
     def margin(self) -> float | None:
         """The number that acceptance hangs on over what it asks (1 without a rule); 0 without one, inf at rest."""
         least = [max(rule.value, 1e-9) for rule in self.design.rules if rule.relation in (">=", ">")]
-        whole = None if self.without_basal is None else self.without_basal.closed_form
+        whole = None if self.also is None else self.also.factor
         most = float("inf") if whole is None else min((whole / value for value in least), default=whole)
         if self.status == "no_driving_force":
             return most
@@ -384,8 +394,8 @@ class Result(Shown):
         """A rule with the number that it judged, null where there is none."""
         value = self.value_of(rule)
         name = None if value is None else self.name_of(rule)
-        if self.without_basal is not None and not self.without_basal.meets(rule):
-            name, value = "without_basal", self.without_basal.closed_form
+        if self.also is not None and not self.also.meets(rule):
+            name, value = self.also.NAME, self.also.factor
         return {"rule": str(rule), "met": self.judged(rule), "judged": name, "fos": json_of(value)}
 
     def _mechanism(self) -> dict[str, Any] | None:
@@ -449,6 +459,7 @@ class Result(Shown):
             **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
             **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
+            **({} if self.without_turning is None else {"without_turning": json_of(self.without_turning)}),
             **({} if self.without_cohesion is None else {"without_cohesion": json_of(self.without_cohesion)}),
             **({} if self.history is None else {"history": json_of(self.history)}),
             **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),

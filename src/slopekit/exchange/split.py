@@ -1,6 +1,7 @@
 """One closed mesh file a block, and the design (kind: blocks) that reads them, with all that carries over."""
 
 import json
+import math
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -13,6 +14,7 @@ import numpy as np
 from slopekit._version import __version__
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice, writing
+from slopekit.evidence import WithoutBasal
 from slopekit.exchange.picking import Picked, WrittenBlock
 from slopekit.exchange.solids import Files
 from slopekit.exchange.source import ExportSource, Pair, bolt_of_load, direction_deg, joints_of, pairs_of
@@ -196,6 +198,8 @@ def write_split(
             behind = dict.fromkeys(range(len(source.scene.shapes.contacts)), source.scene.shapes.names[-1])
         polygons = _polygons(source, chosen)
         text, lost = design_text(source, is_fixed, files, behind, polygons)
+        whole = _whole(source.document)
+        lost += [] if whole is None else [f"the whole wedge, which the basal joint is cut from ({whole.in_words()})"]
         if len(chosen.bodies) < len(fixed):
             lost.append(f"{len(fixed) - len(chosen.bodies)} of {len(fixed)} blocks, which were not chosen")
         if lost:
@@ -213,6 +217,12 @@ def write_split(
     return (paths, precision), notices
 
 
+def _whole(document: Mapping[str, Any]) -> WithoutBasal | None:
+    """The larger wedge that a block above a basal joint is part of, which no mesh of that block shows."""
+    given = document.get("without_basal")
+    return None if given is None else WithoutBasal(given["status"], given["closed_form"])
+
+
 def _polygons(source: ExportSource, chosen: Picked) -> dict[str, Floats]:
     """The polygons (k, 2) of a section of blocks, which say all of it; none where rows of columns stand in space."""
     if not (source.has_many and chosen.outlines):
@@ -228,6 +238,10 @@ def _why_no_design(source: ExportSource, is_fixed: Mapping[str, bool]) -> str:
         return "the slip surface is curved, its normals are not those of the triangles (kind surface reads meshes too)"
     if all(is_fixed.values()):
         return "all of these blocks are bedrock"
+    whole, limit = _whole(source.document), (source.document.get("fos") or {}).get("limit")
+    if whole is not None and whole.falls_short(math.inf if limit is None else limit):
+        return (f"the whole wedge, without the basal joint, fails before the block above it: {whole.in_words()} by the "
+                "closed form; blocks cut from that block alone would stand without a word of it")  # fmt: skip
     return "" if any(is_fixed.values()) else "none of these blocks is bedrock, nothing would hold them"
 
 

@@ -11,6 +11,7 @@ from slopekit.notices import means_taken, not_as_given, pressure_notices, size_n
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
+    from slopekit.evidence import AlsoJudged
     from slopekit.kinds.protocol import Factors, Kind
 
 
@@ -136,7 +137,10 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
     from slopekit.kinds.protocol import Factors
 
     closed = kind.closed_form(design)
-    return Factors(closed.status, None, closed.status, closed.factor or None, None, None, False, True)
+    return Factors(
+        closed.status, None, closed.status, closed.factor or None, None, None, False, True,
+        also=kind.without_basal(design),
+    )  # fmt: skip
 
 
 def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
@@ -156,11 +160,14 @@ def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
 
 def whole_falls_short(design: Design, target: float, where: str) -> tuple[Notice, ...]:
     """W507: the block above a basal joint meets a target, the wedge that it is part of (W410) does not."""
-    whole = kind_of(design).without_basal(design)
-    if whole is None or not whole.falls_short(target):
+    return also_falls_short(kind_of(design).without_basal(design), target, where)
+
+
+def also_falls_short(also: "AlsoJudged | None", target: float, where: str) -> tuple[Notice, ...]:
+    """W507: a design meets a target, what acceptance of it is held against besides does not."""
+    if also is None or not also.falls_short(target):
         return ()
-    said = f"{where} the whole wedge, without the basal joint, falls short of {target:g}: {whole.in_words()}"
-    return (Notice("W507", f"{said} by the closed form; the block above the basal joint alone has it"),)
+    return (Notice("W507", f"{where} {also.what} falls short of {target:g}: {also.in_words()}{also.alone}"),)
 
 
 def dilates(design: Design) -> bool:

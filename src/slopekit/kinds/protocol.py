@@ -11,7 +11,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
-from slopekit.evidence import WithoutBasal
+from slopekit.evidence import AlsoJudged, WithoutBasal
 from slopekit.notices import Bonds
 from slopekit.result import Result, Words
 
@@ -57,6 +57,7 @@ class Factors:
     moments_govern : the limit lies below what the forces alone give
     settled : whether the passes settled to the design's `stop_when`
     notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
+    also : what acceptance of a run is held against besides
     """
 
     status: str
@@ -68,6 +69,7 @@ class Factors:
     moments_govern: bool
     settled: bool
     notes: tuple[Notice, ...] = field(default=(), kw_only=True, metadata=NO_JSON)
+    also: AlsoJudged | None = field(default=None, kw_only=True, metadata=NO_JSON)
 
     @property
     def factor(self) -> float | None:

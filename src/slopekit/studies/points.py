@@ -13,6 +13,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
+from slopekit.evidence import AlsoJudged, WithoutBasal, WithoutTurning
 from slopekit.kinds import factors_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
@@ -21,7 +22,8 @@ Method = Literal["closed_form", "pre_ie"]
 Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
-_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name != "notes")
+_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
+_ALSO: Mapping[str, Callable[..., AlsoJudged]] = {one.NAME: one for one in (WithoutBasal, WithoutTurning)}
 #: The status where PRE-IE ended without a number that it would vouch for.
 UNSETTLED = "not_converged"
 #: The record of a task that kills every worker that takes it.
@@ -49,22 +51,28 @@ class Point:
     def to_dict(self) -> dict[str, Any]:
         """What both methods say, as JSON values."""
         record = _NO_FACTORS if self.factors is None else record_of(self.factors)
+        also = None if self.factors is None else self.factors.also
+        record = record | ({} if also is None else {also.NAME: record_of(also)})
         return record | {"code": self.code or None, "message": self.message or None}
 
     def to_record(self) -> Record:
         """As JSON values, for a journal and for the way between processes."""
         if self.factors is None:
             return [self.code, self.message]
-        *numbers, _ = astuple(self.factors)
-        return [*numbers, [[note.code, note.message] for note in self.factors.notes]]
+        numbers = [getattr(self.factors, name) for name in _NO_FACTORS]
+        also = [] if (own := self.factors.also) is None else [[own.NAME, *astuple(own)]]
+        return [*numbers, [[note.code, note.message] for note in self.factors.notes], *also]
 
     @classmethod
     def from_record(cls, record: Record) -> "Point":
         """Back from JSON values."""
         if len(record) == 2:
             return cls(None, *record)
-        *numbers, notes = record if len(record) == len(_NO_FACTORS) + 1 else (*record, ())  # a journal has none
-        return cls(Factors(*numbers, notes=tuple(Notice(*note) for note in notes)))
+        count = len(_NO_FACTORS)
+        notes = tuple(Notice(*note) for note in (record[count : count + 1] or [()])[0])  # an old journal has none
+        own = record[count + 1 :]
+        also = None if not own else _ALSO[own[0][0]](*own[0][1:])
+        return cls(Factors(*record[:count], notes=notes, also=also))
 
 
 #: The points of a sweep along its first key, by the value of the second, None without one.

@@ -176,7 +176,7 @@ def kind_of_many_blocks(
         straight = without_turning(scene, ravelling.failures[0]) if mechanisms else None
         of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
         notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind))
-        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
+        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes, also=straight)
 
     def beside(design: A) -> tuple[Notice, ...]:
         if not any(strength.cohesion_kpa for _, strength in design.strengths):
@@ -291,7 +291,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     low, high = (governing.lowest, governing.highest) if governing is not None and sure else (None, None)
     straight = without_turning(scene, ravelling.failures[0]) if ravelling.failures else None
     if straight is not None and sure:
-        low = straight if low is None else min(low, straight)
+        low = straight.limit if low is None else min(low, straight.limit)
     with clock("without_cohesion"):
         bare = _without_cohesion(scene, loads, work) if limit is not None else None
     with clock("history"):
@@ -332,7 +332,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         warnings=(*notices_of(design, scene, ravelling, mechanisms, straight, history), *of_kind),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
         findings=findings, balance=balanced, curved_strength=_curved(scene, parts), without_cohesion=bare,
-        history=history, timing_s=clock.done(),
+        history=history, without_turning=straight if sure else None, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from slopekit.core.errors import Notice
-from slopekit.evidence import History
+from slopekit.evidence import History, WithoutTurning
 from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
@@ -36,13 +36,13 @@ _FEW = 3  # mechanisms, of which one is mostly larger
 
 def notices_of(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
-    straight: float | None, history: History | None = None,
+    straight: WithoutTurning | None, history: History | None = None,
 ) -> Iterator[Notice]:  # fmt: skip
     """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on.
 
     Parameters
     ----------
-    straight : the factor of its block `without_turning`; history : of its blocks as strength falls
+    straight : its block `without_turning`; history : of its blocks as strength falls
     """
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
@@ -95,9 +95,10 @@ def notices_of(
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if straight is not None:
-        yield Notice("W479", f"{first.blocks[0].name} turns as it goes, which raises its factor: without turning, as "
-                     f"closed forms count, it is {straight:.4f}; of a wedge (kind: wedge) no credit is taken for "
-                     "that")  # fmt: skip
+        held = "; acceptance is held against it too" if design.rules else ""
+        yield Notice("W479", f"{straight.block} turns as it goes, which raises its factor: without turning, as "
+                     f"closed forms count, it is {straight.limit:.4f}; of a wedge (kind: wedge) no credit is taken for "
+                     f"that{held}")  # fmt: skip
     yield from said_of_bonds(ravelling.failures[0])
     if history is not None and first.fos:
         yield from said_of_history(history, first.fos)
@@ -142,7 +143,7 @@ def _four(volume: float) -> str:
     return size_number(float(f"{volume:.4g}"))
 
 
-def without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
+def without_turning(scene: AssemblyScene, failure: Failure) -> WithoutTurning | None:
     """The factor at which a block would slide without turning, where that is lower than the limit of its motion.
 
     Asked of one block in space that no other presses on, without dilation, passive bolts or curved strength: else
@@ -164,7 +165,7 @@ def without_turning(scene: AssemblyScene, failure: Failure) -> float | None:
         assembly, scene_loads(scene), joint_strength(scene.strengths), none, np.array([block], dtype=np.int64)
     )
     lower = factors[factors < limit.factor * (1.0 - SAME_FACTOR)]
-    return float(lower[0]) if len(lower) else None
+    return WithoutTurning(scene.names[block], float(lower[0])) if len(lower) else None
 
 
 def said_of_bonds(failure: Failure) -> Iterator[Notice]:

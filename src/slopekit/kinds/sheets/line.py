@@ -21,9 +21,9 @@ def line_of(result: Result) -> str:
     shown = [f"{name} {'none' if value is None else f'{value:.4f}'}".strip() for name, value in named]
     parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
     parts += ["moments_govern"] if result.moments_govern else []
-    whole, limit = result.without_basal, result.fos.limit
-    if whole is not None and whole.closed_form is not None and (limit is None or whole.closed_form < limit):
-        parts.append(f"without_basal {whole.closed_form:.4f}")
+    also, limit = result.also, result.fos.limit
+    if also is not None and also.factor is not None and (limit is None or also.factor < limit):
+        parts.append(f"{also.NAME} {also.factor:.4f}")
     parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
     said = {one.code: one.code for one in result.warnings if not one.is_harmless}
     if INVENTED in said:

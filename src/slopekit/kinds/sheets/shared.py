@@ -352,8 +352,8 @@ def _judgement(result: Result, rule: Rule) -> str:
             other = other.removeprefix("with ") if forces and other.startswith("with ") else other
             return f"MET, but not {forces}{other}: down to {_as_judged(lowest, rule)})"
         return f"MET, but not for every locked-in force (same mechanism down to {_as_judged(lowest, rule)})"
-    if result.without_basal is not None and not result.without_basal.meets(rule):
-        return f"NOT MET (the whole wedge, without the basal joint: {result.without_basal.in_words()})"
+    if result.also is not None and not result.also.meets(rule):
+        return f"NOT MET ({result.also.what}: {result.also.in_words()})"
     if result.agree is False or result.status == "not_converged":
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":

@@ -205,7 +205,7 @@ def kind_of_one_block(
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
             limit.settled_to(design.stop_when),
-            notes=(*notices(design), *notices_of_factor(design, made.interfaces, facts)),
+            notes=(*notices(design), *notices_of_factor(design, made.interfaces, facts)), also=without_basal(design),
         )  # fmt: skip
 
     def ladder(design: D) -> "Ladder":

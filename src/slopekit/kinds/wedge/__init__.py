@@ -399,8 +399,16 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     return reach_m
 
 
+def _also_of_many(design: WedgeDesign, arguments: Arguments) -> ClosedForms | None:
+    if design.basal is None:
+        return None
+    from slopekit.kinds.wedge import basal
+
+    return basal.without_basal_of_many(design, arguments)
+
+
 ON_ARRAYS = OnArrays(
-    arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach
+    arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach, _also_of_many
 )  # fmt: skip
 
 
@@ -487,7 +495,9 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
     cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
     apart = math.degrees(math.acos(min(1.0, cosine)))
     if apart < _NEARLY_PARALLEL_DEG:
-        yield Notice("W301", _parallel_note(design, apart))
+        from slopekit.kinds.wedge.nearly_parallel import parallel_note
+
+        yield Notice("W301", parallel_note(design, apart))
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
@@ -520,22 +530,6 @@ def _without_basal(design: WedgeDesign) -> WithoutBasal | None:
     from slopekit.kinds.wedge import basal
 
     return basal.without_basal(design)
-
-
-def _parallel_note(design: WedgeDesign, apart: float) -> str:
-    """How far one degree of one joint moves the line of intersection."""
-    first, second = design.joints
-    normals = second.normal()
-    line = np.cross(first.normal(), normals)
-    moved = 0.0
-    for dip, direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
-        other = np.cross(Plane(first.dip_deg + dip, first.dip_direction_deg + direction).normal(), normals)
-        sizes = math.sqrt(float(line @ line) * float(other @ other))
-        if sizes > 0.0:
-            moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
-    return (
-        f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
-    )
 
 
 def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:

@@ -25,13 +25,15 @@ from slopekit.geometry.rock.basal import (
     trace_behind,
 )
 from slopekit.geometry.rock.cutting import Block
+from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
-from slopekit.kinds.wedge import Shape, closed_form, crest_of
+from slopekit.kinds.wedge import Shape, closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.loads import WaterPressure
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
+_OF_THE_THIRD = ("basal_", "pressure3", "cohesion3", "friction3")  # how its arguments begin
 _ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way
 
 
@@ -210,3 +212,25 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
         except GeometryError:
             return None
     return WithoutBasal(solution.status, solution.factor)
+
+
+def without_basal_of_many(design: WedgeDesign, arguments: Arguments) -> ClosedForms:
+    """`without_basal` of designs whose numbers may be arrays, without passive bolts; "" where there is no such wedge."""
+    basal = design.basal
+    assert basal is not None
+    own = {name: value for name, value in arguments.items() if not name.startswith(_OF_THE_THIRD)}
+    forms = closed_forms(own, ())
+    names, outcome, factor = forms.names, forms.outcome.copy(), forms.factor.copy()
+    no_block = np.array([name.startswith("E") for name in names])
+    if design.crack is not None:  # it may lie behind it
+        bare = closed_forms({name: None if "crack" in name else value for name, value in own.items()}, ())
+        behind = no_block[outcome]
+        outcome, factor = np.where(behind, bare.outcome, outcome), np.where(behind, bare.factor, factor)
+    low = np.atleast_1d(basal.height_m)
+    with np.errstate(invalid="ignore"):
+        crest1 = crest_of(design)[2] * (low / np.atleast_1d(design.height_m))[:, None]
+        under = upward(basal.plane.dip_deg, basal.plane.dip_direction_deg)
+        cuts_toe = (low >= 0.0) & (_dots(under, crest1) > 0.0)
+    is_there = ~no_block[outcome] & cuts_toe
+    outcome = np.where(is_there, outcome, len(names)).astype(np.int8)
+    return ClosedForms((*names, ""), outcome, np.where(is_there, factor, np.nan))

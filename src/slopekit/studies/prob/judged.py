@@ -12,6 +12,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
+from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.studies.points import Point, falls_short
 from slopekit.studies.prob.estimates import Share, clopper_pearson, rank_correlation, unwrapped
 from slopekit.studies.prob.sampling import Samples
@@ -26,7 +27,14 @@ _OWN_STREAM = 0x5E1EC7  # apart from the stream that draws the samples
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """What the method that counts says of the samples."""
+    """What the method that counts says of the samples.
+
+    Attributes
+    ----------
+    names, outcome, factor : by the lower of the block and what acceptance is held against besides
+    alone : factors (n,) of the block; None where it is judged by nothing else
+    also : in words, what else fails first, and of how many samples that block alone would not have failed
+    """
 
     names: tuple[str, ...]
     outcome: np.ndarray
@@ -34,6 +42,8 @@ class Judged:
     fails: Bools
     evaluator: str
     points: tuple[Point, ...] = ()
+    alone: Floats | None = None
+    also: tuple[str, int] = ("", 0)
 
     def among(self, *beginnings: str) -> Bools:
         """Samples whose outcome begins with one of these."""
@@ -64,6 +74,53 @@ class Judged:
     def disagree(self) -> int:
         """Samples on which the methods disagree or PRE-IE did not converge, where PRE-IE looked at all."""
         return sum(point.is_in_doubt for point in self.points)
+
+
+def with_also(judged: Judged, also: ClosedForms, called: str, what: str, target: float) -> Judged:
+    """The same with what acceptance is held against besides: of each sample the lower of the two counts.
+
+    Parameters
+    ----------
+    also : of every sample, with the outcome "" where there is nothing else; called : what its outcomes begin with
+    what : what it is, in words
+    """
+    ours, other = (
+        _levels(names, outcome, factor)
+        for names, outcome, factor in (
+            (judged.names, judged.outcome, judged.factor), (also.names, also.outcome, also.factor),
+        )
+    )  # fmt: skip
+    first = (other < ours) & judged.forms & ~judged.unjudged
+    if not first.any():
+        return judged
+    names = (*judged.names, *(f"{called}_{name}" for name in also.names))
+    outcome = np.where(first, also.outcome + len(judged.names), judged.outcome).astype(np.int16)
+    factor = np.where(first, also.factor, judged.factor)
+    fails = judged.fails | (first & (other < target))
+    only = int((fails & ~judged.fails).sum())
+    return replace(
+        judged, names=names, outcome=outcome, factor=factor, fails=fails, alone=judged.factor, also=(what, only)
+    )
+
+
+def also_of(points: Sequence[Point]) -> tuple[ClosedForms, str, str] | None:
+    """What acceptance of points is held against besides, what its outcomes begin with, and what it is in words."""
+    every = [None if point.factors is None else point.factors.also for point in points]
+    known = next((one for one in every if one is not None), None)
+    if known is None:
+        return None
+    words = ["" if one is None else one.status for one in every]
+    names = tuple(dict.fromkeys(words))
+    outcome = np.array([names.index(word) for word in words], dtype=np.int8)
+    factor = np.array([np.nan if one is None or one.factor is None else one.factor for one in every])
+    return ClosedForms(names, outcome, factor), known.NAME, known.what
+
+
+def _levels(names: Sequence[str], outcome: np.ndarray, factor: Floats) -> Floats:
+    """Factors to compare: infinite where nothing drives, 0 where nothing holds."""
+    stands = np.array([not name or name.endswith("no_driving_force") for name in names])[outcome]
+    levels: Floats = np.where(stands, np.inf, np.nan_to_num(factor, nan=0.0))
+    return levels
 
 
 def nowhere(judged: Judged, those: Bools) -> Judged:
@@ -220,7 +277,10 @@ def _settled(point: Point) -> bool:
 
 def _fails(point: Point, target: float) -> bool:
     factors = point.factors
-    return factors is not None and _settled(point) and falls_short(factors.status, factors.limit, target)
+    if factors is None or not _settled(point):
+        return False
+    besides = factors.also is not None and factors.also.falls_short(target)
+    return besides or falls_short(factors.status, factors.limit, target)
 
 
 def _probability(
@@ -269,6 +329,10 @@ def notices_of(
         said = "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
         yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
                      f"or a bolt that misses the block or is too short): {said}")  # fmt: skip
+    what, only = judged.also
+    if only:
+        yield Notice("W507", f"in {only} of {len(samples.values)} samples {what} falls short of {target:g}, and what "
+                     "is analysed does not: they count as failures, as acceptance of a run is not met")  # fmt: skip
     if share.count < _RARE and share.of:
         yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
     if confirmation is None:

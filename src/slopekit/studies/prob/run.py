@@ -23,6 +23,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
+from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import not_as_given
 from slopekit.studies.marginals import checked_limits
@@ -43,12 +44,14 @@ from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
     Confirmation,
     Judged,
+    also_of,
     chosen,
     confirmation_of,
     failing,
     notices_of,
     nowhere,
     sensitivities,
+    with_also,
 )
 from slopekit.studies.prob.sampling import METHODS, Method, Samples
 from slopekit.studies.prob.sampling import samples as drawn
@@ -304,7 +307,9 @@ class Probability(StudyOutcome):
         factors = self.means.factors
         if factors is None:
             return {"code": self.means.code, "message": self.means.message} if self.means.code else None
-        return {name: getattr(factors, name) for name in ("status", "limit", "closed_form", "agree", "moments_govern")}
+        also = {} if factors.also is None else {factors.also.NAME: record_of(factors.also)}
+        names = ("status", "limit", "closed_form", "agree", "moments_govern")
+        return {name: getattr(factors, name) for name in names} | also
 
     def _lowest(self) -> dict[str, Any] | None:
         """The sample with the lowest factor, as values to put into the design."""
@@ -518,7 +523,12 @@ def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judge
         outcome[impossible], factor[impossible] = len(names) - 1, np.nan
         factor[factor == 0.0] = np.nan  # no strength at all: a status, no number (UX.md rule 2)
         fails = failing(names, outcome, factor, asked.target)
-        return Judged(names, outcome, factor, fails, "closed form, all at once")
+        at_once = Judged(names, outcome, factor, fails, "closed form, all at once")
+        also = fast.also(samples.values)
+        if also is None:
+            return at_once
+        basal = WithoutBasal  # the only one that closed forms know
+        return with_also(at_once, also, basal.NAME, basal.WHAT, asked.target)
     by_pre_ie = asked.by == "pre-ie"
     points = at_work.points("samples", _Settings(samples), ["all"], by_pre_ie)
     words = [point.code if point.factors is None else point.factors.status for point in points]
@@ -528,7 +538,9 @@ def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judge
     factor = np.array([np.nan if value is None else value for value in factors])
     fails = failing(names, outcome, factor, asked.target)
     evaluator = "PRE-IE of every sample" if by_pre_ie else "closed form, sample by sample"
-    return Judged(names, outcome, factor, fails, evaluator, points)
+    judged = Judged(names, outcome, factor, fails, evaluator, points)
+    besides = also_of(points)
+    return judged if besides is None else with_also(judged, *besides, asked.target)
 
 
 def _holding(samples: Samples, design: Design, fast: Vectorised | None) -> Bools:
@@ -550,7 +562,8 @@ def _impossible(design: Design, samples: Samples) -> Bools:
 
 def _confirmed(samples: Samples, judged: Judged, at_work: _AtWork) -> Confirmation | None:
     asked = at_work.asked
-    index = chosen(judged.forms, judged.factor, asked.target, asked.confirm, asked.near, asked.seed)
+    own = judged.factor if judged.alone is None else judged.alone  # PRE-IE says nothing of what else is judged
+    index = chosen(judged.forms, own, asked.target, asked.confirm, asked.near, asked.seed)
     if not len(index.all):
         return None
     tasks = [samples.settings(int(row)) for row in index.all]

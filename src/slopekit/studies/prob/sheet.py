@@ -10,6 +10,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
+from slopekit.evidence import WithoutBasal, WithoutTurning
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
@@ -31,6 +32,8 @@ NO_BLOCK = {
     "E486": "larger than its limits of size", "E487": "smaller than the least volume",
     "E213": "strikes across the slope", "impossible": "a value that no design can have",
 }  # fmt: skip
+#: What else acceptance is held against, by what its outcomes begin with.
+_ALSO = {WithoutBasal.NAME: WithoutBasal.WHAT, WithoutTurning.NAME: "a block that turns, without turning"}
 _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube", "sobol": "Sobol"}
 
 
@@ -141,6 +144,9 @@ def _inputs(study: Probability) -> list[Entry]:
 def _outcomes(study: Probability) -> Table[tuple[str, int]]:
     def words(outcome: tuple[str, int]) -> str:
         name = outcome[0]
+        for called, what in _ALSO.items():
+            if name.startswith(called):
+                return f"  {what}: {status_words(study.design, name.removeprefix(f'{called}_'))}"
         said = status_words(study.design, name) if name in STATUSES else NO_BLOCK.get(name, "")
         return f"  {f'{name}: ' if name.startswith('E') else ''}{said or name}"
 

@@ -48,6 +48,13 @@ class Vectorised:
         """Outcome and factor of every sample; of a design without passive bolts."""
         return self._each(self.on_arrays.closed_forms(self.arguments(values), ()), len(values))
 
+    def also(self, values: Floats) -> ClosedForms | None:
+        """What acceptance of every sample is held against besides; None where there is nothing."""
+        if self.on_arrays.also is None:
+            return None
+        forms = self.on_arrays.also(self._scattered(values), self.arguments(values))
+        return None if forms is None else self._each(forms, len(values))
+
     def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
         """The closed form of each sample where nothing that scatters is an argument: all are alike."""
         if len(closed_forms.factor) == count:
