@@ -226,6 +226,7 @@ class WithoutBasal:
     """
 
     NAME: ClassVar = "without_basal"
+    BRIEF: ClassVar = "whole wedge"
     WHAT: ClassVar = "the whole wedge without the basal joint"
     status: str
     closed_form: float | None
@@ -277,6 +278,7 @@ class WithoutTurning:
     """
 
     NAME: ClassVar = "without_turning"
+    BRIEF: ClassVar = "no turning"
     block: str
     limit: float
 

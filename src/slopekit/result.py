@@ -16,8 +16,8 @@ from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.design.parts import Rule
 from slopekit.evidence import (
-    AlsoJudged,
     AllPairs,
+    AlsoJudged,
     AtFactorOne,
     CohesionUnderMoments,
     CurvedStrength,

@@ -249,6 +249,16 @@ class Design:
         """Numbers of the slope that were left out and taken from elsewhere, by name."""
         return tuple(name for name in self.defaults if name in self.DEFAULTS)
 
+    def place_of(self, above: str, key: str, number: int, count: int) -> str:
+        """Where the item of that number (from 1) of a list of `count` was written: its line; empty where none knows."""
+        root = None if self.source is None else self.source.root
+        section = None if root is None else root.get(above)
+        listed = None if section is None else section.get(key)
+        if listed is None:
+            return ""
+        items = listed.elements
+        return str((items[number - 1] if len(items) == count else listed).place)
+
     def in_own_names(self, sentence: str) -> str:
         """A sentence on what happens, joints by the names that the user gave them."""
         return sentence

@@ -158,11 +158,6 @@ def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
                    f"design {factor}"),)  # fmt: skip
 
 
-def whole_falls_short(design: Design, target: float, where: str) -> tuple[Notice, ...]:
-    """W507: the block above a basal joint meets a target, the wedge that it is part of (W410) does not."""
-    return also_falls_short(kind_of(design).without_basal(design), target, where)
-
-
 def also_falls_short(also: "AlsoJudged | None", target: float, where: str) -> tuple[Notice, ...]:
     """W507: a design meets a target, what acceptance of it is held against besides does not."""
     if also is None or not also.falls_short(target):

@@ -63,7 +63,8 @@ def bolt_forces(
         direction = axes @ bolt.toward.vector()
         head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
         if head is not None:
-            where = "head at {:.6g}, {:.6g}, {:.6g}".format(*bolt.head_m or ())
+            where = design.place_of("support", "bolts", k, len(design.bolts))
+            where = where or "head at {:.6g}, {:.6g}, {:.6g}".format(*bolt.head_m or ())
             check(f"bolt {k}", head, direction, bolt.length_m, where)
         (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
     return active, passive

@@ -14,7 +14,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import AlsoJudged, WithoutBasal, WithoutTurning
-from slopekit.kinds import factors_of
+from slopekit.kinds import also_falls_short, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
 
@@ -200,6 +200,49 @@ def said_at(
         first, message = places[0]
         same = len(places) == len(points) and all(other == message for _, other in places)
         yield Notice(code, message if same else f"{len(places)} of {len(points)} {called}, {where(first)}: {message}")
+
+
+def lower_of(point: Point, method: Method) -> float | None:
+    """The factor by one method, or what acceptance is held against besides where that is the lower; as `factor_at`."""
+    factor = factor_at(point, method)
+    also = None if point.factors is None else point.factors.also
+    if factor is None or also is None or also.status == "no_driving_force":
+        return factor
+    return min(factor, also.factor or 0.0)
+
+
+def also_short(
+    points: Sequence[Point], where: Callable[[int], str], method: Method, level: float, called: str = "points"
+) -> Iterator[Notice]:
+    """W507: points that have a level, where what acceptance is held against besides has not.
+
+    Parameters
+    ----------
+    where, called : as `said_at` has them
+    """
+    short = [
+        (k, also) for k, point in enumerate(points)
+        if point.factors is not None and (also := point.factors.also) is not None and also.falls_short(level)
+        and (factor_at(point, method) or 0.0) >= level
+    ]  # fmt: skip
+    if short:
+        (first, also), many = short[0], f"{len(short)} of {len(points)} {called}, "
+        yield from also_falls_short(also, level, f"{many if len(points) > 1 else ''}{where(first)}:")
+
+
+def other_history(design: Design, values: Mapping[str, object], where: str) -> Iterator[Notice]:
+    """W504 of a design at some values: what `beside` of its kind says there; nothing where it has no blocks.
+
+    Parameters
+    ----------
+    where : the place, in words
+    """
+    try:
+        said = kind_of(design).beside(with_values(design, values))
+    except SlopekitError:
+        return
+    for notice in said:
+        yield Notice(notice.code, f"{where} (other places were not looked at): {notice.message}")
 
 
 def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]:

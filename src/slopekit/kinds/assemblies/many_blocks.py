@@ -176,7 +176,9 @@ def kind_of_many_blocks(
         straight = without_turning(scene, ravelling.failures[0]) if mechanisms else None
         of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
         notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind))
-        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes, also=straight)
+        return Factors(
+            status, factor, None, closed.factor, difference, agree, False, settled, notes=notes, also=straight
+        )  # fmt: skip
 
     def beside(design: A) -> tuple[Notice, ...]:
         if not any(strength.cohesion_kpa for _, strength in design.strengths):

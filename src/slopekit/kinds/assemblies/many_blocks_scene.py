@@ -119,19 +119,21 @@ def _pushes(
     passive: list[tuple[int, int, PointForce]] = []
     names: list[str] = []
     finder = _finder(scene)
-    loads: list[tuple[str, Force | Bolt, PointForce]] = []
+    loads: list[tuple[str, str, Force | Bolt, PointForce]] = []
     for k, force in enumerate(design.forces, 1):
-        loads.append((f"force {k}", force, point_force(force, scene.origin)))
+        place = design.place_of("loads", "forces", k, len(design.forces))
+        loads.append((f"force {k}", place, force, point_force(force, scene.origin)))
     for k, bolt in enumerate(design.bolts, 1):
         head = None if bolt.head_m is None else np.array(bolt.head_m) - scene.origin
-        loads.append((f"bolt {k}", bolt, PointForce(bolt.force_kn * bolt.toward.vector(), head)))
-    for name, given, push in loads:
+        place = design.place_of("support", "bolts", k, len(design.bolts))
+        loads.append((f"bolt {k}", place, bolt, PointForce(bolt.force_kn * bolt.toward.vector(), head)))
+    for name, place, given, push in loads:
         block = finder(given.block, push.at)
         if block is None:
             where = f"there is no block {given.block}" if given.block is not None else "its point lies in no block"
-            faults.append(Fault("E250", f"{name} acts on no block: {where}"))
+            faults.append(Fault("E250", f"{name} acts on no block: {where}", place))
         elif scene.assembly.fixed[block]:
-            faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock"))
+            faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock", place))
         elif isinstance(given, Force) or given.acts == "active":
             pushes.append((block, push))
         else:
@@ -139,7 +141,7 @@ def _pushes(
             if toe == block:
                 advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
                 message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
-                faults.append(Fault("E212", message, "", advice))
+                faults.append(Fault("E212", message, place, advice))
             passive.append((block, toe, push))
             names.append(name)
     if faults:

@@ -215,7 +215,7 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
 
 
 def without_basal_of_many(design: WedgeDesign, arguments: Arguments) -> ClosedForms:
-    """`without_basal` of designs whose numbers may be arrays, without passive bolts; "" where there is no such wedge."""
+    """`without_basal` of designs whose numbers may be arrays, without passive bolts; "" where there is none."""
     basal = design.basal
     assert basal is not None
     own = {name: value for name, value in arguments.items() if not name.startswith(_OF_THE_THIRD)}

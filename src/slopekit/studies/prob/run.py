@@ -27,7 +27,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import GIVEN_UP, Point, point_of
+from slopekit.studies.points import GIVEN_UP, Point, other_history, point_of
 from slopekit.studies.prob.bolts import (
     Sampled,
     WithoutForce,
@@ -193,7 +193,19 @@ class Probability(StudyOutcome):
             Notice(note.code, f"of the design at its means: {note.message}") for note in notes if note.code not in said
         )
         peak = () if self.given.source is None else peak_only(self.given, "samples are judged by factors")
-        return (*self.of_samples, *at_means, *peak)
+        return (*self.of_samples, *at_means, *self._other_history(), *peak)
+
+    def _other_history(self) -> tuple[Notice, ...]:
+        """W504 of the design at its means, and of the sample that stands with the least factor."""
+        if self.given.source is None:
+            return ()
+        factor = np.where(self.fails | np.isnan(self.factor), np.inf, self.factor)
+        row = int(factor.argmin()) if factor.size else 0
+        said = [*other_history(self.given, {}, "of the design at its means")]
+        if factor.size and np.isfinite(factor[row]):
+            where = f"of sample {row}, which stands with the least factor, {factor[row]:.4g}"
+            said += other_history(self.design, self.samples.settings(row), where)
+        return tuple(said)
 
     @cached_property
     def sensitivities(self) -> tuple[tuple[str, float], ...]:
@@ -298,8 +310,10 @@ class Probability(StudyOutcome):
         ][:_MOST_AT_RANDOM]  # fmt: skip
         judged = [point.factors for point in points if point.factors and point.factors.status != "not_converged"]
         fails = [factors for factors in judged if factors.limit is None and factors.status != "no_driving_force"]
+        besides = [np.inf if factors.also is None else factors.also.factor or np.inf for factors in judged]
+        limits = [(factors.limit, other) for factors, other in zip(judged, besides, strict=True)]
         return {
-            "pre_ie_at_random": sorted(factors.limit for factors in judged if factors.limit is not None),
+            "pre_ie_at_random": sorted(min(limit, other) for limit, other in limits if limit is not None),
             "pre_ie_without_factor": len(fails), "pre_ie_samples": len(judged),
         }  # fmt: skip
 

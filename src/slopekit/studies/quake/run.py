@@ -23,7 +23,8 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
-from slopekit.kinds import dilates, kind_of, notices_of_inputs, peak_only
+from slopekit.design.reading.files import with_values
+from slopekit.kinds import also_falls_short, dilates, kind_of, notices_of_inputs, peak_only
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
@@ -31,6 +32,7 @@ from slopekit.studies.quake.six import SETTLED, InSix, Shaking, SixMotion, shake
 from slopekit.studies.quake.sliding import RecordSlide, slide
 from slopekit.studies.quake.yielding import (
     KEY,
+    MOST_K,
     NO_FORM,
     Yield,
     check_stands,
@@ -173,8 +175,10 @@ class Quake(StudyOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 done, 4 the methods disagree, or a step in six degrees of freedom did not settle."""
-        return 4 if self.agree is False or any(one.ended == "refused" for one in self.six) else 0
+        """0 done, 1 what acceptance asks besides moves before (W507), 4 the methods disagree, or no convergence."""
+        if self.agree is False or any(one.ended == "refused" for one in self.six):
+            return 4
+        return 1 if any(notice.code == "W507" for notice in self.warnings) else 0
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -313,8 +317,9 @@ def quake(
 ) -> Quake:
     """How far a slope slides in earthquakes: yield coefficient by both methods, Newmark displacement, exactly.
 
-    A record pushes the block toward --toward where it is positive; it is used reversed too. Exit codes: 0 done, 4 the
-    methods disagree on the yield coefficient, or PRE-IE or a step of --six did not settle.
+    A record pushes the block toward --toward where it is positive; it is used reversed too. Exit codes: 0 done, 1 a
+    larger wedge moves before (W507), 4 the methods disagree on the yield coefficient, or PRE-IE or a step of --six did
+    not settle.
 
     Raises
     ------
@@ -502,6 +507,10 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
                             f"state at rest, at {shown_k(ours.runs)} the blocks run"))  # fmt: skip
     notes += one_history(ours.not_compared, f"k_y {shown_k(ours.coefficient)}")
     notes += ours.notes
+    if all(note.code != "W507" for note in notes):  # of a jump, or where nothing moves it
+        k = MOST_K if ours.coefficient is None else ours.coefficient
+        also = kind_of(static).without_basal(with_values(static, {KEY: k}))
+        notes += also_falls_short(also, 1.0, f"at k = {shown_k(k)}")
     if ours.coefficient is None:
         notes.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]

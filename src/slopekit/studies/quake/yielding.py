@@ -131,6 +131,10 @@ def check_stands(static: Design) -> None:
         said = f"{point.code} {point.message}" if point.code else said
         fault = Fault("E520", f"the design has no factor of safety without an earthquake: {said}")
         raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
+    also = None if point.factors is None else point.factors.also
+    if before > 1.0 and also is not None and also.falls_short(1.0):
+        message = f"the slope does not stand without an earthquake: {also.what}: {also.in_words()}{also.alone}"
+        raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
     if before <= 1.0:
         shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
         has = f"its factor of safety is {shown}"

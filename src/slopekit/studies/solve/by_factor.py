@@ -13,7 +13,7 @@ from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
-from slopekit.kinds import dilates, kind_of, peak_only, whole_falls_short
+from slopekit.kinds import also_falls_short, dilates, kind_of, peak_only
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
 from slopekit.preie.solvers import effort
@@ -23,7 +23,6 @@ from slopekit.studies.points import (
     Evaluation,
     Method,
     Point,
-    checked_target,
     factor_at,
     rules_left_out,
     status_of,
@@ -42,6 +41,8 @@ from slopekit.studies.solve.solutions import (
     cut_short,
     notices,
     reason_of,
+    refuse_as_run,
+    target_of,
 )
 
 _EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
@@ -104,7 +105,7 @@ def for_factor(
         message = f"{one.path} counts something: it cannot be solved for"
         raise DesignError([Fault("E311", message, one.path, "Sweep it: slopekit sweep design.yaml KEY=1,2,3")])
     low, high = parse_within(one, text if equals else within)
-    target, own = _target(design, fos)
+    target, own = target_of(design, fos)
     closed: Answers | None = None
     spent, beyond = False, None
     asked = _FactorRequest(design, one, low, high, target, crew, advance)
@@ -122,6 +123,8 @@ def for_factor(
             pre_ie, spent, beyond = _of_load(replace(asked, crew=ALONE), whole, lower)
         else:
             pre_ie = _answers("pre_ie", asked, search, _look_roughly(search, asked, whole))
+    if pre_ie.least is None:
+        refuse_as_run(design, asked.before(), asked.points.values())
     if pre_ie.roots:
         first = pre_ie.roots[0]
         first = replace(first, notes=(*first.notes, *_beside(asked, first)))
@@ -484,7 +487,8 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
             notes=notes,
         )  # fmt: skip
     else:
-        point = Point(Factors(at.status, asked.target, None, None, None, None, False, True))
+        also = None if known is None or known.factors is None else known.factors.also
+        point = Point(Factors(at.status, asked.target, None, None, None, None, False, True, also=also))
         here = (at.multiplier, asked.target)
         beyond = here if at.runs is None else (at.runs, math.nan)
         root = SolvedValue(
@@ -495,11 +499,13 @@ def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
 
 
 def _beside(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
-    """What else is known at a value: W504 where many blocks run in another history, W507 of a larger wedge."""
-    if solved.both.factors is None or solved.both.factors.limit is None or not solved.put_back:
+    """What else is known at a value: W504 of another history of many blocks, W507 of what acceptance asks besides."""
+    if solved.both.factors is None or solved.both.factors.limit is None:
+        return
+    yield from also_falls_short(solved.both.factors.also, asked.target, f"at {asked.key.shown(solved.value, 4)}")
+    if not solved.put_back:
         return
     design = with_values(asked.design, values_of(asked.design, [asked.key], [solved.value]))
-    yield from whole_falls_short(design, asked.target, f"at {asked.key.shown(solved.value, 4)}")
     said = kind_of(design).beside(design)
     yield from _of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
 
@@ -593,17 +599,3 @@ def _rounded(solution: Solution, asked: _FactorRequest) -> tuple[float, float] |
         return None
     factor = factor_at(asked.both(value), "pre_ie")
     return None if factor is None or factor < asked.target - TOLERANCE["pre_ie"] else (value, factor)
-
-
-def _target(design: Design, fos: float | None) -> tuple[float, bool]:
-    """The factor that is wanted, and whether it comes from the acceptance rules."""
-    advice = "Give the factor of safety that is wanted: --fos 1.5"
-    if fos is None:
-        wanted = [rule.value for rule in design.rules if rule.name in ("fos", "fos.limit") and ">" in rule.relation]
-        if not wanted:
-            raise DesignError(
-                [Fault("E314", "no target is given, and no acceptance rule on fos or fos.limit", "", advice)]
-            )
-        return max(wanted), True
-    checked_target(fos, advice)
-    return fos, False

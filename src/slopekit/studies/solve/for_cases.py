@@ -7,8 +7,7 @@ from typing import Any
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Table
 from slopekit.design.common import Design
-from slopekit.design.reading.files import with_values
-from slopekit.kinds import whole_falls_short
+from slopekit.kinds import also_falls_short
 from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.keys import values_of
 from slopekit.studies.points import Evaluation, Point, factor_at, status_of
@@ -129,6 +128,7 @@ def _in_case(name: str, one: Solution, value: float) -> InCase:
     point = Point.from_record(work(values))
     limit, closed = factor_at(point, "pre_ie"), factor_at(point, "closed_form")
     met = limit is not None and limit >= one.target - _WITHIN
-    met = met and not whole_falls_short(with_values(one.design, values), one.target, "")
+    also = None if point.factors is None else point.factors.also
+    met = met and not also_falls_short(also, one.target, "")
     own = None if one.answer is None else one.answer.value
     return InCase(name, one.target, status_of(point, "pre_ie"), limit, closed, met, own)

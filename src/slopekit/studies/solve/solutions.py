@@ -3,18 +3,18 @@ is no value that gives the target.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import field
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.codec import json_of
-from slopekit.core.errors import Fault, Notice
+from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.kinds import notices_of_inputs
+from slopekit.kinds import factors_of, notices_of_inputs
 from slopekit.studies.keys import Key
-from slopekit.studies.points import UNSETTLED, Method, Point
+from slopekit.studies.points import UNSETTLED, Method, Point, checked_target
 from slopekit.studies.protocol import StudyOutcome
 
 #: What putting a value back may miss the target by.
@@ -178,7 +178,7 @@ class Solution(StudyOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 found, 1 there is no such value or a larger wedge falls short (W507), 4 the methods disagree there."""
+        """0 found, 1 no such value or what acceptance asks besides falls short (W507), 4 the methods disagree there."""
         answer = self.answer
         if answer is None:
             return 4 if self.is_open else 1
@@ -237,6 +237,31 @@ class Solution(StudyOutcome):
             else dict(zip(("value", "runs"), crossing.load_last, strict=True)),
             "not_compared": crossing.not_compared,
         }  # fmt: skip
+
+
+def target_of(design: Design, fos: float | None) -> tuple[float, bool]:
+    """The factor that is wanted, and whether it comes from the acceptance rules."""
+    advice = "Give the factor of safety that is wanted: --fos 1.5"
+    if fos is None:
+        wanted = [rule.value for rule in design.rules if rule.name in ("fos", "fos.limit") and ">" in rule.relation]
+        if not wanted:
+            raise DesignError(
+                [Fault("E314", "no target is given, and no acceptance rule on fos or fos.limit", "", advice)]
+            )
+        return max(wanted), True
+    checked_target(fos, advice)
+    return fos, False
+
+
+def refuse_as_run(design: Design, own: Point, points: Collection[Point]) -> None:
+    """Where every value is refused for what the design itself is refused for, refuse it as a run of it does.
+
+    Parameters
+    ----------
+    own, points : what both methods say of the design as it is, and at the values
+    """
+    if own.factors is None and points and all((one.code, one.message) == (own.code, own.message) for one in points):
+        factors_of(design)
 
 
 def reason_of(

@@ -11,7 +11,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Table, counted
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
-from slopekit.kinds import dilates, factors_of, whole_falls_short
+from slopekit.kinds import also_falls_short, dilates, factors_of
 from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.support.records import Acts, BoltCase, Support, snippet, written
 from slopekit.studies.support.search import Answer
@@ -208,7 +208,7 @@ def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:
     level = Answer(both.limit, both.status).level
     if not dilates(design):
         level = min(level, Answer(both.closed_form, both.closed_status or both.status).level)
-    met = level >= one.target and not whole_falls_short(design, one.target, "")
+    met = level >= one.target and not also_falls_short(both.also, one.target, "")
     return InCase(name, one.target, both.status, both.limit, both.closed_form, met)
 
 

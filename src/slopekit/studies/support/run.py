@@ -22,7 +22,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
-from slopekit.kinds import dilates, factors_of, kind_of, peak_only, slips_of_size, whole_falls_short
+from slopekit.kinds import also_falls_short, dilates, factors_of, kind_of, peak_only, slips_of_size
 from slopekit.notices import common_notices
 from slopekit.studies.points import Point, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
@@ -151,13 +151,12 @@ def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Noti
     yield from of_inputs
     yield from peak_only(design, "bolts are for the factor")
     points, places = [Point(factors_of(design))], ["as it stands"]
-    if not cases:
-        yield from whole_falls_short(design, target, places[0])
     for case in cases:
         if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:
             points.append(Point(factors_of(site.with_bolts(*case.bolts))))
             places.append(f"with the {case.acts} bolts")
-            yield from whole_falls_short(site.with_bolts(*case.bolts), target, places[-1])
+    for point, place in zip(points[1:] if cases else points, places[1:] if cases else places, strict=True):
+        yield from also_falls_short(None if point.factors is None else point.factors.also, target, place)
     yield from said_at(points, places.__getitem__, of_inputs, "designs")
 
 

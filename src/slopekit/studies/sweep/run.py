@@ -31,10 +31,13 @@ from slopekit.studies.points import (
     Method,
     Methods,
     Point,
+    also_short,
     asked_of,
     checked_target,
     factor_at,
     lines_of,
+    lower_of,
+    other_history,
     rules_left_out,
     said_at,
     status_of,
@@ -140,7 +143,7 @@ class Sweep(StudyOutcome):
         return min(self._factors(), default=None)
 
     def _factors(self) -> list[float]:
-        every = (factor_at(point, self.asked[0]) for point in self.points)
+        every = (lower_of(point, self.asked[0]) for point in self.points)
         return [factor for factor in every if factor is not None]
 
     def case_columns(self) -> list[Column[Any]]:
@@ -225,7 +228,8 @@ class Sweep(StudyOutcome):
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: points without a number, and what is said of the inputs."""
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
-        said = tuple(said_at(self.points, self._where, self.of_inputs))
+        short = (also_short(self.points, self.where, self.asked[0], level) for level, _ in self.levels)
+        said = (*(one for of in short for one in of), *said_at(self.points, self.where, self.of_inputs))
         if not bare:
             return (*said, *self.of_inputs)
         named = Counter(self.status(point) for point in bare)
@@ -236,7 +240,18 @@ class Sweep(StudyOutcome):
             *self.of_inputs,
         )
 
-    def _where(self, number: int) -> str:
+    @property
+    def governing(self) -> int | None:
+        """The point with the least factor that has the highest level, or with the least of all where none has it."""
+        factors = {
+            k: factor for k, point in enumerate(self.points)
+            if (factor := factor_at(point, self.asked[0])) is not None and math.isfinite(factor)
+        }  # fmt: skip
+        level = max(level for level, _ in self.levels)
+        above = {k: factor for k, factor in factors.items() if factor >= level} or factors
+        return min(above, key=above.__getitem__, default=None)
+
+    def where(self, number: int) -> str:
         """The place of a point, in words."""
         place = zip(self.keys, self.places[number], strict=True)
         return "at " + ", ".join(f"{key.path} = {key.shown(value, 6)}" for key, value in place)
@@ -346,7 +361,11 @@ def sweep(
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
     tasks = [values_of(design, own, place) for place in swept.places]
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
-    return replace(swept, points=points, seconds=time.perf_counter() - began)
+    swept = replace(swept, points=points)
+    governing = swept.governing
+    if governing is not None:
+        said += other_history(design, tasks[governing], swept.where(governing))
+    return replace(swept, of_inputs=tuple(said), seconds=time.perf_counter() - began)
 
 
 def evaluated(

@@ -2,7 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from operator import attrgetter, itemgetter
 from typing import Any, TypeAlias
@@ -62,12 +62,26 @@ def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
         Column(key.path, itemgetter(key.path), f"{key.path}{_unit(key)}", key.unit) for key in swept.keys
     ]
     columns += [Column(name, itemgetter(name), name) for name in Point(None).to_dict()]
+    also = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
+    if also is not None:
+        columns.append(Column(also.BRIEF, _also_of(also.NAME), also.NAME))
     paths = [key.path for key in swept.keys]
     rows = [
         dict(zip(paths, place, strict=True)) | point.to_dict()
         for place, point in zip(swept.places, swept.points, strict=True)
     ]
     return Table(columns, rows)
+
+
+def _also_of(name: str) -> Callable[[Mapping[str, Any]], float | None]:
+    """The factor of what acceptance is held against besides, of a point's JSON."""
+
+    def factor(row: Mapping[str, Any]) -> float | None:
+        also = row.get(name) or {}
+        value: float | None = also.get("closed_form", also.get("limit"))
+        return value
+
+    return factor
 
 
 # -- a curve ----------------------------------------------------------------------------------------------------------
@@ -92,15 +106,19 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
         for n, k in enumerate(kept)
     ]
     title = key.path if len(key.path) <= 22 else "…" + key.path[-21:]
+    known = next((one.factors.also for _, one in points if one.factors is not None and one.factors.also), None)
+    least, before = (17, "   ") if known is None else (9, " ")  # with a column more the lines are as long
     columns: list[Column[_PointOfCurve]] = [
         Column(title, attrgetter("value"), key.path, key.unit,
                lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
         Column("", attrgetter("changed"), "changed", show=lambda changed: ">" if changed else "", width=-2),
-        Column("status", _status, "status", width=-max([17, *(len(status) for status in statuses if _slides(status))])),
+        Column("status", _status, "status", width=-max([least, *map(len, filter(_slides, statuses))])),
         *(Column(BRIEF[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
     ]  # fmt: skip
+    if known is not None:
+        columns.append(Column(known.BRIEF, _also, known.NAME, show=_factor_text, width=12))
     if len(swept.asked) > 1:
-        columns.append(Column("   check", lambda row: "   " + check_word(row.point), "check", width=-1))
+        columns.append(Column(f"{before}check", lambda row: before + check_word(row.point), "check", width=-1))
     left = len(points) - len(kept)
     rest = f"… {left} more points are left out here: see the JSON or the CSV" if left else ""
     return Table(columns, rows, rest=rest)
@@ -125,6 +143,12 @@ def _by(method: Method) -> Callable[[_PointOfCurve], float | str | None]:
         return None if row.point.factors is None else value if is_number(value) else "none"
 
     return factor
+
+
+def _also(row: _PointOfCurve) -> float | str | None:
+    """The factor of what acceptance is held against besides, or how it moves without one."""
+    also = None if row.point.factors is None else row.point.factors.also
+    return None if also is None else also.factor if also.factor is not None else also.in_words()
 
 
 def _factor_text(factor: float | str | None) -> str:

@@ -9,7 +9,7 @@
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
@@ -22,7 +22,17 @@ from slopekit.design.common import Design
 from slopekit.design.scatter.distributions import Distribution
 from slopekit.kinds import kind_of, notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import Method, Methods, Point, asked_of, factor_at, said_at, status_of
+from slopekit.studies.points import (
+    Method,
+    Methods,
+    Point,
+    also_short,
+    asked_of,
+    factor_at,
+    other_history,
+    said_at,
+    status_of,
+)
 from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
@@ -36,6 +46,7 @@ RULE = (
 _NORMAL_TAIL = 1.6448536269514722  # standard deviations
 _CONSTANTS = ("rock.gravity", "water.unit_weight")
 _NO_CHANGE = 1e-9
+_OF_ENDS = ("W310", "W321")  # of joints that dilate or strike otherwise: ends that only the study made so say nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +127,19 @@ class Tornado(StudyOutcome):
             for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high))
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
-        said = tuple(said_at(self.points, self._where, self.of_inputs))
+        level = max((rule.value for rule in self.design.rules if rule.name in ("fos", "fos.limit")), default=1.0)
+        short = also_short(self.points, self._where, method, level)
+        said = (*short, *said_at(self.points, self._where, (*self.of_inputs, *self._of_ends())))
         if not bare:
             return (*said, *self.of_inputs)
         ends = "end has" if len(bare) == 1 else "ends have"
         return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *said, *self.of_inputs)
+
+    def _of_ends(self) -> Iterator[Notice]:
+        """What is said of values that only the ends have: not of the design, and so of nobody's input."""
+        notes = () if self.base.factors is None else self.base.factors.notes
+        said = {notice.code for notice in notes}
+        return (Notice(code, "") for code in _OF_ENDS if code not in said)
 
     def _where(self, number: int) -> str:
         """The place of a point, in words."""
@@ -209,6 +228,7 @@ def tornado(
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
     points = evaluated(design, "tornado", tasks, methods, crew, desk)
     said = (*notices_of_inputs(design), *peak_only(design, "factors are those"))
+    said += (*other_history(design, {}, "as it is"),)
     study = Tornado(design, points[0], (), tuple(left_out), methods, of_inputs=said)
     bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
