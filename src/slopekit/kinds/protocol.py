@@ -1,8 +1,9 @@
 """What a kind of design says of itself, in one place: studies and views ask here, never which kind it is."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
 
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
@@ -44,6 +45,32 @@ def one_or_error(closed_form: Callable[[T], ClosedForm], design: T) -> ClosedFor
         return error
 
 
+class WhenRead(Sequence[Notice]):
+    """Notices that are made when somebody reads them: of thousands of samples nobody does."""
+
+    def __init__(self, said: Callable[[], Iterable[Notice]]) -> None:
+        self._said = said
+
+    @cached_property
+    def _all(self) -> tuple[Notice, ...]:
+        return tuple(self._said())
+
+    @overload
+    def __getitem__(self, index: int) -> Notice: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Notice, ...]: ...
+    def __getitem__(self, index: int | slice) -> Notice | tuple[Notice, ...]:
+        return self._all[index]
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self._all == tuple(other)
+
+    __hash__ = None  # type: ignore[assignment]  # as a list
+
+
 @dataclass(frozen=True, slots=True)
 class Factors:
     """What the two methods say of a design.
@@ -68,7 +95,7 @@ class Factors:
     agree: bool | None
     moments_govern: bool
     settled: bool
-    notes: tuple[Notice, ...] = field(default=(), kw_only=True, metadata=NO_JSON)
+    notes: Sequence[Notice] = field(default=(), kw_only=True, metadata=NO_JSON)
     also: AlsoJudged | None = field(default=None, kw_only=True, metadata=NO_JSON)
 
     @property

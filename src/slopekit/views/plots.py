@@ -215,7 +215,10 @@ def offers(document: Document) -> dict[str, str]:
     return pictures | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
 
 
-def draw(document: Document, what: str, path: Path | None, options: PlotOptions | None = None, name: str = "") -> None:
+def draw(
+    document: Document, what: str, path: Path | None, options: PlotOptions | None = None, name: str = "",
+    instead: Callable[[Path], Path | None] = lambda _: None,
+) -> None:  # fmt: skip
     """Draw a picture of a document to a file, or in a window.
 
     Parameters
@@ -223,6 +226,7 @@ def draw(document: Document, what: str, path: Path | None, options: PlotOptions 
     what : one of `EVERY`
     path : None only with `options.show`
     name : what the document is called, for messages
+    instead : of the file of a chart that was written, another to write the same chart to, which is not drawn again
 
     Raises
     ------
@@ -249,6 +253,8 @@ def draw(document: Document, what: str, path: Path | None, options: PlotOptions 
             _chart(what, document).draw(figure, document, *(more if what == "stereonet" else ()))
             if path is not None and not options.show:
                 save(figure, path)
+                if (other := instead(path)) is not None:
+                    save(figure, other)
     except _ODD as error:
         said = _damage(document, what, error)
         if not said:  # the document is whole: the fault is ours, and shall be seen

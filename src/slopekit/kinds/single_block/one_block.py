@@ -30,7 +30,7 @@ from slopekit.evidence import (
 )
 from slopekit.extents import Geometry
 from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare, one_or_error
+from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, WhenRead, compare, one_or_error
 from slopekit.kinds.single_block.moments import (
     CohesionRules,
     locked_in_range,
@@ -201,11 +201,15 @@ def kind_of_one_block(
         status = block_status(limit, found_limit.analysis, found_limit.scene, made.joints)
         compared = comparable(found_limit.analysis, found_limit.scene.model)
         difference, agree = compare(compared, status, closed, design.agree_within)
-        facts = facts_of(own_words(design), made, limit_of(found_limit), status, closed)
+
+        def facts() -> Facts:
+            return facts_of(own_words(design), made, limit_of(found_limit), status, closed)
+
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
             limit.settled_to(design.stop_when),
-            notes=(*notices(design), *notices_of_factor(design, made.interfaces, facts)), also=without_basal(design),
+            notes=WhenRead(lambda: (*notices(design), *notices_of_factor(design, made.interfaces, facts()))),
+            also=without_basal(design),
         )  # fmt: skip
 
     def ladder(design: D) -> "Ladder":

@@ -56,7 +56,7 @@ class Sampled(Evaluation):
 
     def __call__(self, values: Mapping[str, object]) -> Record:
         point = point_of(self.design, values, self.pre_ie, partial(standing, before=np.array(self.before)))
-        if point.factors is not None and point.factors.notes:  # of the design at its means they are said once
+        if point.factors is not None:  # of the design at its means they are said once
             point = replace(point, factors=replace(point.factors, notes=()))
         return point.to_record()
 

@@ -158,7 +158,7 @@ def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]
         at_answer = solution.answer is not None and solution.answer.value == yields[0].coefficient
         notes = solution.answer.notes if solution.answer is not None and at_answer else ()
         if yields[0].coefficient is None and solution.before.factors is not None:
-            notes = solution.before.factors.notes
+            notes = tuple(solution.before.factors.notes)
         yields[0] = replace(yields[0], not_compared=why, beyond=beyond, notes=notes)
     if len(yields) > 1 and yields[1].coefficient is None and yields[0].coefficient is not None:
         at = point_of(static, {KEY: yields[0].coefficient})

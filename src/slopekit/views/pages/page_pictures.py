@@ -87,18 +87,21 @@ def picture_of(document: Mapping[str, Any], what: str, options: PlotOptions | No
         As `slopekit.views.plots.draw`.
     """
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"
-        draw(document, what, path, options)
-        image = path.read_bytes()
-        if path.suffix == ".svg":
-            image = light_svg(image.decode("utf-8")).encode("utf-8")
-            if len(image) > _LARGEST_SVG:
-                path = path.with_suffix(".png")
-                draw(document, what, path, options)
-                image = path.read_bytes()
-        if path.suffix == ".png":
-            image = light_png(image)
-    return f"data:{_TYPES[path.suffix]};base64,{base64.b64encode(image).decode()}"
+        written = [Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"]
+        draw(document, what, written[0], options, instead=lambda path: _lighter(path, written))
+        image, suffix = written[-1].read_bytes(), written[-1].suffix
+    image = light_png(image) if suffix == ".png" else image
+    return f"data:{_TYPES[suffix]};base64,{base64.b64encode(image).decode()}"
+
+
+def _lighter(drawing: Path, written: list[Path]) -> Path | None:
+    """Make an SVG lighter; where it stays large the PNG that takes its place, which is written next."""
+    image = light_svg(drawing.read_bytes().decode("utf-8")).encode("utf-8")
+    if len(image) <= _LARGEST_SVG:
+        drawing.write_bytes(image)
+        return None
+    written.append(drawing.with_suffix(".png"))
+    return written[-1]
 
 
 def light_svg(text: str) -> str:
