@@ -88,3 +88,32 @@ def test_a_block_tips_under_a_push_at_its_top(part, status) -> None:
     assert result.status == status
     if status == "slides":
         assert result.fos.limit == pytest.approx(math.tan(math.radians(60.0)) * weight / push, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("loads", "place"),
+    [
+        ("support:\n  bolts:\n    - {force: 10, toward: 000/05, head: [0, 1.3, 3]}\n"
+         "    - {force: 10, toward: 000/05, head: [500, 0, 3]}\n", ":6:7  - {force: 10"),
+        ("loads:\n  forces:\n    - {force: [0, 9, 0], at: [500, 0, 3]}\n", ":5:7  - {force: [0, 9, 0]"),
+    ],
+)  # fmt: skip
+def test_a_load_that_meets_no_block_names_its_line(loads, place, tmp_path) -> None:
+    """`solve` refuses the design as `run` does, whatever the value; a sweep ends as bad input, not as no block."""
+    path = tmp_path / "bench.yaml"
+    bench = (
+        "slope: {face: 70/180, height: 6, upper: 0/180, length: 8, depth: 6}\n"
+        "sets: {S1: {plane: 30/175, spacing: 3}, S2: {plane: 85/265, spacing: 4}, S3: {plane: 75/350, spacing: 4}}\n"
+        "strength: {joint: {c: 0, phi: 40}}\nrock: {unit_weight: 26}\n"
+    )
+    path.write_text(f"slopekit: 1\nkind: bench\n{loads}{bench}")
+    with pytest.raises(sk.DesignError) as of_run:
+        sk.run(path)
+    *_, fault = of_run.value.faults
+    assert fault.code == "E250"
+    assert fault.where.startswith(f"bench.yaml{place}")
+    with pytest.raises(sk.DesignError) as of_solve:
+        sk.solve(sk.load(path), "strength.joint.phi=30:50", fos=1.5)
+    assert of_solve.value.faults == of_run.value.faults
+    assert sk.sweep(sk.load(path), {"strength.joint.phi": [30, 40]}).exit_code == 2
+    assert sk.tornado(sk.load(path)).exit_code == 2

@@ -21,6 +21,7 @@ from slopekit.studies.running import Record
 Method = Literal["closed_form", "pre_ie"]
 Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
+_BAD_INPUT = ("E211", "E212", "E250", "E251", "E252", "E253", "E254")  # of bolts and forces: blocks there are
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 _NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
 _ALSO: Mapping[str, Callable[..., AlsoJudged]] = {one.NAME: one for one in (WithoutBasal, WithoutTurning)}
@@ -200,6 +201,11 @@ def said_at(
         first, message = places[0]
         same = len(places) == len(points) and all(other == message for _, other in places)
         yield Notice(code, message if same else f"{len(places)} of {len(points)} {called}, {where(first)}: {message}")
+
+
+def code_without_blocks(points: Iterable[Point]) -> int:
+    """The exit code of points of which none has a factor: 3 where some form no block, 2 where all are bad input."""
+    return 3 if any(one.code.startswith(("E2", "E44")) and one.code not in _BAD_INPUT for one in points) else 2
 
 
 def lower_of(point: Point, method: Method) -> float | None:

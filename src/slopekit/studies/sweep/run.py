@@ -34,6 +34,7 @@ from slopekit.studies.points import (
     also_short,
     asked_of,
     checked_target,
+    code_without_blocks,
     factor_at,
     lines_of,
     lower_of,
@@ -222,7 +223,7 @@ class Sweep(StudyOutcome):
             return 4
         if any(point.factors is not None for point in self.points):
             return 0
-        return 3 if any(point.code.startswith(("E2", "E44")) for point in self.points) else 2
+        return code_without_blocks(self.points)
 
     @property
     def warnings(self) -> tuple[Notice, ...]:

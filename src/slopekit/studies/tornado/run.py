@@ -28,6 +28,7 @@ from slopekit.studies.points import (
     Point,
     also_short,
     asked_of,
+    code_without_blocks,
     factor_at,
     other_history,
     said_at,
@@ -112,9 +113,9 @@ class Tornado(StudyOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 done, 4 the methods disagree at a point, 3 the design itself forms no block."""
+        """0 done, 4 the methods disagree at a point, 3 the design itself forms no block, 2 it is bad input."""
         if self.base.factors is None:
-            return 3
+            return code_without_blocks([self.base])
         return 4 if self.disagree else 0
 
     @property

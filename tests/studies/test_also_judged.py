@@ -1,0 +1,239 @@
+"""What acceptance of a run is held against besides its own factor, studies and files of its blocks judge too.
+
+The whole wedge that a basal joint cuts the toe off is another file without that joint: the closed form of two joints.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from benchmarks import populations
+from slopekit.core.errors import Notice
+from slopekit.design.templates import path_of
+from slopekit.studies import points
+from slopekit.studies.prob import bolts
+
+WHOLE = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "5/180", "height": 20},
+    "joints": {"J1": {"plane": "60/130", "strength": "joint"}, "J2": {"plane": "60/230", "strength": "joint"}},
+    "strength": {"joint": {"c": 0, "phi": 30}}, "rock": {"unit_weight": 26}, "acceptance": {"rules": ["fos >= 1.3"]},
+}  # fmt: skip
+CUT = WHOLE | {
+    "basal": {"plane": "20/180", "height": 6, "strength": "bedding"},
+    "strength": {"joint": {"c": 0, "phi": 30}, "bedding": {"c": 15, "phi": 40}},
+}
+GENTLE = {"joints.J1.plane": "45/115", "joints.J2.plane": "45/245", "basal.plane": "5/180", "strength.joint.phi": 33,
+          "strength.joint.c": 20}  # fmt: skip
+
+
+def notices(outcome, code: str) -> list[str]:
+    return [notice.message for notice in outcome.warnings if notice.code == code]
+
+
+def closed_form(design: dict, values: dict) -> float:
+    return sk.sweep(sk.load(design, set=values), {"slope.height": [20.0]}, methods="closed-form").points[0].factors
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {}, {"water": "full"}, {"crack": {"plane": "85/180", "distance": 6}, "water": "full"},
+        {"support": {"bolts": [{"force": 900, "toward": "000/05", "head": [0, 5, 12], "length": 30}]}},
+    ],
+)  # fmt: skip
+def test_of_each_sample_the_lower_of_block_and_whole_wedge_counts(more) -> None:
+    """Each sample is read as a design of its own, with and without the basal joint."""
+    joint = {"c": 0, "phi": {"dist": "uniform", "min": 25, "max": 60}}
+    strengths = {"joint": joint, "bedding": {"c": 15, "phi": {"dist": "uniform", "min": 15, "max": 60}}}
+    design = CUT | more | {"strength": strengths}
+    found = sk.prob(sk.load(design), 12, fos=1.2, confirm=0, near=0, seed=3)
+    lowest, only = [], 0
+    for row in range(12):
+        values = found.samples.settings(row)
+        block = closed_form(design, values)
+        of_joint = {path: value for path, value in values.items() if "bedding" not in path}
+        whole = closed_form(WHOLE | more | {"strength": {"joint": joint}}, of_joint)
+        assert block.also.closed_form == pytest.approx(whole.closed_form, rel=1e-12)
+        lowest.append(min(block.closed_form, whole.closed_form))
+        only += whole.closed_form < 1.2 <= block.closed_form
+    assert found.factor == pytest.approx(np.array(lowest), rel=1e-12)
+    assert found.all_samples.count == sum(factor < 1.2 for factor in lowest)
+    assert only > 0
+    (said,) = notices(found, "W507")
+    assert said.startswith(f"in {only} of 12 samples the whole wedge without the basal joint falls short of 1.2")
+    assert any(name.startswith("without_basal_slides") for name in found.counts)
+
+
+def test_samples_taken_one_by_one_are_judged_alike() -> None:
+    strength = {"joint": {"c": 0, "phi": {"dist": "uniform", "min": 25, "max": 60}}, "bedding": {"c": 15, "phi": 40}}
+    passive = {"bolts": [{"force": 1e-6, "toward": "000/05", "acts": "passive"}]}
+    at_once = sk.prob(sk.load(CUT | {"strength": strength}), 8, confirm=0, near=0)
+    apart = sk.prob(sk.load(CUT | {"strength": strength, "support": passive}), 8, confirm=0, near=0)
+    by_pre_ie = sk.prob(sk.load(CUT | {"strength": strength}), 2, by="pre-ie")
+    assert apart.factor == pytest.approx(at_once.factor, rel=1e-6)
+    assert apart.all_samples.count == at_once.all_samples.count > 0
+    assert (by_pre_ie.factor <= at_once.factor[:2] * (1.0 + 1e-9)).all()
+    assert (by_pre_ie.fails == at_once.fails[:2]).all()
+
+
+def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
+    """As `run`: with 30° on the joints the block stands and the whole wedge does not."""
+    scatters = {"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}
+    found = sk.prob(sk.load(CUT, set=scatters), 50, confirm=2, near=0, accept=0.2)
+    assert found.accepted is False
+    assert found.exit_code == 1
+    assert found.all_samples.share == 1.0
+    assert (found.confirmation.unsafe, found.confirmation.safe) == (0, 0)
+    assert found.to_dict()["at_means"]["without_basal"]["closed_form"] == pytest.approx(0.693, abs=1e-3)
+    assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
+
+
+def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
+    found = sk.sweep(sk.load(CUT), {"strength.joint.phi": [30, 44, 60]}, fos=1.1)
+    factors = [point.factors for point in found.points]
+    alone = [closed_form(WHOLE, {"strength.joint.phi": phi}).closed_form for phi in (30, 44, 60)]
+    assert [one.also.closed_form for one in factors] == pytest.approx(alone, rel=1e-12)
+    assert min(one.limit for one in factors) > 1.3 > alone[1] > 1.1 > 1.0 > alone[0]
+    said = notices(found, "W507")
+    assert [text.split(":")[0] for text in said] == [
+        "1 of 3 points, at strength.joint.phi = 30°", "2 of 3 points, at strength.joint.phi = 30°",
+        "1 of 3 points, at strength.joint.phi = 30°",
+    ]  # fmt: skip
+    assert found.margin == pytest.approx(alone[0])
+    assert [row["without_basal"]["closed_form"] for row in found.to_dict()["points"]] == pytest.approx(alone)
+    curve = next(section for section in str(found.sheet).split("\n") if section.startswith("CURVE"))
+    assert "whole wedge" in curve
+    assert max(map(len, str(found.sheet).split("\n"))) <= 100
+
+
+def test_a_tornado_says_it_too() -> None:
+    found = sk.tornado(sk.load(CUT), methods="closed-form")
+    assert any("the whole wedge without the basal joint falls short of 1.3" in text for text in notices(found, "W507"))
+
+
+def test_an_earthquake_that_moves_the_whole_wedge_before_is_not_passed() -> None:
+    found = sk.quake(sk.load(CUT, set=GENTLE), "sine:0.5g,1Hz")
+    (said,) = notices(found, "W507")
+    assert "the whole wedge without the basal joint falls short of 1:" in said
+    assert found.exit_code == 1
+    run = sk.run(CUT, set=GENTLE | {"loads.seismic.k": found.coefficient, "acceptance.rules": "fos >= 0.99"})
+    assert run.exit_code == 1
+
+
+def test_a_slope_whose_whole_wedge_does_not_stand_is_shaken_by_nothing() -> None:
+    with pytest.raises(sk.DesignError, match=r"E520 the slope does not stand.*the whole wedge.*F 0\.693"):
+        sk.quake(sk.load(CUT), "sine:0.5g,1Hz")
+
+
+# -- blocks that turn -------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def split(tmp_path_factory):
+    """The template's block, which slides on J1 and the basal joint, written as a design of kind blocks."""
+    folder = tmp_path_factory.mktemp("split")
+    result = sk.run(path_of("wedge-basal"))
+    return result, sk.export(result, split=folder), folder / "blocks.yaml"
+
+
+def test_a_block_that_turns_as_one_of_many_is_accepted_by_what_the_wedge_has(split) -> None:
+    """Of a wedge no credit is taken for turning, which the closed form knows nothing of."""
+    wedge, _, path = split
+    found = sk.run(path)
+    assert found.fos.limit > 1.3 > wedge.fos.limit
+    assert found.without_turning.limit == pytest.approx(wedge.fos.closed_form, rel=1e-9)
+    assert found.accepted is wedge.accepted is False
+    assert found.exit_code == wedge.exit_code == 1
+    assert found.margin == pytest.approx(wedge.margin, rel=1e-9)
+    assert f"NOT MET (wedge without turning: F {wedge.fos.limit:.4f})" in " ".join(str(found.sheet).split())
+    (rule,) = found.to_dict()["rules"]
+    assert (rule["met"], rule["judged"]) == (False, "without_turning")
+    other = sk.run(path, set={"acceptance.rules": "fos.static_bound >= 1.3"})
+    assert other.accepted is True
+
+
+def test_studies_of_a_block_that_turns_are_judged_without() -> None:
+    """Bench 130: B8 turns; see `tests/properties/test_not_unique.py`, where a wedge of its own has the lower number."""
+    design, target = sk.load(populations.bench(130)), 5.9  # between the 5.53 of the wedge and its limit
+    swept = sk.sweep(design, {"strength.joint.phi": [design.strengths[0][1].friction_angle_deg]}, fos=target)
+    (factors,) = (point.factors for point in swept.points)
+    assert factors.also.limit < target < factors.limit
+    (said,) = notices(swept, "W507")
+    assert f": B8 without turning falls short of 5.9: F {factors.also.limit:.4g}" in said
+    assert swept.margin == factors.also.limit
+
+
+def test_blocks_of_what_does_not_fail_first_are_not_written(split, tmp_path) -> None:
+    """The wedge that its basal joint is cut from has 0.872, the block above 1.97: no mesh of the block says so."""
+    _, done, path = split
+    assert path.is_file()  # the whole wedge has more there: it is named alone
+    (said,) = (notice.message for notice in done.warnings)
+    assert "the whole wedge, which the basal joint is cut from (slides on both, F 3.171)" in said
+    low = sk.export(sk.run(CUT, set={"strength.joint.phi": 36, "strength.bedding.c": 0}), split=tmp_path)
+    (said,) = (notice.message for notice in low.warnings)
+    assert said.startswith("no blocks.yaml is written: the whole wedge, without the basal joint, fails before")
+    assert not (tmp_path / "blocks.yaml").exists()
+    assert len(low.files) == 4
+
+
+# -- the other history of many blocks ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Which designs the other history was asked of; it runs at less than each has."""
+    of = []
+
+    def beside(design):
+        of.append(design)
+        return (Notice("W504", "in another history all blocks run at 0.9"),)
+
+    monkeypatch.setattr(points, "kind_of", lambda _: SimpleNamespace(beside=beside))
+    return of
+
+
+def test_studies_ask_the_other_history_where_their_answer_hangs(asked) -> None:
+    """A sweep where least is enough, a tornado at the design, samples at their means and at the last that stands."""
+    design = sk.load(WHOLE | {"strength": {"joint": {"c": 0, "phi": {"dist": "normal", "mean": 50, "sd": 4}}}})
+    swept = sk.sweep(
+        design, {"slope.height": [10, 20], "strength.joint.phi": [45, 50, 55]}, methods="closed-form", fos=1
+    )
+    enough = [k for k, point in enumerate(swept.points) if point.factors.closed_form >= 1.3]
+    least = min(enough, key=lambda k: swept.points[k].factors.closed_form)
+    assert swept.governing == least
+    assert asked.pop().strengths[0].friction_angle_deg == swept.places[least][1]
+    (said,) = notices(swept, "W504")
+    assert said.startswith(f"{swept.where(least)} (other places were not looked at): in another history")
+    assert notices(sk.tornado(design, methods="closed-form"), "W504")
+    assert asked.pop().strengths[0].friction_angle_deg == 50.0
+    drawn = sk.prob(design, 40, fos=1.3, confirm=0, near=0)
+    said = notices(drawn, "W504")
+    stands = drawn.factor[~drawn.fails].min()
+    assert said[0].startswith("of the design at its means")
+    assert f", which stands with the least factor, {stands:.4g}" in said[1]
+    row = int(np.flatnonzero(drawn.factor == stands)[0])
+    assert asked.pop().strengths[0].friction_angle_deg == drawn.samples.values[row, 0]
+
+
+# -- what nobody reads ------------------------------------------------------------------------------------------------
+
+
+def test_samples_do_not_make_notices_that_nobody_reads(monkeypatch) -> None:
+    from slopekit.kinds.single_block import one_block
+
+    made = []
+    monkeypatch.setattr(one_block, "notices_of_factor", lambda *_: made.append(1) or ())
+    design = sk.load(WHOLE)
+    bolts.Sampled(design)({"strength.joint.phi": 40})
+    assert not made
+    assert points.Evaluation(design)({"strength.joint.phi": 40})
+    assert made == [1]
+
+
+def test_ends_that_only_the_tornado_makes_dilate_say_nothing() -> None:
+    found = sk.tornado(sk.load(WHOLE), {"strength.joint.dilation": [0, 4]})
+    assert not notices(found, "W310")
+    dilates = sk.tornado(sk.load(WHOLE, set={"strength.joint.dilation": 2}), {"strength.joint.dilation": [0, 4]})
+    assert notices(dilates, "W310")
