@@ -662,7 +662,19 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
 
 def test_the_command_refuses_and_says_so_in_its_exit_code() -> None:
     plane = str(path_of("plane"))
-    short = slopekit("support", plane, "--quiet", "--toward", "180/10", "--acts", "active", "--set", "crack.water=1 m")
+    short = slopekit(
+        "support",
+        plane,
+        "--quiet",
+        "--toward",
+        "180/10",
+        "--acts",
+        "active",
+        "--set",
+        "crack.water=1 m",
+        "--fos",
+        "1.5",
+    )
     assert (short.returncode, short.stdout) == (1, "active  not reached  toward 180/10.0  E322\n")
     wrong = slopekit("support", plane, "--plunge", "-5", "--json")
     assert wrong.returncode == 2
@@ -680,3 +692,15 @@ def test_distributions_are_named_in_the_sheet() -> None:
     found = sk.support(design, 1.9, acts="active")
     assert isinstance(found.warnings[0], Notice)
     assert "W320 strength.s.phi is a distribution" in str(found)
+
+
+@pytest.mark.parametrize(("rules", "target"), [(["fos >= 2.1", "fos.limit > 1.9"], 2.1), (["fos.lowest >= 3"], 1.5)])
+def test_the_factor_that_acceptance_asks_for_is_wanted(rules, target) -> None:
+    """Bolts for 1.5 reached their own target and left the design's, 2.1, unmet with exit code 0."""
+    design = loaded(ONE_PLANE | {"acceptance": {"rules": rules}})
+    found = sk.support(design, acts="active", bolt_capacity=1e4)
+    assert found.target == target
+    assert ("W508" in {notice.code for notice in found.warnings}) is (target == 1.5)
+    assert ("what acceptance asks for" in str(found.sheet)) is (target == 2.1)
+    below = sk.support(design, 1.3, acts="active", bolt_capacity=1e4)
+    assert ("below the 2.1 that acceptance asks for" in str(below.sheet)) is (target == 2.1)

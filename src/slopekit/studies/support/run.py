@@ -24,12 +24,13 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of, kind_of, peak_only, slips_of_size
 from slopekit.notices import common_notices
-from slopekit.studies.points import Point, said_at
+from slopekit.studies.points import Point, rules_left_out, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
 from slopekit.studies.support.columns import ColumnSupport
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
+    JUDGED,
     BoltCase,
     CrestRow,
     FacePressure,
@@ -38,6 +39,7 @@ from slopekit.studies.support.records import (
     Support,
     SupportOptions,
     Which,
+    accepted_fos,
     built_way,
     enough,
     read_options,
@@ -64,6 +66,7 @@ _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where mo
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
 _MOST_PUT_BACK = 50  # bolts that are put back as they are written; more of them get a unit more of the last digit
 _RAISED, _MORE, _MOST_MORE = 8, 1.0001, 1.1  # times that their forces are raised; by so much at least, at most
+_WANTED = 1.5  # where nobody says another factor of safety
 _CLOSE_M = 1.0  # bolts that stand closer share the rock they hold
 _LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many rounds
 
@@ -71,7 +74,7 @@ _LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many roun
 @study
 def support(
     design: ADesign,
-    fos: Annotated[Any, Option("The factor of safety that is wanted [1.5].")] = 1.5,
+    fos: Annotated[Any, Option("The factor of safety that is wanted [what acceptance asks for, else 1.5].")] = None,
     *,
     acts: Annotated[Any, Option("active (a load) or passive (strength) [both].")] = None,
     toward: Annotated[
@@ -122,8 +125,9 @@ def support(
     (168045, 1.7, 1.7)
     """  # fmt: skip
     began = time.perf_counter()
+    wanted = (accepted_fos(design) or _WANTED) if fos is None else fos
     options = read_options(
-        fos=fos, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
+        fos=wanted, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
         length=length, named=desk.named,
     )  # fmt: skip
     column_row = kind_of(design).column_row
@@ -150,6 +154,7 @@ def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Noti
     of_inputs = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
     yield from of_inputs
     yield from peak_only(design, "bolts are for the factor")
+    yield from rules_left_out(design, JUDGED)
     points, places = [Point(factors_of(design))], ["as it stands"]
     for case in cases:
         if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:

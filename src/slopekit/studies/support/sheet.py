@@ -9,7 +9,7 @@ from slopekit.design.common import Design
 from slopekit.kinds import kind_of
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
-from slopekit.studies.support.records import BoltCase, CrestRow, FacePressure, Need, Pattern, Support
+from slopekit.studies.support.records import BoltCase, CrestRow, FacePressure, Need, Pattern, Support, wanted_in_words
 from slopekit.studies.support.search import Answer
 from slopekit.studies.words import head, status_words
 
@@ -127,7 +127,7 @@ def level(answer: Answer) -> str:
 def _target(support: Support) -> list[str]:
     bare = support.pre_ie
     now = f"as it stands {level(bare)} by PRE-IE, {level(support.closed_form)} by the closed form"
-    entries = [f"FoS {support.target:g}; {now}: {status_words(support.design, bare.status)}"]
+    entries = [f"{wanted_in_words(support.design, support.target)}; {now}: {status_words(support.design, bare.status)}"]
     if bare.moments_govern:
         entries.append("moments govern: the closed form knows none, PRE-IE's numbers are those to use")
     if support.stands:

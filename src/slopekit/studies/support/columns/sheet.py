@@ -5,6 +5,7 @@ from operator import attrgetter
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce
+from slopekit.studies.support.records import wanted_in_words
 from slopekit.studies.support.sheet import level, needed
 from slopekit.studies.words import head, status_words
 
@@ -61,7 +62,8 @@ def line_of(support: ColumnSupport) -> str:
 def _target(support: ColumnSupport) -> list[str]:
     now = f"as it stands {level(support.pre_ie)} by PRE-IE"
     now += "" if support.closed_form is None else f", {level(support.closed_form)} by Goodman & Bray"
-    entries = [f"FoS {support.target:g}; {now}: {status_words(support.design, support.pre_ie.status)}"]
+    wanted = wanted_in_words(support.design, support.target)
+    entries = [f"{wanted}; {now}: {status_words(support.design, support.pre_ie.status)}"]
     return [*entries, "reached: no more support is needed"] if support.stands else entries
 
 
