@@ -83,8 +83,9 @@ class OnArrays(Generic[D]):
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
     sizes : of the blocks of a design, whose numbers may be arrays; None where it has none, or they are not known
-    also : of a design whose numbers may be arrays and its arguments, what its acceptance is held against besides, with
-        the outcome "" where there is no such block; None where designs have none
+    also : of a design whose numbers may be arrays, its arguments, and how far before the face its bolts were laid out:
+        what its acceptance is held against besides, with the outcome "" where there is no such block; None where
+        designs have none
     crack_reach_m : how far the place of a crack may lie, of a design whose numbers may be arrays; not a number where
         the planes make no block; None where a design is asked one by one
     """
@@ -97,7 +98,7 @@ class OnArrays(Generic[D]):
     bounds: Callable[[D], Bounds]
     sizes: Callable[[D], SizesOfMany | None] | None = None
     crack_reach_m: Callable[[D], Floats | None] | None = None
-    also: Callable[[D, Arguments], ClosedForms | None] | None = None
+    also: Callable[[D, Arguments, Floats], ClosedForms | None] | None = None
 
     def of(self, design: D) -> ClosedForm:
         """One design, on the secants of its strengths where these are curved.

@@ -399,12 +399,12 @@ def crack_reach(design: WedgeDesign) -> Floats | None:
     return reach_m
 
 
-def _also_of_many(design: WedgeDesign, arguments: Arguments) -> ClosedForms | None:
+def _also_of_many(design: WedgeDesign, arguments: Arguments, before: Floats) -> ClosedForms | None:
     if design.basal is None:
         return None
     from slopekit.kinds.wedge import basal
 
-    return basal.without_basal_of_many(design, arguments)
+    return basal.without_basal_of_many(design, arguments, before)
 
 
 ON_ARRAYS = OnArrays(

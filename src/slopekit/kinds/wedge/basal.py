@@ -10,6 +10,8 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, number
+from slopekit.core.sheet import counted
+from slopekit.design.parts import Bolt
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.basal import (
@@ -25,9 +27,10 @@ from slopekit.geometry.rock.basal import (
     trace_behind,
 )
 from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms
-from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
+from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, force_on
+from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, stand_off, upward
 from slopekit.kinds.wedge import Shape, closed_form, closed_forms, crest_of
+from slopekit.kinds.wedge import bounds as wedge_bounds
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.loads import WaterPressure
@@ -171,11 +174,13 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
                      "where they and the face meet; what lies above them is not looked at (is "
                      f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
-        held = "; acceptance is held against it too" if design.rules else ""
+        too = "; acceptance is held against it too" if design.rules else ""
+        lost = len(design.bolts) - len(_bolts_of_whole(replace(design, basal=None)))
+        within = f" and {lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)" if lost else ""
         yield Notice(
             "W410",
             "the basal joint cuts the toe off the wedge on J1 and J2, and what lies below it is taken to stay; the "
-            f"whole wedge, without basal: {whole.in_words()} by the closed form{held}",
+            f"whole wedge, without basal{within}: {whole.in_words()} by the closed form{too}",
         )
     apart = math.radians(basal.plane.dip_direction_deg - design.face.dip_direction_deg)
     if basal.plane.dip_deg > 0.0 and math.cos(apart) < -_ACROSS:
@@ -202,6 +207,7 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
         return None
     water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
     whole = replace(design.with_strengths(design.strengths[:2]), basal=None, water=water)
+    whole = replace(whole, bolts=_bolts_of_whole(whole))
     try:
         solution = closed_form(whole)
     except GeometryError:
@@ -214,11 +220,30 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     return WithoutBasal(solution.status, solution.factor)
 
 
-def without_basal_of_many(design: WedgeDesign, arguments: Arguments) -> ClosedForms:
-    """`without_basal` of designs whose numbers may be arrays, without passive bolts; "" where there is none."""
+def _bolts_of_whole(whole: WedgeDesign) -> tuple[Bolt, ...]:
+    """The bolts that hold the whole wedge: what ends within it, below the basal joint, moves with it."""
+    if not any(bolt.head_m is not None for bolt in whole.bolts):
+        return whole.bolts
+    around = wedge_bounds(whole)
+    holds = held(around, whole.bolts, stand_off(around, whole.bolts)).holds[:, 0]
+    return tuple(bolt for bolt, own in zip(whole.bolts, holds.tolist(), strict=True) if own)
+
+
+def without_basal_of_many(design: WedgeDesign, arguments: Arguments, before: Floats) -> ClosedForms:
+    """`without_basal` of designs whose numbers may be arrays, without passive bolts; "" where there is none.
+
+    Parameters
+    ----------
+    arguments : but for the bolts; before : (b,) of these, as `held` has it
+    """
     basal = design.basal
     assert basal is not None
     own = {name: value for name, value in arguments.items() if not name.startswith(_OF_THE_THIRD)}
+    if any(bolt.head_m is not None for bolt in design.bolts):
+        holds = held(wedge_bounds(replace(design, basal=None)), design.bolts, before).holds
+        forces: list[Any] = [bolt.force_kn * one for bolt, one in zip(design.bolts, holds, strict=True)]
+        bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
+        own |= force_on(replace(design, bolts=tuple(bolts)))
     forms = closed_forms(own, ())
     names, outcome, factor = forms.names, forms.outcome.copy(), forms.factor.copy()
     no_block = np.array([name.startswith("E") for name in names])

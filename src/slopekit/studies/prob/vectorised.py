@@ -52,7 +52,7 @@ class Vectorised:
         """What acceptance of every sample is held against besides; None where there is nothing."""
         if self.on_arrays.also is None:
             return None
-        forms = self.on_arrays.also(self._scattered(values), self.arguments(values))
+        forms = self.on_arrays.also(self._standing(values), self.arguments(values), self.before)
         return None if forms is None else self._each(forms, len(values))
 
     def _each(self, closed_forms: ClosedForms, count: int) -> ClosedForms:
@@ -98,13 +98,17 @@ class Vectorised:
 
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""
+        return self.on_arrays.arguments(self._standing(values)) | self.on_arrays.of_strengths(self._strengths(values))
+
+    def _standing(self, values: Floats) -> Design:
+        """The design with arrays for what scatters; bolts that do not hold the block of a sample pull nothing."""
         design = self._scattered(values)
         if any(bolt.head_m is not None for bolt in design.bolts):
             holds = self._holds(design, len(values))
             forces: list[Any] = [bolt.force_kn * own for bolt, own in zip(design.bolts, holds, strict=True)]
             bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
             design = replace(design, bolts=tuple(bolts))
-        return self.on_arrays.arguments(design) | self.on_arrays.of_strengths(self._strengths(values))
+        return design
 
     def _scattered(self, values: Floats) -> Design:
         """The design with arrays in place of what scatters, but for its strengths."""
