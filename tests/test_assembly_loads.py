@@ -7,7 +7,8 @@ import pytest
 
 import slopekit as sk
 from slopekit.kinds import cut
-from slopekit.loads import PointForce, assembly_loads, drained
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
+from slopekit.loads import PointForce, assembly_loads, drained, untied
 
 BLOCKS = {
     "base": {"polygon": [[-9, -1], [9, -1], [9, 0], [-9, 0]], "fixed": True},
@@ -117,3 +118,50 @@ def test_a_load_that_meets_no_block_names_its_line(loads, place, tmp_path) -> No
     assert of_solve.value.faults == of_run.value.faults
     assert sk.sweep(sk.load(path), {"strength.joint.phi": [30, 40]}).exit_code == 2
     assert sk.tornado(sk.load(path)).exit_code == 2
+
+
+STACK = {
+    "slopekit": 1, "kind": "blocks", "strength": {"joint": {"c": 0, "phi": 35}}, "rock": {"unit_weight": 25},
+    "blocks": {
+        "base": {"polygon": [[-2, 0], [10, 0], [10, -2], [-2, -2]], "fixed": True},
+        "A": {"polygon": [[0, 0], [4, 0], [4, 2], [0, 2]]}, "B": {"polygon": [[0, 2], [4, 2], [4, 4], [0, 4]]},
+    },
+    "loads": {"seismic": {"k": 0.2, "toward": 90}},
+}  # fmt: skip
+
+
+def stacked(length: float, acts: str = "active"):
+    bolt = {"force": 200, "toward": "090/90", "head": [2, 0, 4], "length": length, "acts": acts, "block": "B"}
+    return sk.load(STACK | {"support": {"bolts": [bolt]}})
+
+
+def test_an_anchor_between_two_blocks_holds_neither_to_the_rock() -> None:
+    """Both slide at tan φ / k whatever ties them to each other; anchored in rock, 200 kN more lie on 400 kN."""
+    tan = math.tan(math.radians(35.0))
+    tied, held = sk.run(stacked(3.0)), sk.run(stacked(5.0))
+    assert tied.fos.limit == pytest.approx(tan / 0.2, rel=1e-9)
+    assert held.fos.limit == pytest.approx(1.5 * tan / 0.2, rel=1e-9)
+    with pytest.raises(sk.DesignError, match=r"E212 bolt 1 is 1\.5 m long and ends in B"):
+        sk.run(stacked(1.5))
+
+
+def test_an_anchor_goes_with_the_block_at_either_end() -> None:
+    """What is left has the loads that it has without the bolt, of its weight and the earthquake alone."""
+    tied, bare = cut(stacked(3.0)), cut(sk.load(STACK))
+    loads, own = scene_loads(tied), scene_loads(bare)
+    assert loads.forces[1:, 2] == pytest.approx([-200.0 + 200.0, -200.0 - 200.0])
+    for gone in (1, 2):
+        left, name = untied(tied.assembly, loads, np.arange(3) == gone), 3 - gone
+        assert left.forces[name] == pytest.approx(own.forces[name])
+        assert left.moments[name] == pytest.approx(own.moments[name], abs=1e-9)
+        assert left.live[0][name] == pytest.approx(own.live[0][name])
+        assert len(left.anchors.head) == 0
+    assert untied(tied.assembly, loads, np.zeros(3, dtype=bool)) is loads
+
+
+def test_an_anchor_between_two_blocks_is_exported_with_both_its_ends(tmp_path) -> None:
+    found = sk.run(stacked(3.0))
+    sk.export(found, split=tmp_path)
+    again = sk.run(tmp_path / "blocks.yaml")
+    assert again.fos.limit == pytest.approx(found.fos.limit, rel=1e-9)
+    assert sorted(force.block for force in again.design.forces) == ["A", "B"]

@@ -214,7 +214,7 @@ def judge_bolt(name: str, leaves: float | None, anchored: bool, length: float | 
 
 @dataclass(frozen=True, slots=True)
 class PassiveBolts:
-    """Passive bolts of an assembly, each along a line between two blocks or a block and bedrock.
+    """Bolts of an assembly, passive ones or anchors, each along a line between two blocks or a block and bedrock.
 
     Attributes
     ----------
@@ -239,7 +239,8 @@ class AssemblyLoads:
 
     `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a
     patch through `water_points` (None: its middle); `live` forces and moments that are part of
-    them and neither weight nor water. Passive `bolts` are strength and no part of them.
+    them and neither weight nor water. Passive `bolts` are strength and no part of them; active `anchors` between two
+    blocks are, and pull both of them.
     """
 
     forces: Floats
@@ -249,6 +250,7 @@ class AssemblyLoads:
     live: tuple[Floats, Floats]
     bolts: PassiveBolts = NO_BOLTS
     water_points: Floats | None = None
+    anchors: PassiveBolts = NO_BOLTS
 
     def water_at(self, assembly: "Assembly") -> Floats:
         """The points (k, 3) that the water of each patch acts through."""
@@ -271,6 +273,26 @@ def drained(assembly: "Assembly", loads: AssemblyLoads, patches: Bools) -> Assem
     return replace(loads, forces=frozen(forces), moments=frozen(moments), water=frozen(water))
 
 
+def untied(assembly: "Assembly", loads: AssemblyLoads, gone: Bools) -> AssemblyLoads:
+    """The loads without the anchors of blocks (n,) that are gone: at their other ends nothing pulls any more."""
+    anchors = loads.anchors
+    lost = np.flatnonzero(gone[anchors.head] | gone[anchors.toe])
+    if len(lost) == 0:
+        return loads
+    live, turning = (part.copy() for part in loads.live)
+    forces, moments = loads.forces.copy(), loads.moments.copy()
+    for ends, sign in ((anchors.head, 1.0), (anchors.toe, -1.0)):
+        own, pull = ends[lost], sign * anchors.forces[lost]
+        turn = cross(anchors.points[lost] - assembly.centroids[own], pull)
+        for sums, part in ((live, pull), (forces, pull), (turning, turn), (moments, turn)):
+            np.subtract.at(sums, own, part)
+    left = np.setdiff1d(np.arange(len(anchors.head)), lost)
+    kept = PassiveBolts(anchors.head[left], anchors.toe[left], anchors.forces[left], anchors.points[left])
+    return replace(
+        loads, forces=frozen(forces), moments=frozen(moments), live=(frozen(live), frozen(turning)), anchors=kept
+    )  # fmt: skip
+
+
 def assembly_loads(
     assembly: "Assembly",
     unit_weights: Floats,
@@ -280,6 +302,7 @@ def assembly_loads(
     bolts: PassiveBolts = NO_BOLTS,
     water_points: Floats | None = None,
     pond: Sequence[tuple[int, PointForce]] = (),
+    anchors: PassiveBolts = NO_BOLTS,
 ) -> AssemblyLoads:
     """Add up the loads on the blocks of an assembly.
 
@@ -290,6 +313,7 @@ def assembly_loads(
     pressures : (k,) mean water pressure on each patch (kPa); water_points : (k, 3) where it acts, None: in its middle
     pushes : forces and the blocks they act on; bolts : the passive ones
     pond : forces through the centroids with their couples: water, too
+    anchors : between two blocks, whose pull on the first is one of the pushes
     """
     weights = unit_weights * assembly.volumes
     live, turning = weights[:, None] * seismic, np.zeros((len(weights), 3))
@@ -297,6 +321,8 @@ def assembly_loads(
         live[block] += push_on.force
         if push_on.at is not None:
             turning[block] += cross(push_on.at - assembly.centroids[block], push_on.force)
+    np.subtract.at(live, anchors.toe, anchors.forces)
+    np.subtract.at(turning, anchors.toe, cross(anchors.points - assembly.centroids[anchors.toe], anchors.forces))
     forces = live + weights[:, None] * np.array([0.0, 0.0, -1.0])
     moments = turning.copy()
     patches = assembly.patches
@@ -319,4 +345,5 @@ def assembly_loads(
         (frozen(live), frozen(turning)),
         bolts,
         water_points,
+        anchors,
     )

@@ -424,3 +424,27 @@ def test_the_height_of_the_slope_is_told_from_that_of_the_block() -> None:
     assert f"height 20 m from toe to crest, the block itself {np.ptp(corners):.6g} m  volume" in size
     whole = str(result_of("wedge")).partition("SIZE")[2]
     assert whole.split("\n")[0].lstrip().startswith("height 64.89 m (total 100.01")
+
+
+def test_a_bolt_that_ends_below_the_basal_joint_does_not_hold_the_whole_wedge() -> None:
+    """It ends in rock that is part of the wedge on J1 and J2: run alone that refuses it (E212) and has less without."""
+    design = {
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "5/180", "height": 20},
+        "joints": {"J1": {"plane": "60/130", "strength": "a"}, "J2": {"plane": "60/230", "strength": "a"}},
+        "basal": {"plane": "20/180", "height": 6, "strength": "b"}, "acceptance": {"rules": ["fos >= 1"]},
+        "strength": {"a": {"c": 5, "phi": 34}, "b": {"c": 0, "phi": 36}}, "rock": {"unit_weight": 26},
+    }  # fmt: skip
+    alone = {key: value for key, value in design.items() if key != "basal"} | {"strength": {"a": {"c": 5, "phi": 34}}}
+    bolts = {length: {"bolts": [{"force": 1500, "toward": "000/60", "head": [0, 3.3, 7], "length": length}]}
+             for length in (2.0, 2.5)}  # fmt: skip
+    short, long = (sk.run(design | {"support": bolts[length]}) for length in (2.0, 2.5))
+    with pytest.raises(sk.SlopekitError, match="E212"):
+        sk.run(alone | {"support": bolts[2.0]})
+    assert short.without_basal.closed_form == pytest.approx(sk.run(alone).fos.closed_form, rel=1e-12)
+    assert long.without_basal.closed_form == pytest.approx(
+        sk.run(alone | {"support": bolts[2.5]}).fos.closed_form, rel=1e-12
+    )
+    assert (short.accepted, long.accepted) == (False, True)
+    assert "without basal and 1 of 1 bolt (that end within it" in next(
+        str(notice) for notice in short.warnings if notice.code == "W410"
+    )

@@ -78,6 +78,24 @@ def test_samples_taken_one_by_one_are_judged_alike() -> None:
     assert (by_pre_ie.fails == at_once.fails[:2]).all()
 
 
+def test_bolts_of_samples_hold_the_whole_wedge_where_they_pass_it() -> None:
+    """All samples at once, as each by itself: the first bolt ends in the toe of some whole wedges."""
+    bolt = {"force": 1500, "toward": "000/60", "head": [0, 3.3, 7], "length": 2.4}
+    others = [{"force": 500, "toward": "000/10", "head": [0, 5, 11], "length": 14}]
+    dips = {"joints": {name: {"plane": {"dip": {"dist": "uniform", "min": 50, "max": 66}, "dip_direction": way},
+                              "strength": "joint"} for name, way in (("J1", 130), ("J2", 230))}}  # fmt: skip
+    design = sk.load(CUT | dips | {"support": {"bolts": [bolt, *others]}})
+    found = sk.prob(design, 12, confirm=0, near=0)
+    sampled = bolts.Sampled(design, False, tuple(bolts.as_laid_out(design).tolist()))
+    for row in range(12):
+        point = points.Point.from_record(sampled(found.samples.settings(row)))
+        both = point.factors.closed_form, point.factors.also.closed_form
+        assert found.factor[row] == pytest.approx(min(both), rel=1e-12)
+    bare = sk.prob(sk.load(CUT | dips | {"support": {"bolts": others}}), 12, confirm=0, near=0)
+    held = found.factor > bare.factor * (1.0 + 1e-9)
+    assert 0 < held.sum() < 12
+
+
 def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     """As `run`: with 30° on the joints the block stands and the whole wedge does not."""
     scatters = {"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}

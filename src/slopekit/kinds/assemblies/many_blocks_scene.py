@@ -28,6 +28,7 @@ class AssemblyScene:
         act, None in the middle of each
     seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
     bolts : the passive ones, bolt_names : as the design numbers them
+    anchors : active bolts between two blocks that move, anchor_pushes : the numbers of their pushes, from 1
     pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
@@ -50,6 +51,8 @@ class AssemblyScene:
     pushes: tuple[tuple[int, PointForce], ...] = ()
     bolts: PassiveBolts = NO_BOLTS
     bolt_names: tuple[str, ...] = ()
+    anchors: PassiveBolts = NO_BOLTS
+    anchor_pushes: tuple[int, ...] = ()
     water_points: Floats | None = None
     pond: tuple[tuple[int, PointForce], ...] = ()
     surcharge: tuple[tuple[int, PointForce], ...] = ()
@@ -84,8 +87,7 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
     given = design.seismic
     trend = toward_deg if given.trend_deg is None else given.trend_deg
     seismic = given.coefficient * Line(trend, 0.0).vector() if given.coefficient else np.zeros(3)
-    pushes, bolts, names = _pushes(design, scene)
-    return replace(scene, pushes=pushes, bolts=bolts, bolt_names=names, seismic=seismic)
+    return replace(_pushed(design, scene), seismic=seismic)
 
 
 def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
@@ -108,15 +110,19 @@ def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
         scene.bolts,
         scene.water_points,
         scene.pond,
+        scene.anchors,
     )
 
 
-def _pushes(
-    design: AssemblyDesign, scene: AssemblyScene
-) -> tuple[tuple[tuple[int, PointForce], ...], PassiveBolts, tuple[str, ...]]:
-    """Forces and active bolts with the index of the block that each acts on, and passive bolts with their names."""
+def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
+    """A scene with forces and active bolts, each on its block, and passive bolts with their names.
+
+    An active bolt that ends in another block which moves pulls that too.
+    """
     pushes, faults = [], []
     passive: list[tuple[int, int, PointForce]] = []
+    anchors: list[tuple[int, int, PointForce]] = []
+    of_push: list[int] = []
     names: list[str] = []
     finder = _finder(scene)
     loads: list[tuple[str, str, Force | Bolt, PointForce]] = []
@@ -134,7 +140,7 @@ def _pushes(
             faults.append(Fault("E250", f"{name} acts on no block: {where}", place))
         elif scene.assembly.fixed[block]:
             faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock", place))
-        elif isinstance(given, Force) or given.acts == "active":
+        elif isinstance(given, Force):
             pushes.append((block, push))
         else:
             toe = _toe(scene, given, block, finder)
@@ -142,11 +148,20 @@ def _pushes(
                 advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
                 message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
                 faults.append(Fault("E212", message, place, advice))
-            passive.append((block, toe, push))
-            names.append(name)
+            if given.acts == "passive":
+                passive.append((block, toe, push))
+                names.append(name)
+                continue
+            pushes.append((block, push))
+            if toe != BEDROCK:
+                anchors.append((block, toe, push))
+                of_push.append(len(pushes))
     if faults:
         raise DesignError(faults)
-    return tuple(pushes), _passive(scene, passive), tuple(names)
+    return replace(
+        scene, pushes=tuple(pushes), bolts=_along(scene, passive), bolt_names=tuple(names),
+        anchors=_along(scene, anchors), anchor_pushes=tuple(of_push),
+    )  # fmt: skip
 
 
 def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | None, Floats | None], int | None]) -> int:
@@ -170,8 +185,8 @@ def _holds(outline: Floats, point: Floats) -> bool:
     return bool(np.count_nonzero(((z0 > point[1]) != (z1 > point[1])) & (crossing > point[0])) % 2)
 
 
-def _passive(scene: AssemblyScene, bolts: Sequence[tuple[int, int, PointForce]]) -> PassiveBolts:
-    """Passive bolts of blocks of their heads and toes, capacities and points; without a point through the centroid."""
+def _along(scene: AssemblyScene, bolts: Sequence[tuple[int, int, PointForce]]) -> PassiveBolts:
+    """Bolts of blocks of their heads and toes, forces and points; without a point through the centroid."""
     if not bolts:
         return NO_BOLTS
     points = [scene.assembly.centroids[head] if push.at is None else push.at for head, _, push in bolts]

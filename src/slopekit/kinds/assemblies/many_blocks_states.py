@@ -252,6 +252,10 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
     for k, (block, push) in enumerate(scene.pushes, 1):
         at = assembly.centroids[block] if push.at is None else push.at
         add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])
+    anchors = scene.anchors
+    for k, push_number in enumerate(scene.anchor_pushes):
+        name = f"force {push_number}, at its end"
+        add(name, anchors.toe[k : k + 1], -anchors.forces[k : k + 1], anchors.points[k : k + 1])
     bolts = scene.bolts
     for k, pull in enumerate(bolt_pulls(scene, solved).tolist()):
         name, part_of_it = f"passive bolt {k + 1}", pull / float(np.linalg.norm(bolts.forces[k]))

@@ -15,7 +15,7 @@ from scipy import sparse
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
-from slopekit.loads import AssemblyLoads, drained
+from slopekit.loads import AssemblyLoads, drained, untied
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit, with_range
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Unrefined
@@ -160,7 +160,7 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
         there[blocks] = False
         out = np.append(~there & ~assembly.fixed, False)
         opened = out[assembly.patches.plus] | out[assembly.patches.minus]
-        scene = replace(scene, loads=drained(assembly, scene.loads, opened))
+        scene = replace(scene, loads=untied(assembly, drained(assembly, scene.loads, opened), out[:-1]))
         if len(failures) == count:
             break
         with effort.allowed(effort.MOST):
