@@ -96,6 +96,18 @@ def test_bolts_of_samples_hold_the_whole_wedge_where_they_pass_it() -> None:
     assert 0 < held.sum() < 12
 
 
+@pytest.mark.parametrize("more", [{}, {"bolts": [{"force": 1e-9, "toward": "000/05", "acts": "passive"}]}])
+def test_where_the_basal_joint_closes_no_block_the_whole_wedge_is_there_all_the_same(more) -> None:
+    """All samples have the same wedge on J1 and J2, F 0.693, whatever the joint below does."""
+    high = {"basal": {"plane": "20/180", "height": {"dist": "uniform", "min": 12, "max": 30}, "strength": "bedding"}}
+    design = sk.load(CUT | high | {"support": more})
+    found = sk.prob(design, 12, confirm=2, near=0)
+    assert found.all_samples.share == 1.0
+    assert sum(n for name, n in sk.prob(design, 12, fos=0.5, confirm=0, near=0).counts.items() if name[0] == "E") > 0
+    assert found.confirmation is None or found.confirmation.settled == found.confirmation.samples
+    assert found.factor == pytest.approx(closed_form(WHOLE, {}).closed_form, rel=1e-9)
+
+
 def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     """As `run`: with 30° on the joints the block stands and the whole wedge does not."""
     scatters = {"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}

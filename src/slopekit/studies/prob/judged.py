@@ -3,7 +3,7 @@
 Those that PRE-IE looks at besides are a random part, and all near the target.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field, replace
 from typing import ClassVar
 
@@ -12,6 +12,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
+from slopekit.evidence import AlsoJudged
 from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.studies.points import Point, falls_short
 from slopekit.studies.prob.estimates import Share, clopper_pearson, rank_correlation, unwrapped
@@ -32,7 +33,7 @@ class Judged:
     Attributes
     ----------
     names, outcome, factor : by the lower of the block and what acceptance is held against besides
-    alone : factors (n,) of the block; None where it is judged by nothing else
+    alone : what is said of the block; None where it is judged by nothing else
     also : in words, what else fails first, and of how many samples that block alone would not have failed
     """
 
@@ -42,7 +43,7 @@ class Judged:
     fails: Bools
     evaluator: str
     points: tuple[Point, ...] = ()
-    alone: Floats | None = None
+    alone: "Judged | None" = None
     also: tuple[str, int] = ("", 0)
 
     def among(self, *beginnings: str) -> Bools:
@@ -90,7 +91,8 @@ def with_also(judged: Judged, also: ClosedForms, called: str, what: str, target:
             (judged.names, judged.outcome, judged.factor), (also.names, also.outcome, also.factor),
         )
     )  # fmt: skip
-    first = (other < ours) & judged.forms & ~judged.unjudged
+    first = (other < ours) & judged.possible & ~judged.unjudged
+    first &= judged.forms | (other < target)  # where it does not fail no block is no block
     if not first.any():
         return judged
     names = (*judged.names, *(f"{called}_{name}" for name in also.names))
@@ -98,14 +100,23 @@ def with_also(judged: Judged, also: ClosedForms, called: str, what: str, target:
     factor = np.where(first, also.factor, judged.factor)
     fails = judged.fails | (first & (other < target))
     only = int((fails & ~judged.fails).sum())
-    return replace(
-        judged, names=names, outcome=outcome, factor=factor, fails=fails, alone=judged.factor, also=(what, only)
-    )
+    return replace(judged, names=names, outcome=outcome, factor=factor, fails=fails, alone=judged, also=(what, only))
 
 
-def also_of(points: Sequence[Point]) -> tuple[ClosedForms, str, str] | None:
-    """What acceptance of points is held against besides, what its outcomes begin with, and what it is in words."""
-    every = [None if point.factors is None else point.factors.also for point in points]
+def also_of(
+    points: Sequence[Point], without_block: Callable[[int], AlsoJudged | None]
+) -> tuple[ClosedForms, str, str] | None:  # fmt: skip
+    """What acceptance of points is held against besides, what its outcomes begin with, and what it is in words.
+
+    Parameters
+    ----------
+    without_block : the same of a point, by its number, at which no block forms
+    """
+    every = [
+        point.factors.also if point.factors is not None
+        else without_block(row) if point.code.startswith(("E2", "E44")) and point.code not in UNJUDGED else None
+        for row, point in enumerate(points)
+    ]  # fmt: skip
     known = next((one for one in every if one is not None), None)
     if known is None:
         return None
@@ -117,8 +128,9 @@ def also_of(points: Sequence[Point]) -> tuple[ClosedForms, str, str] | None:
 
 
 def _levels(names: Sequence[str], outcome: np.ndarray, factor: Floats) -> Floats:
-    """Factors to compare: infinite where nothing drives, 0 where nothing holds."""
-    stands = np.array([not name or name.endswith("no_driving_force") for name in names])[outcome]
+    """Factors to compare: infinite where nothing drives or no block forms, 0 where nothing holds."""
+    above = ("E", IMPOSSIBLE, "no_driving_force")
+    stands = np.array([not name or name.startswith(above) for name in names])[outcome]
     levels: Floats = np.where(stands, np.inf, np.nan_to_num(factor, nan=0.0))
     return levels
 
@@ -332,7 +344,8 @@ def notices_of(
     what, only = judged.also
     if only:
         yield Notice("W507", f"in {only} of {len(samples.values)} samples {what} falls short of {target:g}, and what "
-                     "is analysed does not: they count as failures, as acceptance of a run is not met")  # fmt: skip
+                     "is analysed does not, or forms no block: they count as failures, as acceptance of a run is not "
+                     "met")  # fmt: skip
     if share.count < _RARE and share.of:
         yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
     if confirmation is None:

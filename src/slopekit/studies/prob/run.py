@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import field
-from functools import cached_property
+from functools import cached_property, partial
 from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -16,14 +16,15 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import DesignError, Fault, Faults, Notice, SlopekitError
 from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
-from slopekit.evidence import WithoutBasal
+from slopekit.design.reading.files import with_values
+from slopekit.evidence import AlsoJudged, WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import not_as_given
 from slopekit.studies.marginals import checked_limits
@@ -35,6 +36,7 @@ from slopekit.studies.prob.bolts import (
     has_heads,
     holding,
     notices_of_bolts,
+    standing,
     without_force,
 )
 from slopekit.studies.prob.cracks import WorstCracks, checked_alone, cracked
@@ -553,8 +555,17 @@ def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judge
     fails = failing(names, outcome, factor, asked.target)
     evaluator = "PRE-IE of every sample" if by_pre_ie else "closed form, sample by sample"
     judged = Judged(names, outcome, factor, fails, evaluator, points)
-    besides = also_of(points)
+    besides = also_of(points, partial(_without_block, at_work, samples))
     return judged if besides is None else with_also(judged, *besides, asked.target)
+
+
+def _without_block(at_work: _AtWork, samples: Samples, row: int) -> AlsoJudged | None:
+    """What acceptance is held against besides, of a sample that forms no block."""
+    try:
+        sample = with_values(at_work.design, samples.settings(row))
+        return kind_of(sample).without_basal(standing(sample, as_laid_out(at_work.design)))
+    except SlopekitError:
+        return None
 
 
 def _holding(samples: Samples, design: Design, fast: Vectorised | None) -> Bools:
@@ -576,12 +587,12 @@ def _impossible(design: Design, samples: Samples) -> Bools:
 
 def _confirmed(samples: Samples, judged: Judged, at_work: _AtWork) -> Confirmation | None:
     asked = at_work.asked
-    own = judged.factor if judged.alone is None else judged.alone  # PRE-IE says nothing of what else is judged
-    index = chosen(judged.forms, own, asked.target, asked.confirm, asked.near, asked.seed)
+    own = judged if judged.alone is None else judged.alone  # PRE-IE says nothing of what else is judged
+    index = chosen(own.forms, own.factor, asked.target, asked.confirm, asked.near, asked.seed)
     if not len(index.all):
         return None
     tasks = [samples.settings(int(row)) for row in index.all]
     points = at_work.points("PRE-IE", tasks, ["confirm", asked.confirm, asked.near, asked.target])
     return confirmation_of(
-        index, points, judged.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence
+        index, points, own.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence
     )
