@@ -251,9 +251,13 @@ class WithoutBasal:
         said = self.status.replace("_", " ")
         return said if self.closed_form is None else f"{said}, F {self.closed_form:.4g}"
 
+    def asks(self, rule: Rule) -> bool:
+        """Whether a rule is held against it: every least factor of safety."""
+        return rule.relation in (">=", ">")
+
     def meets(self, rule: Rule) -> bool:
         """Whether it keeps a least factor of safety: what is lifted or falls keeps none."""
-        if rule.relation not in (">=", ">"):
+        if not self.asks(rule):
             return True
         if self.closed_form is None:
             return self.status not in ("lifted", "falls")
@@ -306,10 +310,13 @@ class WithoutTurning:
         """Its factor."""
         return f"F {self.limit:.4g}"
 
+    def asks(self, rule: Rule) -> bool:
+        """Whether a rule is held against it: a least limit, no other number."""
+        return rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")
+
     def meets(self, rule: Rule) -> bool:
-        """Whether it keeps a least factor of safety; rules on other numbers than the limit do not ask it."""
-        asks = rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")
-        return not asks or rule.met(self.limit)
+        """Whether it keeps a least factor of safety."""
+        return not self.asks(rule) or rule.met(self.limit)
 
     def falls_short(self, target: float) -> bool:
         """Whether it has less than a factor of safety.

@@ -102,7 +102,8 @@ METHODS: Mapping[str, str] = {
 JUDGED: Mapping[str, str] = {
     "residual": "residual strength", "without_cohesion": "without any cohesion",
     "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
-    "static_bound": "static bound", **METHODS, "all_equilibrium": "columns in all equilibrium",
+    "static_bound": "static bound", "without_basal": "whole wedge, without the basal joint",
+    "without_turning": "without turning", **METHODS, "all_equilibrium": "columns in all equilibrium",
 }  # fmt: skip
 #: How motions begin that the lowest factor of many blocks may be of, by the notice that says so.
 OTHERWISE: Mapping[str, str] = {
@@ -195,7 +196,10 @@ class Result(Shown):
         if not judged or limit is None:
             return None
         _, value, rule = min(judged, key=lambda one: one[:2])
-        return (self.name_of(rule), value) if value < limit * (1.0 - _SAME) else None
+        name, also = self.name_of(rule), self.also
+        if also is not None and also.factor is not None and also.factor < value and also.asks(rule):
+            name, value = also.NAME, also.factor
+        return (name, value) if value < limit * (1.0 - _SAME) else None
 
     def judged(self, rule: Rule) -> bool:
         """Whether the result meets a rule; what stands without strength meets every least factor of safety.

@@ -178,6 +178,8 @@ def test_a_block_that_turns_as_one_of_many_is_accepted_by_what_the_wedge_has(spl
     assert found.exit_code == wedge.exit_code == 1
     assert found.margin == pytest.approx(wedge.margin, rel=1e-9)
     assert f"NOT MET (wedge without turning: F {wedge.fos.limit:.4f})" in " ".join(str(found.sheet).split())
+    assert found.leading == ("without_turning", found.without_turning.limit)
+    assert "without turning: the factor that ACCEPT hangs on" in str(found.sheet)
     (rule,) = found.to_dict()["rules"]
     assert (rule["met"], rule["judged"]) == (False, "without_turning")
     other = sk.run(path, set={"acceptance.rules": "fos.static_bound >= 1.3"})

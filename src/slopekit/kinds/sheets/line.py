@@ -15,6 +15,7 @@ def line_of(result: Result) -> str:
     if result.leading is not None:
         name, value = result.leading
         first = "all-pairs" if name == "all_pairs_failed" else JUDGED[name]
+        first = name if result.also is not None and name == result.also.NAME else first
         named = [(first, value), ("limit", result.fos.limit), *(one for one in named[1:] if one[0] != first)]
     if result.elastic is not None and result.elastic.limit is not None:
         named.append(("elastic", result.elastic.limit))
@@ -22,7 +23,12 @@ def line_of(result: Result) -> str:
     parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
     parts += ["moments_govern"] if result.moments_govern else []
     also, limit = result.also, result.fos.limit
-    if also is not None and also.factor is not None and (limit is None or also.factor < limit):
+    if (
+        also is not None
+        and also.factor is not None
+        and also.NAME not in dict(named)
+        and (limit is None or also.factor < limit)
+    ):
         parts.append(f"{also.NAME} {also.factor:.4f}")
     parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
     said = {one.code: one.code for one in result.warnings if not one.is_harmless}
