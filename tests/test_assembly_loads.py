@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.design.templates import path_of
 from slopekit.kinds import cut
+from slopekit.kinds.assemblies.bolt_ends import last_left
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.loads import PointForce, assembly_loads, drained, untied
 
@@ -165,3 +167,57 @@ def test_an_anchor_between_two_blocks_is_exported_with_both_its_ends(tmp_path) -
     again = sk.run(tmp_path / "blocks.yaml")
     assert again.fos.limit == pytest.approx(found.fos.limit, rel=1e-9)
     assert sorted(force.block for force in again.design.forces) == ["A", "B"]
+
+
+WALL = {
+    "slopekit": 1, "kind": "blocks", "strength": {"joint": {"c": 0, "phi": 35}}, "rock": {"unit_weight": 25},
+    "section": {"thickness": "2 m"}, "blocks": STACK["blocks"], "loads": STACK["loads"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("bolt", "ends"),
+    [
+        ({"head": [4, 0, 1], "toward": "270/00", "length": 10, "block": "A"}, "comes out of A and ends in the air"),
+        ({"head": [4, 0, 3], "toward": "270/10", "length": 9, "block": "B"}, "comes out of B and ends in the air"),
+        ({"head": [2, 0, 4], "toward": "090/80", "length": 7, "block": "B"}, ""),  # through the base, into rock
+        ({"head": [4, 0, 1], "toward": "270/00", "block": "A"}, ""),  # rock holds it
+    ],
+)
+@pytest.mark.parametrize("acts", ["active", "passive"])
+def test_a_bolt_that_comes_out_into_the_air_is_refused(bolt, ends, acts) -> None:
+    """In a section and in space: a bolt through a wall held it as if there were rock behind."""
+    bolts = {"support": {"bolts": [{"force": 20, "acts": acts} | bolt]}}
+    if ends:
+        with pytest.raises(sk.DesignError, match=f"E211 bolt 1 {ends}"):
+            sk.run(WALL | bolts)
+    else:
+        cut(sk.load(WALL | bolts))
+
+
+def test_the_last_block_of_a_line_in_space(scene) -> None:
+    """Of the template's bench, block by block: out of the last one a line comes that its faces let pass."""
+    bench = cut(sk.load(str(path_of("bench"))))
+    rng = np.random.default_rng(4)
+    assembly, seen = bench.assembly, set()
+    for _ in range(20):
+        block = int(rng.integers(len(assembly)))
+        head = assembly.centroids[block]
+        way = rng.normal(size=3)
+        end = head + 300.0 * way / np.linalg.norm(way)
+        last = last_left(assembly, head, end)
+        at = [k for k in range(len(assembly)) if leaves(assembly, k, head, end) is not None]
+        assert last == max(at, key=lambda k: leaves(assembly, k, head, end))
+        seen.add(bool(assembly.fixed[last]))
+    assert last_left(assembly, head, head + 1e-9) == -1
+    assert seen == {True, False}
+
+
+def leaves(assembly, block: int, head, end) -> float | None:
+    """Where a line leaves a convex block, by its planes; None where it does not pass it."""
+    corners = assembly.vertices[assembly.triangles[assembly.triangle_block == block]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    gap, slope = ((corners[:, 0] - head) * normals).sum(axis=1), normals @ (end - head)
+    at = gap / slope
+    first, last = at[slope < 0.0].max(initial=-np.inf), at[slope > 0.0].min(initial=np.inf)
+    return float(last) if first < last and last > 0.0 else None

@@ -11,6 +11,7 @@ from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
+from slopekit.kinds.assemblies.bolt_ends import last_left, last_left_in_section
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
 from slopekit.kinds.sizes import Crest
 from slopekit.kinds.solver_inputs import point_force
@@ -148,6 +149,10 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
                 advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
                 message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
                 faults.append(Fault("E212", message, place, advice))
+            elif toe == BEDROCK and (left := _comes_out_of(scene, given, finder)):
+                message = f"{name} comes out of {left} and ends in the air: it is anchored in nothing"
+                advice = "Leave length out where rock holds it, or let it end in the block that it is tied to."
+                faults.append(Fault("E211", message, place, advice))
             if given.acts == "passive":
                 passive.append((block, toe, push))
                 names.append(name)
@@ -175,6 +180,28 @@ def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | No
         inside = [k for k, outline in enumerate(shown) if _holds(outline, end[[0, 2]])]
         toe = inside[0] + head // len(shown) * len(shown) if inside else None  # of its own row of columns
     return BEDROCK if toe is None or scene.assembly.fixed[toe] else toe
+
+
+def _comes_out_of(scene: AssemblyScene, bolt: Bolt, finder: Callable[[str | None, Floats | None], int | None]) -> str:
+    """The block that moves out of which a bolt comes into the air; empty where rock holds its end.
+
+    Blocks that are bedrock say where the rock is: what they do not bound is air. Rows of columns have none.
+    """
+    assembly = scene.assembly
+    if bolt.head_m is None or bolt.length_m is None or not assembly.fixed.any():
+        return ""
+    head = np.array(bolt.head_m) - scene.origin
+    end = head + bolt.length_m * bolt.toward.vector()
+    if finder(None, end) is not None:
+        return ""
+    if assembly.in_section:
+        outlines = [scene.outlines[name] for name in scene.names]
+        if any(_holds(outline, end[[0, 2]]) for outline in outlines):
+            return ""
+        last = last_left_in_section(outlines, head[[0, 2]], end[[0, 2]])
+    else:
+        last = last_left(assembly, head, end)
+    return "" if last < 0 or assembly.fixed[last] else scene.names[last]
 
 
 def _holds(outline: Floats, point: Floats) -> bool:
