@@ -269,3 +269,27 @@ def test_ends_that_only_the_tornado_makes_dilate_say_nothing() -> None:
     assert not notices(found, "W310")
     dilates = sk.tornado(sk.load(WHOLE, set={"strength.joint.dilation": 2}), {"strength.joint.dilation": [0, 4]})
     assert notices(dilates, "W310")
+
+
+# -- pictures -------------------------------------------------------------------------------------------------------
+
+
+def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
+    """A curve of its own; in contours the lower of the two. Drawn of the JSON alone."""
+    from slopekit.views.charts import sweep_charts
+    from slopekit.views.charts.drawing import new_figure
+
+    design = sk.load(CUT)
+    one = sk.sweep(design, {"strength.joint.phi": [30, 44]}, methods="closed-form")
+    figure = new_figure("a.png")
+    sweep_charts.draw_curve(figure, one.to_dict())
+    (axes,) = figure.axes
+    (drawn,) = (line for line in axes.lines if line.get_linestyle() == "--" and len(line.get_xdata()) == 2
+                and line.get_marker() == "s")  # fmt: skip
+    assert list(drawn.get_ydata()) == pytest.approx([point.factors.also.closed_form for point in one.points])
+    keys = {"strength.joint.phi": [30, 40, 50], "strength.bedding.phi": [30, 35, 40]}
+    two = sk.sweep(design, keys, methods="closed-form")
+    figure = new_figure("a.png")
+    sweep_charts.draw_contour(figure, two.to_dict())
+    assert figure.axes[1].get_ylabel() == "factor of safety (closed form, or whole wedge where lower)"
+    assert figure.axes[1].get_ylim()[0] < min(point.factors.also.closed_form for point in two.points) * 1.05

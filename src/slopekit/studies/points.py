@@ -135,7 +135,8 @@ def point_from_record(record: Mapping[str, Any]) -> Point:
     """The point of such JSON values."""
     if record["status"] is None:
         return Point(None, record["code"] or "", record["message"] or "")
-    return Point(Factors(**{name: record[name] for name in _NO_FACTORS}))
+    also = next((made(**record[name]) for name, made in _ALSO.items() if name in record), None)
+    return Point(Factors(**{name: record[name] for name in _NO_FACTORS}, also=also))
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
-from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, point_from_record
+from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of, point_from_record
 from slopekit.studies.words import METHODS, cell
 from slopekit.views.charts.drawing import (
     BLUE,
@@ -107,7 +107,10 @@ def draw_curve(figure: Any, document: Document) -> None:
     swept = _Swept(document)
     key, (_, points) = swept.keys[0], swept.lines()[0]
     drawn = {method: [(value, factor_at(point, method)) for value, point in points] for method in swept.asked}
-    axes = _axes(figure, [factor for line in drawn.values() for _, factor in line])
+    besides = [(value, None if point.factors is None else point.factors.also) for value, point in points]
+    known = next((also for _, also in besides if also is not None), None)
+    of_also = [(value, None if also is None else also.factor) for value, also in besides]
+    axes = _axes(figure, [factor for line in (*drawn.values(), of_also) for _, factor in line])
     both = len(swept.asked) > 1  # the closed form lies under PRE-IE, wider: where they agree both are seen
     styles: dict[Method, dict[str, Any]] = {
         "closed_form": {"color": RED, "linewidth": 6.0 if both else 1.4, "alpha": 0.35 if both else 1.0,
@@ -119,6 +122,11 @@ def draw_curve(figure: Any, document: Document) -> None:
             axes.plot(*zip(*stretch, strict=True), **styles[method] | {"linestyle": "none"})
             axes.plot(*zip(*_straight(stretch), strict=True), **styles[method] | {"marker": ""})
         axes.plot([], [], **styles[method], label=METHODS[method])
+    if known is not None:
+        style = {"color": DARK, "linewidth": 1.4, "linestyle": "--", "marker": "s", "markersize": 4.0}
+        for stretch in stretches(of_also):
+            axes.plot(*zip(*stretch, strict=True), **style)
+        axes.plot([], [], **style, label=f"{known.BRIEF} (W507)")
     _moments(axes, points)
     _levels(axes, swept)
     _bare(axes, [(value, factor_at(point, swept.asked[0]), point) for value, point in points])
@@ -157,7 +165,7 @@ def draw_contour(figure: Any, document: Document) -> None:
     lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
     across, down = [value for value, _ in lines[0][1]], [line or 0.0 for line, _ in lines]
     factors = np.array(
-        [[np.nan if (f := factor_at(point, method)) is None else f for _, point in points] for _, points in lines]
+        [[np.nan if (f := lower_of(point, method)) is None else f for _, point in points] for _, points in lines]
     )
     finite = factors[np.isfinite(factors) & (factors > 0.0)]
     if finite.size < _FEWEST:
@@ -185,7 +193,9 @@ def draw_contour(figure: Any, document: Document) -> None:
         if low < level < high:
             axes.contour(across, down, shown, levels=[level], colors=[colour], linewidths=2.2)
             axes.plot([], [], color=colour, linewidth=2.2, label=what)
-    figure.colorbar(filled, ax=axes, label=f"factor of safety ({METHODS[method]})")
+    known = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
+    also = "" if known is None else f", or {known.BRIEF} where lower"
+    figure.colorbar(filled, ax=axes, label=f"factor of safety ({METHODS[method]}{also})")
     _grid_points(axes, swept, across, down, lines)
     if _inside(first["now"], across) and _inside(second["now"], down):
         axes.plot([first["now"]], [second["now"]], **_NOW)
