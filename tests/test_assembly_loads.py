@@ -221,3 +221,36 @@ def leaves(assembly, block: int, head, end) -> float | None:
     at = gap / slope
     first, last = at[slope < 0.0].max(initial=-np.inf), at[slope > 0.0].min(initial=np.inf)
     return float(last) if first < last and last > 0.0 else None
+
+
+@pytest.mark.parametrize(
+    ("bolt", "misses"),
+    [
+        ({"head": [4, 0, 30], "toward": "270/00"}, True), ({"head": [9, 0, 30], "toward": "090/90"}, True),
+        ({"head": [2, 0, 30], "toward": "090/90", "length": 10}, True),
+        ({"head": [2, 0, 4], "toward": "090/-90"}, True),
+        ({"head": [2, 0, 30], "toward": "090/90", "length": 50}, False),
+        ({"head": [4, 0, 3], "toward": "270/45"}, False), ({"head": [4, 0, 4], "toward": "270/90"}, False),
+    ],
+)  # fmt: skip
+def test_a_bolt_that_misses_its_block_is_refused(bolt, misses, tmp_path) -> None:
+    """26 m above the block it is named for it added 7 % to its factor; in space as in a section."""
+    bolts = {"support": {"bolts": [{"force": 20, "acts": "active", "block": "B"} | bolt]}}
+    meshes = {name: box(one["polygon"], tmp_path / f"{name}.obj") | {key: one[key] for key in one if key == "fixed"}
+              for name, one in STACK["blocks"].items()}  # fmt: skip
+    for design in (STACK, STACK | {"blocks": meshes}):
+        if misses:
+            with pytest.raises(sk.DesignError, match="E211 bolt 1 misses B"):
+                cut(sk.load(design | bolts))
+        else:
+            cut(sk.load(design | bolts))
+
+
+def box(polygon, path) -> dict:
+    """A block of a section as a mesh of its own, a metre to either side."""
+    (x0, z0), (x1, z1) = np.min(polygon, axis=0), np.max(polygon, axis=0)
+    corners = [(x, y, z) for x in (x0, x1) for y in (-1, 1) for z in (z0, z1)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + ["f " + " ".join(map(str, face)) for face in faces]
+    path.write_text("\n".join(lines))
+    return {"mesh": str(path)}

@@ -1,4 +1,4 @@
-"""Where a bolt among many blocks comes out of the last of them: behind bedrock there is rock, behind others air."""
+"""Which block a bolt among many blocks comes out of last: behind bedrock there is rock, behind others air."""
 
 import numpy as np
 
@@ -8,12 +8,14 @@ from slopekit.geometry.patches import Assembly
 _ON = 1e-9  # of an edge: a line that passes through it hits a face
 
 
-def last_left(assembly: Assembly, head: Floats, end: Floats) -> int:
-    """The block of space that a line from head to end (3,) leaves last; -1 where it leaves none.
+def last_left(assembly: Assembly, head: Floats, end: Floats, block: int | None = None) -> int:
+    """The block in space that a line from head to end (3,) leaves last, of all or of one; -1 where it leaves none.
 
     Each face is a triangle that it may pass (Möller & Trumbore 1997, J. Graphics Tools 2, 21-28).
     """
-    a, b, c = (assembly.vertices[assembly.triangles[:, k]] for k in range(3))
+    of = assembly.triangle_block
+    own = slice(None) if block is None else np.flatnonzero(of == block)
+    a, b, c = (assembly.vertices[assembly.triangles[own, k]] for k in range(3))
     way, one, other = end - head, b - a, c - a
     across = cross(np.broadcast_to(way, other.shape), other)
     size = (one * across).sum(axis=1)
@@ -22,8 +24,8 @@ def last_left(assembly: Assembly, head: Floats, end: Floats) -> int:
         turned = cross(head - a, one)
         second = turned @ way / size
         at = (other * turned).sum(axis=1) / size
-    hits = (first >= -_ON) & (second >= -_ON) & (first + second <= 1.0 + _ON) & (at > 0.0) & (at <= 1.0)
-    return int(assembly.triangle_block[np.where(hits, at, -1.0).argmax()]) if hits.any() else -1
+        hits = (first >= -_ON) & (second >= -_ON) & (first + second <= 1.0 + _ON) & (at > 0.0) & (at <= 1.0)
+    return int(of[own][np.where(hits, at, -1.0).argmax()]) if hits.any() else -1
 
 
 def last_left_in_section(outlines: list[Floats], head: Floats, end: Floats) -> int:

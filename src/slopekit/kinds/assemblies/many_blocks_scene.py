@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDe
 from slopekit.kinds.sizes import Crest
 from slopekit.kinds.solver_inputs import point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
+
+#: The number of a block by its name, or by a point in it.
+_Finder: TypeAlias = Callable[[str | None, Floats | None], int | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +147,10 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
             faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock", place))
         elif isinstance(given, Force):
             pushes.append((block, push))
+        elif _misses(scene, given, block, finder):
+            within = "" if given.length_m is None else f" within its {given.length_m:.4g} m"
+            message = f"{name} misses {scene.names[block]}: from its head it does not pass through it{within}"
+            faults.append(Fault("E211", message, place, "Its head stands on a face of the block, or before one."))
         else:
             toe = _toe(scene, given, block, finder)
             if toe == block:
@@ -169,7 +177,7 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
     )  # fmt: skip
 
 
-def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | None, Floats | None], int | None]) -> int:
+def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: _Finder) -> int:
     """The block in which a bolt ends, -1 for bedrock: all that is none of the blocks, and where no length is given."""
     if bolt.head_m is None or bolt.length_m is None:
         return BEDROCK
@@ -182,7 +190,22 @@ def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | No
     return BEDROCK if toe is None or scene.assembly.fixed[toe] else toe
 
 
-def _comes_out_of(scene: AssemblyScene, bolt: Bolt, finder: Callable[[str | None, Floats | None], int | None]) -> str:
+def _misses(scene: AssemblyScene, bolt: Bolt, block: int, finder: _Finder) -> bool:
+    """Whether a bolt does not pass through the block of its head, nor ends in it."""
+    if bolt.head_m is None:
+        return False
+    head = np.array(bolt.head_m) - scene.origin
+    apart = float(np.linalg.norm(scene.assembly.centroids[block] - head))
+    reach = 2.0 * (apart + scene.height_m) if bolt.length_m is None else bolt.length_m
+    end = head + reach * bolt.toward.vector()
+    if not scene.assembly.in_section:
+        return last_left(scene.assembly, head, end, block) < 0 and finder(None, end) != block
+    outlines = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
+    own = outlines[block % len(outlines)]
+    return last_left_in_section([own], head[[0, 2]], end[[0, 2]]) < 0 and not _holds(own, end[[0, 2]])
+
+
+def _comes_out_of(scene: AssemblyScene, bolt: Bolt, finder: _Finder) -> str:
     """The block that moves out of which a bolt comes into the air; empty where rock holds its end.
 
     Blocks that are bedrock say where the rock is: what they do not bound is air. Rows of columns have none.
@@ -223,7 +246,7 @@ def _along(scene: AssemblyScene, bolts: Sequence[tuple[int, int, PointForce]]) -
     )  # fmt: skip
 
 
-def _finder(scene: AssemblyScene) -> Callable[[str | None, Floats | None], int | None]:
+def _finder(scene: AssemblyScene) -> _Finder:
     index = {name: k for k, name in enumerate(scene.names)}
     assembly = scene.assembly
 
