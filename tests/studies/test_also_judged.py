@@ -289,6 +289,7 @@ def test_charts_of_a_sweep_show_what_acceptance_asks_besides() -> None:
     assert list(drawn.get_ydata()) == pytest.approx([point.factors.also.closed_form for point in one.points])
     keys = {"strength.joint.phi": [30, 40, 50], "strength.bedding.phi": [30, 35, 40]}
     two = sk.sweep(design, keys, methods="closed-form")
+    assert "not of the whole wedge without the basal joint: W507" in str(two.sheet)
     figure = new_figure("a.png")
     sweep_charts.draw_contour(figure, two.to_dict())
     assert figure.axes[1].get_ylabel() == "factor of safety (closed form, or whole wedge where lower)"

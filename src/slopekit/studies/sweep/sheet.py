@@ -184,6 +184,9 @@ def _grid(swept: Sweep) -> list[Entry]:
         entries.append(Table(columns, rows))
     if any(point.factors is not None and point.factors.moments_govern for point in swept.points):
         entries.append("* moments govern")
+    known = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
+    if known is not None:
+        entries.append(f"of what is analysed, not of {known.what}: W507 says where that falls short")
     if swept.disagree:
         entries.append("! the methods disagree, or no convergence")
     return entries
