@@ -254,3 +254,15 @@ def box(polygon, path) -> dict:
     lines = [f"v {x} {y} {z}" for x, y, z in corners] + ["f " + " ".join(map(str, face)) for face in faces]
     path.write_text("\n".join(lines))
     return {"mesh": str(path)}
+
+
+def test_what_goes_next_has_lost_the_anchor_of_what_went_before() -> None:
+    """B goes at (W + T) tan 10° / (k W); A, which the anchor had lifted off its base, then at tan 35° / k."""
+    bolt = {"force": 200, "toward": "090/90", "head": [2, 0, 4], "length": 3, "acts": "active", "block": "B"}
+    found = sk.run(STACK | {
+        "strength": {"joint": {"c": 0, "phi": 35}, "smooth": {"c": 0, "phi": 10}}, "support": {"bolts": [bolt]},
+        "interfaces": {"default": "joint", "A/B": "smooth"}, "analysis": {"mechanisms": 2},
+    })  # fmt: skip
+    first, then = (one.fos for one in found.findings.mechanisms)
+    assert first == pytest.approx(2.0 * math.tan(math.radians(10.0)) / 0.2, rel=1e-9)
+    assert then == pytest.approx(math.tan(math.radians(35.0)) / 0.2, rel=1e-9)
