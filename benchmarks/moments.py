@@ -15,7 +15,7 @@ import numpy as np
 
 import slopekit as sk
 from slopekit.geometry.rock.rockmass import J1, J2
-from slopekit.kinds import wedge
+from slopekit.kinds.wedge.cutting import cut
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge
 
@@ -27,9 +27,8 @@ _STARTS = (0.5, 2.0)  # ... from these times the strength
 
 def compare(kwargs, result):
     """The oracle's bracket of one wedge, None where it finds no rest, and the deviation of the cracked base from it."""
-    rock = wedge._rock_mass(result.design)
-    block = wedge.cut_wedge(rock)
-    loads = wedge._loads(result.design, rock, block)
+    made = cut(result.design)
+    block, loads = made.block, made.loads
     springs = springs_on(
         [block.faces[J1], block.faces[J2]], kwargs["c"], np.tan(np.radians(kwargs["phi"])), block.centroid, _SPRINGS
     )

@@ -7,14 +7,14 @@ import slopekit as sk
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rock.cutting import Block, cut_wedge
 from slopekit.geometry.rock.rockmass import J1, J2
-from slopekit.kinds.wedge import _rock_mass
+from slopekit.kinds.wedge.cutting import rock_mass
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PointForce, WaterPressure, block_loads
 
 
 @pytest.fixture(scope="module")
 def block() -> Block:
-    return cut_wedge(_rock_mass(wedge_design({"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195"})))
+    return cut_wedge(rock_mass(wedge_design({"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195"})))
 
 
 def moment_of(block: Block, water=None, forces=(), active=()) -> np.ndarray:

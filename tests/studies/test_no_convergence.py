@@ -11,7 +11,7 @@ from slopekit.studies import points
 from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
-from slopekit.studies.solve import by_factor
+from slopekit.studies.solve import by_load, factor_request
 from slopekit.studies.solve.by_probability import Estimate, for_probability
 from tests.commands import slopekit
 from tests.studies.test_solve_load import _slab
@@ -21,7 +21,7 @@ PHI = "strength.joint.phi"  # of the slab: F = tan φ / tan 20°, 1 at 20
 
 def without_a_number(monkeypatch, low: float, high: float, code: str = "not_converged", message: str = "") -> None:
     """PRE-IE does not converge, or the input is refused, between two values of a key."""
-    own = by_factor._FactorRequest.samples
+    own = factor_request.FactorRequest.samples
 
     def samples(self, method, values):
         return [
@@ -29,7 +29,7 @@ def without_a_number(monkeypatch, low: float, high: float, code: str = "not_conv
             for one in own(self, method, values)
         ]
 
-    monkeypatch.setattr(by_factor._FactorRequest, "samples", samples)
+    monkeypatch.setattr(factor_request.FactorRequest, "samples", samples)
 
 
 def test_a_target_among_values_at_which_pre_ie_does_not_converge(monkeypatch) -> None:
@@ -91,7 +91,7 @@ def test_an_earthquake_on_a_slope_without_a_factor(monkeypatch) -> None:
 
 def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
     """It is not said that no earthquake moves the blocks; a sound input is not refused."""
-    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: None)
+    monkeypatch.setattr(by_load, "_path_in_load", lambda _: None)
     without_a_number(monkeypatch, 0.01, 10.0)
     with pytest.raises(DesignError) as error:
         yielding.yields_of(_slab(), ALONE, lambda _: None)

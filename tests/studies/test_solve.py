@@ -16,9 +16,9 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import factors_of, kind_of
 from slopekit.studies.points import factor_at
 from slopekit.studies.prob import prob
-from slopekit.studies.solve import by_factor, solve
-from slopekit.studies.solve.by_factor import level_of
+from slopekit.studies.solve import factor_request, solve
 from slopekit.studies.solve.by_probability import Estimate, for_probability
+from slopekit.studies.solve.factor_request import level_of
 from slopekit.studies.solve.solutions import notices
 from tests.studies.wedge_oracle import wedge_factor
 from tests.support import result_of
@@ -194,14 +194,14 @@ def test_directions_are_looked_for_all_round(monkeypatch) -> None:
 
     By the closed form, which answers for PRE-IE too: both are looked for in the same way.
     """
-    own = by_factor._FactorRequest.samples
+    own = factor_request.FactorRequest.samples
 
     def samples(self, _, values):
         found = own(self, "closed_form", values)
         self.points.update({one.at: one.found for one in found})
         return found
 
-    monkeypatch.setattr(by_factor._FactorRequest, "samples", samples)
+    monkeypatch.setattr(factor_request.FactorRequest, "samples", samples)
     bare = {**WEDGE, "support": {"bolts": []}}
     turned = {**bare, "slope": {"face": "60/000", "upper": "10/000", "height": 64.89},
               "joints": {"J1": {"plane": "45/295"}, "J2": {"plane": "45/065"}}}  # fmt: skip

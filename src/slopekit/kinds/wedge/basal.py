@@ -29,8 +29,9 @@ from slopekit.geometry.rock.basal import (
 from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.closed_forms import Arguments, ClosedForms, force_on
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, held, stand_off, upward
-from slopekit.kinds.wedge import Shape, closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge import bounds as wedge_bounds
+from slopekit.kinds.wedge import closed_form, closed_forms, crest_of
+from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.loads import WaterPressure

@@ -1,46 +1,41 @@
 """The value of one number of a design at which its factor of safety is a target, by both methods."""
 
 import math
-import re
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import field, replace
-from functools import partial
-from itertools import groupby, pairwise
-from typing import TypeAlias
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from slopekit.core.errors import DesignError, Fault, Notice
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import also_falls_short, dilates, kind_of, peak_only
-from slopekit.kinds.protocol import AtLoad, Factors
-from slopekit.notices import bond_notices
-from slopekit.preie.solvers import effort
-from slopekit.studies.keys import Key, key_of, values_of
+from slopekit.studies.keys import key_of, values_of
 from slopekit.studies.points import (
-    UNSETTLED,
-    Evaluation,
-    Method,
     Point,
     factor_at,
     rules_left_out,
-    status_of,
 )
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
-from slopekit.studies.running import ALONE, Crew, run_all
-from slopekit.studies.solve.roots import Crossing, RootSearch, Sample, near_by, places
+from slopekit.studies.running import ALONE, Crew
+from slopekit.studies.solve.by_load import of_load
+from slopekit.studies.solve.factor_request import (
+    FactorRequest,
+    answers_of,
+    crossings_of,
+    level_at,
+    look_roughly,
+    runs_of,
+    said_of_factor,
+)
+from slopekit.studies.solve.roots import Crossing, RootSearch, Sample
 from slopekit.studies.solve.solutions import (
     ALIKE,
-    NO_CONVERGENCE,
     TOLERANCE,
     Answers,
     Solution,
     SolvedValue,
-    cut_short,
     notices,
-    reason_of,
     refuse_as_run,
     target_of,
 )
@@ -48,29 +43,13 @@ from slopekit.studies.solve.solutions import (
 _EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
 _SECTIONS = 24
 _EACH_BRANCH = 8  # parts into which a stretch of one status is divided
-_FINE, _ROUGH = (33, 6, 3), (9, 1, 1)  # evenly over the range, closer to the present value, to a decade
+_FINE = 33, 6, 3  # evenly over the range, closer to the present value, to a decade
 _MOST_SHARED = 12  # places of the grid at which PRE-IE is asked too
 _PARTS = (0.25, 0.5, 0.75)  # of a stretch that has no place of the grid
 _BRACKET = 1e-7  # of a value, to both sides: where PRE-IE looks for its own root beside that of the closed form
-_PRE_IE_RESOLUTION, _PRE_IE_NEAR = 1e-10, 1e-11
 _MOST_JUMPS = 4  # of the closed form that PRE-IE looks at from both sides
 _BESIDE = 1e-3  # a level of PRE-IE at the closed form's root within this: its own root is beside it
 _TURNS_WITHIN = 0.1  # of the target: where PRE-IE turns around further off it is let be
-_JUMP = 1e-5, 0.02  # so near to each other, levels that far apart are a jump: PRE-IE takes long beside one
-_ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
-_SAME = 2e-3  # a step that other node pairs make in the factor of PRE-IE: no jump
-_SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
-_LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
-_K, _UNIT_LOAD = "loads.seismic.k", 1.0
-_OF_PATH = 0.5  # of the work that is allowed, for the path in a load
-_PUT_BACK = 0.1 * effort.MOST  # for the factor of a limit state: it vouches for itself
-_ABOVE = 1e-4  # of a value: a factor that falls on this by more than a jump does so at once
-_FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value of the path in a load, where the factor is above the target
-_SECANTS = 10  # from there to the value where it is the target
-_LOAD_RESOLUTION, _LOAD_NEAR, _LOAD_JUMP = 1e-7, 4e-7, (1e-4, 0.02)
-_MORE = 1e-3  # of a value: with less cohesion one that is higher by more is said
-_FALLS = (0.0, 0.01, 0.1)  # of the range: where a factor below the target has to fall, to be left alone
-_Samples: TypeAlias = list[Sample[Point]]
 
 
 def for_factor(
@@ -108,21 +87,21 @@ def for_factor(
     target, own = target_of(design, fos)
     closed: Answers | None = None
     spent, beyond = False, None
-    asked = _FactorRequest(design, one, low, high, target, crew, advance)
+    asked = FactorRequest(design, one, low, high, target, crew, advance)
     if kind_of(design).closed_form is not None:
         quick = asked.search("closed_form")
         _look_closely(quick, asked)
-        crossings = _crossings(quick)
-        closed = _answers("closed_form", asked, quick, crossings)
+        crossings = crossings_of(quick)
+        closed = answers_of("closed_form", asked, quick, crossings)
         search = asked.search("pre_ie")
         _look_again(search, quick, crossings, asked)
-        pre_ie = _answers("pre_ie", asked, search, _crossings(search))
+        pre_ie = answers_of("pre_ie", asked, search, crossings_of(search))
     else:
         search, whole = asked.search("pre_ie", slow=True), bool(equals) or within is not None
-        if kind_of(design).at_load is not None and _LOAD.fullmatch(one.path):
-            pre_ie, spent, beyond = _of_load(replace(asked, crew=ALONE), whole, lower)
+        if kind_of(design).at_load is not None and asked.in_load:
+            pre_ie, spent, beyond = of_load(replace(asked, crew=ALONE), whole, lower)
         else:
-            pre_ie = _answers("pre_ie", asked, search, _look_roughly(search, asked, whole))
+            pre_ie = answers_of("pre_ie", asked, search, look_roughly(search, asked, whole))
     if pre_ie.least is None:
         refuse_as_run(design, asked.before(), asked.points.values())
     if pre_ie.roots:
@@ -150,91 +129,20 @@ def _at_peak(solution: Solution) -> tuple[Notice, ...]:
     return peak_only(found, "the target is met by the factor")
 
 
-def level_of(factor: float, target: float) -> float:
-    """How far a factor lies above a target: -1 at 0, 0 at the target, 1 at infinity; smooth in between.
-
-    >>> level_of(3.0, 1.0), level_of(math.inf, 1.0)
-    (0.5, 1.0)
-    """
-    return 1.0 if math.isinf(factor) else (factor - target) / (factor + target)
-
-
-# -- where the factor is looked at ------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class _FactorRequest:
-    design: Design
-    key: Key
-    low: float
-    high: float
-    target: float
-    crew: Crew
-    advance: Advance
-    points: dict[float, Point] = field(default_factory=dict)
-
-    def search(self, method: Method, slow: bool = False) -> RootSearch[Point]:
-        resolution = _SLOW_RESOLUTION if slow else 4e-16 if method == "closed_form" else _PRE_IE_RESOLUTION
-        near = 0.0 if method == "closed_form" else _SLOW_NEAR if slow else _PRE_IE_NEAR
-        same, jump = (1e-7, (0.0, math.inf)) if method == "closed_form" else (_SAME, _JUMP)
-        return RootSearch(partial(self.samples, method), self.high - self.low, resolution=resolution, near=near,
-                          same=same, jump=jump)  # fmt: skip
-
-    def samples(self, method: Method, values: Sequence[float]) -> _Samples:
-        work = Evaluation(self.design, method == "pre_ie")
-        tasks = [values_of(self.design, [self.key], [value]) for value in values]
-        crew = self.crew if len(tasks) > 1 and method == "pre_ie" else ALONE
-        records = run_all(work, tasks, crew, advance=self.advance, at_once=1)
-        sampled = []
-        for value, record in zip(values, records, strict=True):
-            point = Point.from_record(record)
-            if method == "pre_ie":
-                self.points[value] = point
-            factor = factor_at(point, method)
-            level = None if factor is None else level_of(factor, self.target)
-            sampled.append(Sample(value, level, status_of(point, method), point))
-        return sampled
-
-    def both(self, value: float) -> Point:
-        """What both methods say at a value."""
-        if value not in self.points:
-            self.samples("pre_ie", [value])
-        return self.points[value]
-
-    def before(self) -> Point:
-        """The design as it is."""
-        known = None if self.key.value is None else self.points.get(self.key.value)
-        if known is not None and factor_at(known, "pre_ie") is not None:
-            return known  # else what was left of the work may have been too little
-        return Point.from_record(Evaluation(self.design)({}))
-
-    def grid(self, even: int, close: int, each_decade: float) -> list[float]:
-        far = self.key.role == "coordinate"
-        return places(self.low, self.high, self.key.value, even=even, close=close, each_decade=each_decade,
-                      around_zero=far)  # fmt: skip
-
-
-def _look_closely(search: RootSearch[Point], asked: _FactorRequest) -> None:
+def _look_closely(search: RootSearch[Point], asked: FactorRequest) -> None:
     """A closed form takes a millisecond: edges, changes of status and turning points are all found."""
     search.add(asked.grid(*_FINE))
     search.find_edges(_EDGE)
     search.find_changes(_EDGE)
     # a narrow stretch of one kind may have no place of the grid
-    for run in list(_runs(search.samples, lambda sample: "" if sample.level is None else sample.label)):
+    for run in list(runs_of(search.samples, lambda sample: "" if sample.level is None else sample.label)):
         low, high = run[0].at, run[-1].at
         search.add(low + (high - low) * k / _EACH_BRANCH for k in range(1, _EACH_BRANCH))
     search.find_extremes(_SECTIONS)
 
 
-def _runs(samples: _Samples, kind: Callable[[Sample[Point]], object]) -> Iterator[_Samples]:
-    """Neighbouring samples of one kind together; not those of which nothing is said."""
-    for key, run in groupby(samples, key=kind):
-        if key:
-            yield list(run)
-
-
 def _look_again(
-    search: RootSearch[Point], quick: RootSearch[Point], crossings: list[Crossing[Point]], asked: _FactorRequest
+    search: RootSearch[Point], quick: RootSearch[Point], crossings: list[Crossing[Point]], asked: FactorRequest
 ) -> None:
     """PRE-IE where the closed form passes the target, and here and there where it lies above.
 
@@ -249,14 +157,14 @@ def _look_again(
     roots = [crossing.best.at for crossing in crossings if crossing.how == "root"]
     for root, sample in zip(roots, search.add(roots), strict=True):
         width = _BRACKET * max(abs(root), 1e-6 * search.span)
-        if abs(_level(sample)) < _BESIDE:
+        if abs(level_at(sample)) < _BESIDE:
             taken |= {place for place in (root - width, root + width) if asked.low <= place <= asked.high}
     everywhere = dilates(asked.design) or asked.key.path.endswith(".dilation") or not crossings
     # where the closed form lies above the target without a break, or wherever it has a factor
-    above = _runs(quick.samples, lambda sample: sample.level is not None and (everywhere or sample.level >= -ALIKE))
+    above = runs_of(quick.samples, lambda sample: sample.level is not None and (everywhere or sample.level >= -ALIKE))
     stretches = [(run[0].at, run[-1].at) for run in above]
     if not crossings and stretches:
-        taken |= {min(quick.defined, key=_level).at, max(quick.defined, key=_level).at}
+        taken |= {min(quick.defined, key=level_at).at, max(quick.defined, key=level_at).at}
     grid = set(asked.grid(*_FINE))
     for a, b in stretches:
         inside = [place for place in grid if a < place < b] or [a, b]
@@ -271,234 +179,18 @@ def _look_again(
 
 def _towards_ends(search: RootSearch[Point], quick: RootSearch[Point], a: float, b: float) -> None:
     """Where the factor has not got above the target inside a stretch it may do so near an end that is high."""
-    if any(_level(sample) > 0.0 for sample in search.defined if a <= sample.at <= b):
+    if any(level_at(sample) > 0.0 for sample in search.defined if a <= sample.at <= b):
         return
     for end, other in ((a, b), (b, a)):
-        if _level(quick.at(end)) > _TURNS_WITHIN:
+        if level_at(quick.at(end)) > _TURNS_WITHIN:
             search.add(end + part * (other - end) for part in (1e-2, 1e-4))
-
-
-def _level(sample: Sample[Point]) -> float:
-    return sample.level or 0.0
 
 
 def _moments(sample: Sample[Point]) -> bool:
     return sample.found.factors is not None and sample.found.factors.moments_govern
 
 
-def _look_roughly(search: RootSearch[Point], asked: _FactorRequest, whole: bool) -> list[Crossing[Point]]:
-    """Where PRE-IE alone answers, and takes its time: first about the present value, then further off.
-
-    Parameters
-    ----------
-    whole : look at all of the range at once
-    """
-    grid = asked.grid(*_ROUGH)
-    if not whole:
-        search.add(near_by(grid, asked.low, asked.high, asked.key.value))
-        crossings = _crossings(search)
-        if crossings:
-            return crossings
-    search.add(grid)
-    crossings = _crossings(search)
-    if not crossings:
-        search.find_edges(_SLOW_EDGE)
-        crossings = _crossings(search)
-    return crossings
-
-
-# -- a load on many blocks: the path in it says where to look, and is the other end of what histories give -------------
-
-
-def _of_load(asked: _FactorRequest, whole: bool, lower: bool) -> tuple[Answers, bool, float | None]:
-    """What there is of a load on many blocks within the work of one answer.
-
-    With it whether that work was all done, and where the blocks fail as the load comes on last, beyond the range.
-    """
-    search = RootSearch(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
-                    near=_LOAD_NEAR, same=_SAME, jump=_LOAD_JUMP)  # fmt: skip
-    with effort.allowed(effort.MOST):
-        with effort.part(_OF_PATH):
-            last = _path_in_load(asked)
-            cut = last is None and effort.is_spent()
-        beyond = None
-        if last is not None and not asked.low <= last.multiplier <= asked.high:
-            beyond, last = last.multiplier, None
-        direct, jumps, crossings = _driven(search, asked, whole, lower, last)
-        spent = effort.is_spent()
-        answers = _answers("pre_ie", asked, search, crossings) if direct is None else _in_load(asked, direct, jumps)
-        if answers.roots and not spent:
-            first = answers.roots[0]
-            first = replace(first, notes=(*first.notes, *_higher_without_cohesion(asked, first)))
-            answers = replace(answers, roots=(first, *answers.roots[1:]))
-    if spent and not answers.roots:
-        return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True, beyond
-    if answers.roots:
-        first = answers.roots[0]
-        if last is not None and direct is not last:
-            first = replace(first, load_last=(last.multiplier, last.runs))
-        first = replace(first, not_compared=_not_compared(asked, first, cut, beyond))
-        answers = replace(answers, roots=(first, *answers.roots[1:]))
-    return answers, spent, beyond
-
-
-def _higher_without_cohesion(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
-    """W500: with less cohesion the same blocks stand a higher load.
-
-    A state at rest without some cohesion is one with it, too: in balance, within strength, open where it was open. But
-    bonds that hold longer let go under more load, of other contacts, and what is left may carry less.
-    """
-    lost = any(notice.code == "W307" for notice in solved.notes)
-    cohesive = [name for name, given in getattr(asked.design, "strengths", ()) if given.cohesion_kpa > 0.0]
-    highest: tuple[float, list[str]] | None = None
-    for without in ([[name] for name in cohesive] + [cohesive] * (len(cohesive) > 1)) if lost else ():
-        try:
-            less = with_values(asked.design, {f"strength.{name}.c": 0.0 for name in without})
-        except DesignError:  # a strength that is not given by c
-            continue
-        at = _path_in_load(replace(asked, design=less))
-        if at is not None and at.multiplier > max(solved.value * (1.0 + _MORE), highest[0] if highest else 0.0):
-            highest = at.multiplier, without
-    if highest is not None:
-        named, stands = " and ".join(highest[1]), asked.key.shown(highest[0], 4)
-        yield Notice("W500", f"without the cohesion of {named} the blocks stand {asked.key.path} up to {stands}, with "
-                     f"it {asked.key.shown(solved.value, 4)}: bonds that hold longer break under more load, and less "
-                     "is left; the lower of the two is the answer")  # fmt: skip
-
-
-def _not_compared(asked: _FactorRequest, solved: SolvedValue, cut: bool, beyond: float | None) -> str:
-    """Why the other of the two histories of a load says nothing of a value; empty where it does."""
-    if cut:
-        return "the work for the load coming on last was done before the blocks were at their limit"
-    if beyond is not None:
-        return f"as the load comes on last the blocks fail at {asked.key.shown(beyond)} only, beyond what was looked at"
-    if solved.put_back or solved.strength_last is not None:
-        return ""
-    there = asked.points.get(solved.value)
-    status = "" if there is None else status_of(there, "pre_ie")
-    if status in ("", UNSETTLED):
-        return "the work for their factor with the strength divided last was done, or it was not found"
-    return f"with the strength divided last they have no factor there ({status})"
-
-
-def _path_in_load(asked: _FactorRequest) -> AtLoad | None:
-    """Where the blocks fail as the load comes on last, at the strength divided by the target; None: nowhere."""
-    at_load = kind_of(asked.design).at_load
-    assert at_load is not None
-    without, unit = (
-        with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
-    )
-    return at_load(without, unit, asked.target)
-
-
-def _driven(
-    search: RootSearch[Point], asked: _FactorRequest, whole: bool, lower: bool, last: AtLoad | None
-) -> tuple[AtLoad | None, bool, list[Crossing[Point]]]:
-    """The value of the path in the load, or of a jump, where that is the answer; else where the target is passed.
-
-    Between them whether the factor was seen to jump past the target there.
-    """
-    if last is None:
-        falls = asked.key.path == _K and not whole and _falls_from_below(search, asked)
-        return None, False, [] if falls else _look_roughly(search, asked, whole)
-    with effort.allowed(effort.MOST if lower or last.runs is not None else _PUT_BACK):
-        here = search.at(last.multiplier)
-    factor = factor_at(here.found, "pre_ie")
-    if here.level is None or factor is None or (lower and factor >= asked.target - TOLERANCE["pre_ie"]):
-        return last, False, []
-    if abs(factor - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
-        return last, False, []
-    other = here
-    if here.level > 0.0:
-        if here.at > 0.0 and _jumps_down(here, search.at(min(here.at * (1.0 + _ABOVE), asked.high))):
-            return last, True, []  # they tip there, whatever their strength
-        other = next((beyond for beyond in _further(search, asked, here.at) if _level(beyond) < 0.0), here)
-        if other is here:
-            return last, False, []
-    else:
-        other = search.at(max(asked.low, 0.0))  # where the path in the load begins
-        if _level(other) < 0.0 and asked.low < 0.0:
-            return None, False, _look_roughly(search, asked, whole)
-    if _level(other) * here.level < 0.0:
-        _close_in(search, other, here)
-    crossings = _crossings(search)
-    if crossings and not crossings[0].rises:
-        before = crossings[0].before
-        if crossings[0].how == "jump":
-            return AtLoad(before.at, crossings[0].after.label, None), True, []
-        if crossings[0].how == "gap" and before.at == here.at:
-            return last, True, []  # beyond it no factor is found, then one below the target
-    return None, False, crossings
-
-
-def _falls_from_below(search: RootSearch[Point], asked: _FactorRequest) -> bool:
-    """Whether the factor is below the target without the load, and falls as it comes on."""
-    levels = [search.at(asked.low).level]
-    if levels[0] is None or levels[0] >= 0.0:
-        return False
-    levels += [sample.level for sample in search.add(asked.low + part * (asked.high - asked.low) for part in _FALLS)]
-    return all(b is not None and b <= a for a, b in pairwise(levels[1:]) if a is not None)
-
-
-def _jumps_down(here: Sample[Point], above: Sample[Point]) -> bool:
-    return above.level is not None and above.level < 0.0 and _level(here) - above.level > _LOAD_JUMP[1]
-
-
-def _further(search: RootSearch[Point], asked: _FactorRequest, value: float) -> Iterator[Sample[Point]]:
-    """Places beyond a value, ever further; at the end that of the range."""
-    for place in (times * value for times in _FURTHER):
-        if value < place < asked.high:
-            yield search.at(place)
-    yield search.at(asked.high)
-
-
-def _close_in(search: RootSearch[Point], one: Sample[Point], other: Sample[Point]) -> None:
-    """False positions between two places of either sign until a level is near zero (Illinois rule)."""
-    at_one, at_other = _level(one), _level(other)
-    for _ in range(_SECANTS):
-        part = at_one / (at_one - at_other)
-        new = search.at(one.at + part * (other.at - one.at))
-        if new.level is None or abs(new.level) <= search.near or search.narrow(one.at, other.at):
-            return
-        if new.level * at_other < 0.0:
-            one, at_one = other, at_other
-        else:
-            at_one *= 0.5
-        other, at_other = new, new.level
-
-
-def _in_load(asked: _FactorRequest, at: AtLoad, jumps: bool) -> Answers:
-    """The answer of the path in the load: at this value its limit state has the target for its factor, exactly.
-
-    Where the motion did not settle the value is that of the last state at rest; the bracket ends where they run.
-    """
-    known = asked.points.get(at.multiplier)
-    last = None if known is None else factor_at(known, "pre_ie")
-    evaluations = 1 + len(asked.points)
-    notes = () if at.bonds is None else tuple(bond_notices(at.bonds, partial(asked.key.shown, digits=4), "load"))
-    if known is not None and known.factors is not None:  # of the factor there, what the path in the load does not say
-        said = {notice.code for notice in notes}
-        notes += tuple(notice for notice in _of_factor(asked, at.multiplier, known) if notice.code not in said)
-    if last is not None and at.runs is None and abs(last - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
-        assert known is not None
-        here = at.multiplier, last
-        root = SolvedValue(
-            "root", at.multiplier, last, at.status, (here, here), False, known, load_last=(at.multiplier, None),
-            notes=notes,
-        )  # fmt: skip
-    else:
-        also = None if known is None or known.factors is None else known.factors.also
-        point = Point(Factors(at.status, asked.target, None, None, None, None, False, True, also=also))
-        here = (at.multiplier, asked.target)
-        beyond = here if at.runs is None else (at.runs, math.nan)
-        root = SolvedValue(
-            "root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last, jumps=jumps,
-            notes=notes,
-        )  # fmt: skip
-    return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
-
-
-def _beside(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
+def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
     """What else is known at a value: W504 of another history of many blocks, W507 of what acceptance asks besides."""
     if solved.both.factors is None or solved.both.factors.limit is None:
         return
@@ -507,87 +199,20 @@ def _beside(asked: _FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
         return
     design = with_values(asked.design, values_of(asked.design, [asked.key], [solved.value]))
     said = kind_of(design).beside(design)
-    yield from _of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
+    yield from said_of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
 
 
-def _of_factor(asked: _FactorRequest, value: float, there: Point, named: bool = False) -> Iterator[Notice]:
-    """What a run says of the factor at a value, which is `named`, or of a load: a load's own numbers are loads."""
-    for notice in () if there.factors is None else there.factors.notes:
-        if named or _LOAD.fullmatch(asked.key.path):
-            where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
-            notice = Notice(notice.code, where + notice.message)
-        yield notice
-
-
-def _of_nearest(solution: Solution, asked: _FactorRequest) -> Iterator[Notice]:
+def _of_nearest(solution: Solution, asked: FactorRequest) -> Iterator[Notice]:
     """What a run says of the factor that comes nearest to a target which no value gives: it may be one of a chip."""
     least, most = solution.pre_ie.least, solution.pre_ie.most
     if solution.answer is not None or least is None or most is None:
         return
     value, _ = most if most[1] < solution.target else least
     if value in asked.points:
-        yield from _of_factor(asked, value, asked.points[value], named=True)
+        yield from said_of_factor(asked, value, asked.points[value], named=True)
 
 
-def _crossings(search: RootSearch[Point]) -> list[Crossing[Point]]:
-    levels = [sample.level for sample in search.samples if sample.level is not None]
-    if len(levels) > 1 and max(levels) - min(levels) <= ALIKE:
-        return []  # it does not depend on the value: nothing is passed
-    return search.crossings()
-
-
-# -- what came of it --------------------------------------------------------------------------------------------------
-
-
-def _answers(
-    method: Method, asked: _FactorRequest, search: RootSearch[Point], crossings: list[Crossing[Point]]
-) -> Answers:  # fmt: skip
-    candidates = [_found(method, asked, crossing) for crossing in crossings]
-    own = asked.key.value
-    candidates.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
-    roots = tuple(one for one in candidates if one.how == "root")
-    others = tuple(_together([one for one in candidates if one.how != "root"], search.span))
-    reached = [(sample.at, factor_at(sample.found, method) or 0.0) for sample in search.defined]
-    least = min(reached, key=lambda end: end[1], default=None)
-    most = max(reached, key=lambda end: end[1], default=None)
-    refused = tuple(_refused(search.samples))
-    reason = None
-    if not roots:
-        reason = reason_of(asked.key, asked.target, (asked.low, asked.high), others, least, most, refused)
-    looked = (search.samples[0].at, search.samples[-1].at)
-    return Answers(method, roots, others, least, most, refused, looked, len(search.samples), reason)
-
-
-def _together(jumps: list[SolvedValue], span: float) -> list[SolvedValue]:
-    """Jumps so near to each other that they are one: beside an edge rounding makes many."""
-    kept: list[SolvedValue] = []
-    for one in sorted(jumps, key=lambda one: one.value):
-        if kept and one.value - kept[-1].value <= _ONE_JUMP * max(abs(one.value), 1e-6 * span):
-            kept[-1] = replace(kept[-1], value=one.value, bracket=(kept[-1].bracket[0], one.bracket[1]))
-        else:
-            kept.append(one)
-    return kept
-
-
-def _found(method: Method, asked: _FactorRequest, crossing: Crossing[Point]) -> SolvedValue:
-    best = crossing.best
-    ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
-    factor = factor_at(best.found, method) or 0.0
-    notes = tuple(_of_factor(asked, best.at, best.found)) if method == "pre_ie" else ()
-    return SolvedValue(
-        crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found, notes=notes
-    )
-
-
-def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:
-    """Stretches of neighbouring values that are refused for the same reason, with what is said in their middle."""
-    for run in _runs(samples, lambda sample: "" if sample.level is not None else sample.label):
-        low, high = run[0].at, run[-1].at
-        middle = min(run, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
-        yield low, high, middle.label, NO_CONVERGENCE if middle.label == UNSETTLED else middle.found.message
-
-
-def _rounded(solution: Solution, asked: _FactorRequest) -> tuple[float, float] | None:
+def _rounded(solution: Solution, asked: FactorRequest) -> tuple[float, float] | None:
     """The first root in four digits, rounded to where the factor is the greater."""
     answer = solution.answer
     if answer is None or not answer.value or answer.from_path:

@@ -1,0 +1,223 @@
+"""One wedge on two joints cut out of its planes, and what acts on it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.orientation import Line, line_of
+from slopekit.core.records import dataclass
+from slopekit.extents import Scaled, WedgeGeometry
+from slopekit.geometry.interfaces import node_pairs
+from slopekit.geometry.rock.cutting import Block, cut_wedge
+from slopekit.geometry.rock.rockmass import CRACK, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
+from slopekit.kinds.single_block.one_block import Cut, left_out_of_slope
+from slopekit.kinds.single_block.one_block_states import Bedding
+from slopekit.kinds.sizes import Crest, sizes_of_faces
+from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.wedge.design import WedgeDesign
+from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
+from slopekit.notices import Interface
+from slopekit.preie.system.model import build_model
+
+if TYPE_CHECKING:
+    from slopekit.kinds.single_block import ground_water
+
+JOINTS = ((J1, "J1"), (J2, "J2"))
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A wedge cut out of its planes, on two joints or on a basal joint too, with what is said of it by its planes.
+
+    Attributes
+    ----------
+    block : its faces by plane id; joints : ids and names of its joints; planes : names of all planes, by id
+    offset_m : of the upper slope, upward normal · x; the face passes through the origin
+    line : (3,) unit vector down the intersection of J1 and J2; line_length_m : of it that bounds the block
+    corners_m : (3,) each by name
+    water : on joints and crack
+    trend_deg : that an earthquake without a trend acts toward; stays : in words, what is left out of it alone
+    """
+
+    block: Block
+    joints: Sequence[tuple[int, str]]
+    planes: tuple[str, ...]
+    offset_m: float
+    line: Floats
+    line_length_m: float
+    corners_m: Mapping[str, Floats]
+    water: Mapping[int, WaterPressure]
+    trend_deg: float
+    stays: tuple[str, ...] = ()
+
+    @property
+    def ids(self) -> tuple[int, ...]:
+        """The plane ids of its joints."""
+        return tuple(joint for joint, _ in self.joints)
+
+    @property
+    def free(self) -> tuple[int, int]:
+        """The plane ids of face and upper slope."""
+        return self.planes.index("face"), self.planes.index("upper slope")
+
+    @property
+    def crack(self) -> int:
+        """The plane id of the crack."""
+        return self.planes.index("crack")
+
+    @property
+    def interfaces(self) -> dict[int, str]:
+        """What bounds it in the rock, by plane id: joints, and the crack where it has a face there."""
+        every = (*self.joints, (self.crack, "crack"))
+        return {plane: name for plane, name in every if plane in self.block.faces}
+
+
+def shape_of(design: WedgeDesign) -> Shape:
+    """The wedge cut out of its planes. Raises GeometryError where they cut no such wedge."""
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        return basal.shape_of(design)
+    rock = rock_mass(design)
+    block, line = cut_wedge(rock), rock.line_of_intersection
+    back = rock.back
+    if CRACK in block.faces:
+        back = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
+    corners = {"toe": rock.toe, "back": back, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
+    return Shape(
+        block, JOINTS, PLANE_NAMES, float(rock.offsets[UPPER]), line, math.sqrt(float(back @ back)), corners,
+        _water(design, rock, block), line_of(line).trend_deg,
+    )  # fmt: skip
+
+
+def cut(design: WedgeDesign) -> Cut:
+    """Cut the wedge and load it. Raises GeometryError where the planes cut no such wedge."""
+    shape = shape_of(design)
+    block, face = shape.block, shape.free[0]
+    acting = _loads(design, shape)
+    polygons = {joint: block.faces[joint] for joint in shape.ids}
+    strength = joint_strength(design.strengths)
+    bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
+    left_out = ["deformation of the rock", *shape.stays]
+    return Cut(
+        block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
+        [Interface(joint, name, own) for (joint, name), own in zip(shape.joints, design.strengths, strict=True)],
+        lambda: _geometry(design, shape), left_out_of_slope(left_out, shape.crack in block.faces, design.strengths),
+        shape.interfaces | design.ponded(*shape.free), face, design.refine, origin=np.array(design.origin_m),
+    )  # fmt: skip
+
+
+def rock_mass(design: WedgeDesign) -> RockMass:
+    joints = np.array([plane.normal() for plane in design.joints])
+    crack = design.crack
+    return wedge_rock_mass(
+        joints, design.face.normal(), design.upper.normal(), height_of(design),
+        crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
+    )  # fmt: skip
+
+
+def height_of(design: WedgeDesign) -> float:
+    """Of the wedge itself: where limits of size make it smaller, less than the slope's."""
+    if design.limits is None:
+        return design.height_m
+    from slopekit.kinds.wedge import limits
+
+    return limits.fitted_height(design)
+
+
+def _loads(design: WedgeDesign, shape: Shape) -> Loads:
+    block, origin = shape.block, np.array(design.origin_m)
+    trend = shape.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
+    hull = cache(lambda: Hull.of(block))  # which a block without bolts does not need
+    active, passive = bolt_forces(
+        design, origin,
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, shape.ids, where),
+    )  # fmt: skip
+    pushes: dict[str, PointForce] = {}
+    if design.is_cut_for_loads:  # ground water and surcharge are integrated over the faces: plain wedges do not pay
+        from slopekit.kinds.single_block import ground_water
+
+        pushes = ground_water.pushes(design, _ground(design, shape), _in_crack(design, shape))
+    return block_loads(
+        block, design.unit_weight_kn_m3, shape.water, design.seismic.coefficient * Line(trend, 0.0).vector(),
+        [point_force(force, origin) for force in design.forces], active, passive, pushes,
+    )  # fmt: skip
+
+
+def _in_crack(design: WedgeDesign, shape: Shape) -> dict[str, PointForce]:
+    """What water that stands so deep in the crack does to the block, there and on its joints."""
+    if not design.crack_water_m:
+        return {}
+    from slopekit.kinds.wedge import crack_water
+
+    depth, weight = design.crack_water_m, design.water_unit_weight_kn_m3
+    return crack_water.pushes(shape.block, shape.ids, shape.crack, depth, weight)
+
+
+def _ground(design: WedgeDesign, shape: Shape) -> "ground_water.LocalSlope":
+    from slopekit.kinds.single_block import ground_water
+
+    normals = np.array([design.face.normal(), design.upper.normal()])
+    return ground_water.LocalSlope(
+        shape.block, (*shape.ids, shape.crack), shape.free, normals, np.array([0.0, shape.offset_m]), np.eye(3),
+        -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
+    )  # fmt: skip
+
+
+def for_closed_form(design: WedgeDesign) -> tuple[list[float], Floats]:
+    """Mean pressures of the joints and the crack (kPa), and the sum of all else (kN)."""
+    from slopekit.kinds.single_block import ground_water
+
+    shape = shape_of(design)
+    means, rest = ground_water.for_closed_form(design, _ground(design, shape), _in_crack(design, shape))
+    return [means.get(face, 0.0) for face in (*shape.ids, shape.crack)], rest
+
+
+def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, WaterPressure]:
+    """Water on the joints and the crack: Hoek & Bray's pyramid, or the mean pressures that the user gave."""
+    water, faces = design.water, [J1, J2] + ([CRACK] if CRACK in block.faces else [])
+    if water.mode == "table" or (water.mode == "dry" and not water.crack_fill):
+        return {}  # or as deep as it is in the crack, see `in_crack`
+    pressures: dict[int, WaterPressure] = {}
+    if water.mode == "pressures":
+        pressures = {face: WaterPressure(p) for face, p in zip(faces, water.pressures_kpa, strict=False) if p}
+    if CRACK in block.faces and (water.mode == "full" or water.crack_fill is not None):
+        # mean γ_w h₅/3, highest where the crack meets the line of intersection, h₅ below the upper slope
+        bottom = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
+        depth = float((rock.offsets[3] - rock.normals[3] @ bottom) / rock.normals[3][2])
+        full = design.water_unit_weight_kn_m3 * depth / 3.0
+        if water.mode == "full":
+            pressures = {face: WaterPressure(water.fill * full, bottom) for face in faces}
+        if water.crack_fill is not None:
+            pressures[CRACK] = WaterPressure(water.crack_fill * full, bottom)
+        return pressures
+    if water.mode == "pressures":
+        return pressures
+    # mean γ_w H/6, highest halfway along the line of intersection
+    mean = water.fill * design.water_unit_weight_kn_m3 * float(np.ptp(block.corners[:, 2])) / 6.0
+    return {face: WaterPressure(mean, (rock.toe + rock.back) / 2.0) for face in faces}
+
+
+def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:
+    block, line, origin = shape.block, line_of(shape.line), np.array(design.origin_m)
+    areas = {name: block.areas[plane] for plane, name in shape.interfaces.items()}
+    faces = {shape.planes[plane]: polygon for plane, polygon in block.faces.items()}
+    crest = Crest(shape.corners_m["crest_J1"], design.face.normal(), design.upper.normal())
+    return WedgeGeometry(
+        block.volume, float(np.ptp(block.corners[:, 2])), areas, line.trend_deg, line.plunge_deg, shape.line_length_m,
+        {name: frozen(point + origin) for name, point in shape.corners_m.items()}, frozen(block.centroid + origin),
+        {name: frozen(polygon + origin) for name, polygon in faces.items()}, sizes_of_faces(faces, areas, crest),
+        scaled_of(design),
+    )  # fmt: skip
+
+
+def scaled_of(design: WedgeDesign) -> Scaled | None:
+    if design.limits is None:
+        return None
+    from slopekit.kinds.wedge import limits
+
+    return limits.scaled(design)
