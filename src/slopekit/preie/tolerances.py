@@ -240,9 +240,6 @@ BOUND_ROUGHLY = 1e-3
 #: Where all blocks rest this near to the factor of a group, the last state at rest is an answer.
 RESTS_NEAR = 5e-2
 
-#: λ of sharp joints after three times the work: farther on it is the same limit.
-SAME_FARTHER = 3e-6
-
 #: λ of rounded joints and of those made sharp, far down a path.
 SAME_SHARP = 1e-3
 

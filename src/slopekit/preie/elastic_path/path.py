@@ -45,7 +45,7 @@ _SNAPS, _FARTHER, _SLOWLY = (
     4000,
 )  # of a path in the load; work at which they run; factorisations
 _MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
-_BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
+_BROADLY, _FINELY = (1.0, 1e-2), (1e-4,)  # rounding there, one after the other, and in smaller sections
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +124,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float], ran: Ran
                 ended = None if flow is failed else _run(bed, flow, bad)
                 failed = flow  # the same again ends the same
                 if ended is None and traces:
-                    ended, traces = traced(bed, (first, begun), (at, parameter), bad), False
+                    ended, traces = traced(bed, at, parameter), False
                 if ended is not None:
                     return replace(ended, peak=(parameter, bad), started=begun)
                 runs.append((bad, flow))
