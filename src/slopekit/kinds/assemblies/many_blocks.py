@@ -68,6 +68,7 @@ from slopekit.loads import AssemblyLoads
 from slopekit.notices import those_of_factors
 from slopekit.preie.elastic_path import falling
 from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.path import START
 from slopekit.preie.many_blocks.ravelling import (
     CriticalLoad,
     Failure,
@@ -94,7 +95,6 @@ _MOST_LOADS = 8
 _LEAST_WORK = 10.0 * effort.SECOND  # that may go into the limit without cohesion, however little the one with it took
 MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
-_START = 2.0  # times the strength at the limit, where the path that a history is begun for would begin
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
 _ENDS = {
@@ -380,7 +380,7 @@ def history_of(part: Part, most: int) -> History | None:
         return None
     try:
         with one_thread(), effort.allowed(_HISTORY * effort.SECOND):
-            found = falling.history(Bed(model, Drive(model.load.ravel())), _START / limit.factor)
+            found = falling.history(Bed(model, Drive(model.load.ravel())), START / limit.factor)
     except effort.EffortSpentError:
         return None
     if found is None:

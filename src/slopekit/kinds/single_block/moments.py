@@ -24,7 +24,7 @@ from slopekit.kinds.single_block.one_block_states import ContactModel, opening_p
 from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.one_block.passes import STEERED, Limit, Outcome
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import MOMENTS
+from slopekit.preie.tolerances import SAME_LIMIT
 
 if TYPE_CHECKING:  # only what moments open with cohesion pays for the cracked base
     from slopekit.preie.one_block.cracked import CrackedBase
@@ -129,7 +129,7 @@ def _by_path_on_lines(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
 
     by_path = settled(model, lambda drawn: _by_path(drawn, limit_on_lines(drawn)))
     one, other = analysis.governing.factor, by_path.governing.factor
-    return analysis if one and other and abs(other / one - 1.0) < MOMENTS else by_path
+    return analysis if one and other and abs(other / one - 1.0) < SAME_LIMIT else by_path
 
 
 def limit_by_rules(
@@ -171,12 +171,12 @@ def limit_by_rules(
         change = None if last is None else abs(bare / last - 1.0)
     assert headline.factor is not None
     own = scene
-    if cracked is not None and base.forces is not None and cracked < headline.factor * (1.0 - MOMENTS):
+    if cracked is not None and base.forces is not None and cracked < headline.factor * (1.0 - SAME_LIMIT):
         own, headline = _on_its_pairs(scene, bed, base, base.forces, cracked, motion)
         change, rule = base.change, "cracked_base"
         alone = forces_only_limit(own.model)
     assert headline.factor is not None
-    govern = alone.factor is None or headline.factor < alone.factor * (1.0 - MOMENTS)
+    govern = alone.factor is None or headline.factor < alone.factor * (1.0 - SAME_LIMIT)
     if not govern and len(alone.bond) != len(own.pairs):
         alone = forces_only_limit(own.model)  # it was found on coarser pairs
     governing = headline if govern else replace(alone, velocity=alone.velocity_of(own.model))
@@ -205,7 +205,7 @@ def with_finer_motion(
     if not again.factor or again.passes > STEERED:
         return by_rules
     rules = replace(rules, by_mechanism=again.factor)
-    if not scene.model.dilates or again.factor >= rules.headline * (1.0 - MOMENTS):
+    if not scene.model.dilates or again.factor >= rules.headline * (1.0 - SAME_LIMIT):
         return replace(by_rules, rules=rules)
     own = scene if analysis.model is None else replace(scene, model=analysis.model)
     rules = replace(rules, rule="by_mechanism", headline=again.factor)

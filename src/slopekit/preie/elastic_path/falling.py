@@ -14,7 +14,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed
 from slopekit.preie.elastic_path.path import ROUGHER, Ran, at_rest_first, at_rest_next, follow
-from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
+from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome, result_of
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, LIMIT_BALANCED, RUNS
 
 # Counts are of the random benches 1 to 140 with 5 kPa, of which 104 have a factor.
@@ -28,7 +28,6 @@ NEAR_RUNNING = _STRIDE / 16.0  # how near the last rest comes to where the block
 # without an end one has the limit of another motion (bench 50: 1.96 for 2.44); of the first 35 from 0.03 to 0.3 none
 # moves.
 _DROPS = 0.1
-_MANY = 600  # unknowns from which on no nearer rests are looked for where the motion does not settle
 
 
 def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
@@ -56,7 +55,7 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     if ran.flow.ended == "rest":
         stands = result_of(left, PathOutcome.STANDS, None, None, ran.flow.at, ran.flow.at, ran.flow.forces)
         return replace(stands, started=start)
-    ended = follow(left, start, brief or bed.size > _MANY, ran)
+    ended = follow(left, start, brief or bed.size > MANY, ran)
     bed.factorisations = left.factorisations
     if not _is_there(left, ran, ended, snaps):
         moved = ran.flow.at - ran.flow.before

@@ -13,7 +13,10 @@ from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces, NewtonStep
 
-EASES, _GENTLY, _THICKENS = 0.2, 0.5, 5.0  # viscosity after a step that went well, in large ones; and one that did not
+EASES, _GENTLY = (
+    0.2,
+    0.5,
+)  # viscosity after a step that went well, and in large ones; after one that did not the inverse
 THICK = 1e-2  # viscosity in parts of the elastic stiffness, to go on with
 _THIN, _THICKEST = 1e-8, 0.3  # the least; from which on, in space, a step has to be found
 _FAILS = 6  # steps in a row
@@ -65,7 +68,7 @@ def relaxed(
             break
         step = stepped(bed, at, at, parameter, viscosity)
         if not step.settled:
-            viscosity, fails = max(_THICKENS * viscosity, THICK), fails + 1
+            viscosity, fails = max(viscosity / EASES, THICK), fails + 1
             least = viscosity if bed.tangents > 1 else _THIN  # of many blocks in space it goes slowly from there
             if fails > _FAILS:
                 return Flow(at, bed.forces(at, parameter), "lost", before, last)

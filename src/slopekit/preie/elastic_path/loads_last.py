@@ -18,7 +18,7 @@ from slopekit.preie.elastic_path.path import follow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, limit_state
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import ADMISSIBLE, LIMIT_BALANCED, LOADS_BRACKET, LOADS_FIT, NO_MOTION, STEADY
+from slopekit.preie.tolerances import ADMISSIBLE, LIMIT_BALANCED, LOADS_BRACKET, LOADS_FIT, NO_MOTION, SAME_LIMIT
 
 FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
@@ -65,7 +65,7 @@ def loads_last(
     if fits is None:
         assert overloaded is not None
         return tried.without_rest(overloaded, tried.loaded(unit))
-    while (between := fits / fails - 1.0) > STEADY:
+    while (between := fits / fails - 1.0) > SAME_LIMIT:
         state = None if overloaded is None else tried.exact(overloaded, fails)
         if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
             return state, LoadsOn(True), tried.factorisations

@@ -24,12 +24,13 @@ from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces
 from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, stepped
-from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.elastic_path.path_limit import BORDERED, MANY, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.elastic_path.traced import traced, traced_in_section
 from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.effort import EffortSpentError
-from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, STEADY, VISCOUS_LEFT, VISCOUS_LEFT_IN_SPACE
+from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT, VISCOUS_LEFT_IN_SPACE
 
+START = 2.0  # times the strength of the static bound, or of a known limit, at which a path begins
 _STRIDE = 0.85  # of the strength, a step of stage A
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
@@ -44,8 +45,7 @@ _SNAPS, _FARTHER, _SLOWLY = (
     1e3,
     4000,
 )  # of a path in the load; work at which they run; factorisations
-_MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
-_BROADLY, _FINELY = (1.0, 1e-2), (1e-4,)  # rounding there, one after the other, and in smaller sections
+_BROADLY, _FINELY = (1.0, 1e-2), (1e-4,)  # rounding in sections of many blocks, one after the other, and of few
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,7 @@ def _followed(bed: Bed, start: float, brief: bool, rested: list[float], ran: Ran
     near = next(nearest)
     traces = strength and bed.tangents > 1 and not bed.dilates
     smooth = strength and bed.tangents == 1 and not bed.dilates and bed.bolted is None
-    if smooth and bed.size > _MANY and ran is None:
+    if smooth and bed.size > MANY and ran is None:
         ended = traced_in_section(bed, at, parameter, _BROADLY)
         if ended is not None:
             return replace(ended, started=begun)
@@ -265,7 +265,7 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
         far = work > 1e3 * bed.elastic_work
-        settled = same and viscous < STEADY and (changed < 1e-2 * STEADY or (changed < STEADY and far))
+        settled = same and viscous < SAME_LIMIT and (changed < 1e-2 * SAME_LIMIT or (changed < SAME_LIMIT and far))
         small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
         tries = small and viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE)
         if failed is not None and forces.same_modes(failed):

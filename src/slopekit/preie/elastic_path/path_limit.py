@@ -10,9 +10,11 @@ from scipy.linalg import lapack
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces
-from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, STEADY, TINY
+from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, SAME_LIMIT, TINY
 
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
+#: Unknowns from which a path takes seconds: then other ways are tried first, and fewer where they lead nowhere.
+MANY = 600
 _TURNS = 12  # how often directions of slip in space follow the motion
 
 
@@ -141,7 +143,7 @@ def _of_modes(
         motion = solver(np.append(np.zeros(bed.size), along))
         if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _moves(bed, here, motion[:-1], parameter, NO_MOTION):
             return w, parameter, here, motion[:-1], True
-        if bed.tangents > 1 and abs(float(motion[-1])) < STEADY * abs(parameter):
+        if bed.tangents > 1 and abs(float(motion[-1])) < SAME_LIMIT * abs(parameter):
             return w, parameter, here, motion[:-1], False
     agrees = _moves(bed, here, v, parameter, 1e-4)  # there are several: the flow itself
     return (w, parameter, here, v, True) if agrees else None

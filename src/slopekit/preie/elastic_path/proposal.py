@@ -11,7 +11,7 @@ from slopekit.preie.elastic_path.flow import stepped
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.elastic_path.rests import rests_before
 from slopekit.preie.programs.program import BlockProgram, Strengths
-from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, PROPOSAL_SHED, SOLVED, STEADY
+from slopekit.preie.tolerances import EACH_BALANCED, FARTHEST, LEAST_STRENGTH, SAME_LIMIT, SOLVED
 
 _FAR_DOWN, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 100  # ε of proposals, and steps of their programs
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
@@ -33,14 +33,14 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     for part in _FAR_DOWN:
         program.elastic = part
         solution = program.solve(Strengths(model.tan_dilation), program.start, SOLVED, _MOST_STEPS)
-        if solution.at.shed > PROPOSAL_SHED or solution.at.load_factor < LEAST_STRENGTH:
+        if solution.at.shed > EACH_BALANCED or solution.at.load_factor < LEAST_STRENGTH:
             continue
         at = solution.at.velocity / part
         step = stepped(bed, at, at, solution.at.load_factor, 0.0, float(bed.working @ at))
         if not step.settled:
             continue
         limit = _climbed(bed, step)
-        if limit is None and last is not None and abs(step.parameter / last.parameter - 1.0) < 1e-2 * STEADY:
+        if limit is None and last is not None and abs(step.parameter / last.parameter - 1.0) < 1e-2 * SAME_LIMIT:
             # a hundred times the displacement and the same factor, though Newton's method finds no way on
             limit = result_of(bed, PathOutcome.SETTLED, step.parameter, None, step.at, step.at - last.at, step.forces)
         last = step
@@ -72,7 +72,7 @@ def _climbed(bed: Bed, step: NewtonStep) -> PathLimit | None:
         changed = abs(ahead.parameter / step.parameter - 1.0)
         ratio = more / float(working @ step.at)
         before, step = step, ahead
-        steady = changed < STEADY * min(ratio - 1.0, 1.0)
+        steady = changed < SAME_LIMIT * min(ratio - 1.0, 1.0)
         if steady and step.taken <= 3 and float(np.abs(step.at).max()) > _FAR * far:
             break
         gained *= grows

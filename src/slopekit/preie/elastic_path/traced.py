@@ -19,9 +19,9 @@ from slopekit.preie.tolerances import (
     LEAST_STRENGTH,
     OTHER_MOTION,
     POLISHED,
+    SAME_LIMIT,
     SAME_SHARP,
     SHARP_FAR_DOWN,
-    STEADY,
     SURE_ROUNDING,
 )
 
@@ -95,7 +95,7 @@ def _far(bed: Bed, step: NewtonStep) -> PathLimit | None:
         limit = ahead.parameter + (ahead.parameter - step.parameter) / (ratio - 1.0)
         before, step, work = step, ahead, work + more
         if work > FARTHEST * bed.elastic_work:
-            if abs(limit / last - 1.0) < STEADY:
+            if abs(limit / last - 1.0) < SAME_LIMIT:
                 return result_of(bed, PathOutcome.SETTLED, limit, None, step.at, step.at - before.at, step.forces)
             if work > FARTHEST**2 * bed.elastic_work:
                 return None
@@ -143,7 +143,7 @@ def traced_in_section(bed: Bed, at: Floats, parameter: float, roundings: tuple[f
             limit = limit_state(bed, sharp.displacement, moved, sharp.reduction) if bed.size <= BORDERED else None
             if limit is None and before is not None:
                 settles = sharp.reduction + (sharp.reduction - before.reduction) / (sharp.work / before.work - 1.0)
-                if min(abs(settles / last - 1.0), abs(sharp.reduction / before.reduction - 1.0)) < STEADY:
+                if min(abs(settles / last - 1.0), abs(sharp.reduction / before.reduction - 1.0)) < SAME_LIMIT:
                     limit = result_of(bed, PathOutcome.SETTLED, settles, None, sharp.displacement, moved, _on(sharp))
                 last = settles
             if limit is not None:

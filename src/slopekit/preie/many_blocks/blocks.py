@@ -23,8 +23,8 @@ from slopekit.core.onlooker import told_times
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import fall
 from slopekit.preie.elastic_path.loads_last import FIRST_LOAD, LoadsOn, loads_last
-from slopekit.preie.elastic_path.path import first_peak, follow
-from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
+from slopekit.preie.elastic_path.path import START, first_peak, follow
+from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome, result_of
 from slopekit.preie.elastic_path.proposal import proposed
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal, Span
 from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
@@ -40,10 +40,8 @@ from slopekit.preie.tolerances import (
     TINY,
 )
 
-_START = 2.0  # the path starts at this times the strength of the static bound
-_STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest
+_STRONGEST = 100.0  # a path starts at no more than this times what friction angles and cohesions suggest
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
-_PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
 _BITS = 40  # of a strength in parts of the largest: 12 digits
 _SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
@@ -398,16 +396,16 @@ def _on_path(
     state, and tip nothing, they come on at once again, at more strength. With `peaks` other ways to a peak are tried,
     with `at_once` a limit without the path.
     """
-    start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
+    start = START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
     bonded = bed.has_bonds
     falls = falls and bonded
-    path_end = _at_once(bed, ratio) if at_once and bed.size > _PROPOSED and not bonded else None
+    path_end = _at_once(bed, ratio) if at_once and bed.size > MANY and not bonded else None
     path_end = path_end or (fall if falls else follow)(bed, start, live and bed.tangents == 1)
     # the peak of falling strength has other bonds
     peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1 and not falls
-    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= _PROPOSED:
+    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= MANY:
         path_end = _at_once(bed, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
     if path_end.found or path_end.outcome is PathOutcome.STANDS:
         return path_end, LoadsOn(), bed.factorisations
@@ -415,8 +413,8 @@ def _on_path(
     if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
         last, loads, work = loads_last(model, unit, bond, bound, ratio)
         tipped = math.inf if loads.tips is None else 1.0 / loads.tips[1]  # and with all greater strengths
-        most = min(_LOCKED * start / _START, tipped)
-        if last.outcome is PathOutcome.LIMIT or bed.tangents > 1 or bed.size > _PROPOSED or most < start:
+        most = min(_LOCKED * start / START, tipped)
+        if last.outcome is PathOutcome.LIMIT or bed.tangents > 1 or bed.size > MANY or most < start:
             return last, loads, work + bed.factorisations
         path_end = follow(bed, start)
         settled = path_end.found or last.outcome not in (PathOutcome.BRACKET, PathOutcome.SETTLED)

@@ -20,12 +20,11 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
+from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import FLOWS, NO_MOTION, NO_STRENGTH, OPENS_ROUGHLY, SAME_FACTOR, TINY
+from slopekit.preie.tolerances import EQUILIBRIUM, FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
 _MOST_ROUNDS, _MOST_GROUPS = 60, 8  # of cohesion lost; of groups of blocks that fail
-_MANY = 600  # unknowns from which on a path takes seconds
 _LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more
 # cosine of two motions from which on they are one: of 69 random benches (46 to 140, 5 kPa) one moves with 0.5 (46: 10.2
 # for 10.7), two with 0.9999 (66: 0.527 for 0.492); of 35 others none from 0.9 to 0.999
@@ -91,7 +90,7 @@ class _Rounds:
             self.opens, before = new, (self.asked, self.all_rest)
             if not last.found:
                 self.unsettled = self.unsettled or last.parameter
-                if self.model.load.size > _MANY and self._share(last, new) < _LITTLE:  # another path takes seconds
+                if self.model.load.size > MANY and self._share(last, new) < _LITTLE:  # another path takes seconds
                     break
             after = self.limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
             if after.outcome is PathOutcome.NO_REST:  # all that holds the blocks is cohesion that they open
@@ -120,7 +119,7 @@ class _Rounds:
         if not self.opens.any() or last.parameter is None:
             return replace(ended, limit=last)
         share, less = self._less(last, self.opens)
-        if share > 1.0 - NO_STRENGTH:  # all that holds the motion is cohesion that it opens
+        if share > 1.0 - EQUILIBRIUM:  # all that holds the motion is cohesion that it opens
             left = np.where(self.opens[self.model.pair_contact], 0.0, last.bond)
             return replace(ended, limit=replace(last, outcome=PathOutcome.NO_REST, parameter=None, bond=left))
         return replace(ended, limit=replace(last, parameter=less), opened=int(self.opens.sum()), share=share)

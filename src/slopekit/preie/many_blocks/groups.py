@@ -9,7 +9,7 @@ from slopekit.geometry.patches import Assembly
 from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.falling import open_all_over
 from slopekit.preie.elastic_path.flow import Flow
-from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
+from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome
 from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rest_at, rests_before
 from slopekit.preie.many_blocks.blocks import first_limit, unit_bound
 from slopekit.preie.many_blocks.blocks_limit import Span
@@ -22,7 +22,6 @@ from slopekit.preie.system.components import WholeAssembly, model_of
 from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
 
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
-_LONG = 100  # blocks of which the path takes seconds
 _OF_GROUP, _OF_OPEN = 0.6, 0.5  # of the work that is left, for the limit of a group, and a rest without more bonds
 
 Solution = tuple[AssemblyModel, PathLimit, Floats]
@@ -170,7 +169,7 @@ class Groups:
 
     def peak(self) -> PathLimit | None:
         """The peak of the group that the last limit of all was not found with; None of few blocks."""
-        return self.snapped if len(self.blocks) > _LONG else None
+        return self.snapped if self.model.load.size > MANY else None
 
     def begins_with(self, motion: Floats) -> None:
         """Blocks that move in a motion (N,) of all, and their neighbours, are solved alone from now on.
@@ -180,7 +179,7 @@ class Groups:
         group = _with_neighbours(self.scene.assembly, self._movers(motion), self.blocks)
         if len(group) <= _MOST_GROUP * len(self.blocks):
             self.near = group
-            if len(self.blocks) > _LONG:
+            if self.model.load.size > MANY:
                 self.group = group
 
     def _movers(self, motion: Floats) -> Ints:
@@ -220,7 +219,7 @@ class Groups:
                 flow, gap = rests_before(bed, below, RESTS_NEAR)
             if flow.ended == "rest" and model.has_cohesion:
                 bed, flow = _without_open(bed, flow, 1.0 / (below * (1.0 - gap)))
-                if open_all_over(bed, flow) is not None and len(self.blocks) <= _LONG:
+                if open_all_over(bed, flow) is not None and model.load.size <= MANY:
                     return None  # that rest counts on bonds of open contacts: the path of all decides
             if flow.ended == "rest":
                 if factor > top * (1.0 + BOUND_ACCURACY):

@@ -26,7 +26,7 @@ from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.system.model import JointStrength
-from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_RANK, TINY, TWISTS
+from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_LIMIT, TINY, TWISTS
 
 _LARGE = 24  # blocks in space: fewer are one path
 _MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
@@ -144,7 +144,7 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
         if rank == math.inf:
             ended = "stands" if parts else "gone"
             break
-        together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_RANK]
+        together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_LIMIT]
         together[0] = _no_later(together[0], parts)
         with effort.allowed(effort.MOST):
             together = [_ranged(scene, part) for part in together]
@@ -154,7 +154,7 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
         if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in together):
             ended = "not_converged"
             break
-        left = [part for part in parts if part.rank > rank + abs(rank) * SAME_RANK]
+        left = [part for part in parts if part.rank > rank + abs(rank) * SAME_LIMIT]
         if len(failures) == 1:
             first = [*together, *left]
         there[blocks] = False

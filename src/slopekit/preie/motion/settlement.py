@@ -12,7 +12,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, Drive
-from slopekit.preie.elastic_path.flow import relaxed, stepped
+from slopekit.preie.elastic_path.flow import THICK, relaxed, stepped
 from slopekit.preie.motion.equilibrium import BOLT_GIVE_M
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import CloughDuncan, JointStiffness
@@ -20,7 +20,6 @@ from slopekit.preie.tolerances import SETTLEMENT_STEADY
 
 _ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
 _LEAST = 0.05  # of K: the secant of a joint that the hyperbola lets creep away
-_THICK = 1e-2  # viscosity to begin with where they have been at rest nearby
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +71,7 @@ def settlement(
         if step.settled:
             forces, at = step.forces, step.at
         else:
-            origin, viscosity = (np.zeros(bed.size), 1.0) if start is None else (at, _THICK)
+            origin, viscosity = (np.zeros(bed.size), 1.0) if start is None else (at, THICK)
             flow = relaxed(bed, origin, 1.0 / factor, viscosity)
             if flow.ended != "rest":
                 return None

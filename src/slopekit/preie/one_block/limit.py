@@ -34,7 +34,7 @@ from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, opens, 
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import FARTHEST, MOMENTS, NO_FORCE, NO_NUMBER, NO_STRENGTH
+from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST, NO_FORCE, NO_NUMBER, SAME_LIMIT
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class LimitAnalysis:
         turning, factor = self.with_turning, self.governing.factor
         if factor is None or turning.factor is None or turning.outcome is not Outcome.SLIDES:
             return self.governing
-        return turning if turning.factor >= factor * (1.0 - MOMENTS) else self.governing
+        return turning if turning.factor >= factor * (1.0 - SAME_LIMIT) else self.governing
 
 
 def limit_analysis(model: Model) -> LimitAnalysis:
@@ -123,7 +123,7 @@ def _balanced_slide(model: Model, alone: Limit) -> Limit | None:
         return None
     velocity = alone.velocity_of(model)
     state = settled_limit_state(model, velocity, 1.0 / alone.factor, alone.normal_force, alone.bond)
-    if state is None or abs(state.reduction * alone.factor - 1.0) > MOMENTS:
+    if state is None or abs(state.reduction * alone.factor - 1.0) > SAME_LIMIT:
         return None
     renewed, _ = release(model, state.velocity, model.tan_dilation, alone.bond, np.zeros(len(alone.bond)))
     return exact_limit(state, alone.bond, 1) if (renewed == alone.bond).all() else None
@@ -132,9 +132,9 @@ def _balanced_slide(model: Model, alone: Limit) -> Limit | None:
 def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
     """Which of two limits governs, that of the forces alone or that with turning (it has a factor)."""
     assert turning.factor is not None
-    if alone.factor is None or turning.factor < alone.factor * (1.0 - MOMENTS):
+    if alone.factor is None or turning.factor < alone.factor * (1.0 - SAME_LIMIT):
         return LimitAnalysis(turning, alone, turning, True)
-    if turning.factor < alone.factor * (1.0 + MOMENTS):
+    if turning.factor < alone.factor * (1.0 + SAME_LIMIT):
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
         return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
     return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)
@@ -231,7 +231,7 @@ def _associated_limit(model: Model, analyse: Callable[[Model], LimitAnalysis]) -
         if not without.factor:
             return None
         bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
-        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
+        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - EQUILIBRIUM)).any():
             return None
         renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
         if (renewed == bond).all():

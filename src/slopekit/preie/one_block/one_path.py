@@ -11,7 +11,7 @@ import numpy as np
 
 from slopekit.core.arrays import frozen
 from slopekit.preie.elastic_path.bed import Bed, Drive
-from slopekit.preie.elastic_path.path import ROUGHER, follow
+from slopekit.preie.elastic_path.path import ROUGHER, START, follow
 from slopekit.preie.elastic_path.path_limit import PathOutcome
 from slopekit.preie.one_block.limit import LimitAnalysis, governed
 from slopekit.preie.one_block.limit_state import settled_limit_state
@@ -19,10 +19,9 @@ from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, unit
 from slopekit.preie.programs.bounds import mechanism_range, static_bound
 from slopekit.preie.system.assembly import one_block
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import POLISHED, SAME_FACTOR, STEADY
+from slopekit.preie.tolerances import POLISHED, SAME_FACTOR, SAME_LIMIT
 
-_START = 2.0  # times the strength that is needed: gravity comes on there, or at ever more
-STRONGEST = _START * 2.0**ROUGHER  # times that strength is the most that is tried
+STRONGEST = START * 2.0**ROUGHER  # times the strength that is needed is the most that is tried
 _RANGED = 400  # node pairs up to which the range of a mechanism is found in a fraction of a second
 
 
@@ -61,7 +60,7 @@ def path_limit(model: Model, guess: float | None) -> Limit | None:
     known = guess or static_bound(whole).factor
     if not known:
         return None
-    path_end = follow(Bed(whole, Drive(model.load)), _START / known, brief=guess is None)
+    path_end = follow(Bed(whole, Drive(model.load)), START / known, brief=guess is None)
     pairs, bond = len(model.control_area), np.ones(len(model.control_area))
     velocity = unit(path_end.motion)
     if path_end.outcome is PathOutcome.NO_REST:
@@ -72,7 +71,7 @@ def path_limit(model: Model, guess: float | None) -> Limit | None:
     state = settled_limit_state(model, velocity, path_end.parameter, normal, bond)
     if state is not None and abs(state.reduction / path_end.parameter - 1.0) < POLISHED:
         return exact_limit(state, bond, 0)
-    change = 0.0 if path_end.outcome is PathOutcome.LIMIT else STEADY
+    change = 0.0 if path_end.outcome is PathOutcome.LIMIT else SAME_LIMIT
     return Limit(
         Outcome.SLIDES, 1.0 / path_end.parameter, velocity, normal, bond, 0, change, path_end.friction[:pairs],
         path_end.friction[pairs:, 0],

@@ -15,7 +15,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit_state import LimitState, settled_limit_state
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import DRIVEN, NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
+from slopekit.preie.tolerances import DRIVEN, EQUILIBRIUM, NO_FORCE, OPENS_IN_PASSES, PASSES_STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:  # most limits need no passes
@@ -90,13 +90,13 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
     recent: list[float] = []
     for count in range(1, 2 * STEERED + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
-        if total < NO_STRENGTH * NO_STRENGTH:
+        if total < EQUILIBRIUM * EQUILIBRIUM:
             return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
         tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, NO_FORCE))
         mechanism = least_work_mechanism(model, friction, tan_dilation, velocity, stages)
         velocity, stages = mechanism.velocity, WARM
         factor_before, factor = factor, mechanism.load_factor
-        without = not factor > NO_STRENGTH * total
+        without = not factor > EQUILIBRIUM * total
         if not without:
             normal_force = mechanism.normal_force / factor
         # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
@@ -142,7 +142,7 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     lowest, highest = min(recent), max(recent)
-    if lowest > NO_STRENGTH and (bond == 0.0).any():
+    if lowest > EQUILIBRIUM and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
             Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, count, 1.0 - lowest / highest,

@@ -18,7 +18,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_BEYOND, EQUILIBRIUM, MOMENTS, PARALLEL, ROUNDING
+from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_BEYOND, EQUILIBRIUM, PARALLEL, ROUNDING, SAME_LIMIT
 
 if TYPE_CHECKING:
     from slopekit.preie.system.assembly import AssemblyModel
@@ -179,7 +179,7 @@ def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
     from slopekit.preie.system.assembly import one_block  # only a bound that moments govern pays for SciPy and Clarabel
 
     bound = bound_by_programs(one_block(model), 1.0 / limit)
-    if bound is None or bound.factor is None or not (1.0 - MOMENTS) * limit < bound.factor < BOUND_BEYOND * limit:
+    if bound is None or bound.factor is None or not (1.0 - SAME_LIMIT) * limit < bound.factor < BOUND_BEYOND * limit:
         return none
     normal = bound.normal_force[: len(model.control_area)]
     return replace(bound, factor=max(bound.factor, limit), normal_force=normal)

@@ -40,7 +40,15 @@ from slopekit.preie.programs.program import (
     Strengths,
 )
 from slopekit.preie.system.assembly import AssemblyModel
-from slopekit.preie.tolerances import BOUND_ACCURACY, DIAGONAL_SHIFT, FARTHEST, FEASIBLE, LEAST_REDUCTION, NEAR, TINY
+from slopekit.preie.tolerances import (
+    BOUND_ACCURACY,
+    DIAGONAL_SHIFT,
+    EACH_BALANCED,
+    FARTHEST,
+    LEAST_REDUCTION,
+    NEAR,
+    TINY,
+)
 from slopekit.strength.mohr_coulomb import line
 
 _MANY = 150  # blocks of which parts come first
@@ -199,7 +207,7 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
         if falls == 0.0:  # no strength at all
             return None
         most_off, unsure = -NEAR * reduction * falls, worth + program.worth_of_strength(at, off)
-        admissible = max(off.unbalanced, program.overdrawn(off)) < FEASIBLE
+        admissible = max(off.unbalanced, program.overdrawn(off)) < EACH_BALANCED
         if admissible and max(abs(short), unsure) < most_off and off.gap < _SURE * most_off:
             bound = reduction - short / falls
             return StaticBound(1.0 / bound, False, False, at.velocity, at.normal, steps)

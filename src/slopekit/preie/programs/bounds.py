@@ -30,8 +30,8 @@ from slopekit.preie.tolerances import (
     BOUND_ROUGHLY,
     CARRIES,
     CLOSE,
+    EACH_BALANCED,
     EQUILIBRIUM,
-    FEASIBLE,
     LEAST_REDUCTION,
     LIFTED_BALANCED,
     LIFTED_SHED,
@@ -39,7 +39,7 @@ from slopekit.preie.tolerances import (
     MOVES,
     NEAR,
     PARALLEL,
-    REACHES,
+    SOLVED,
     WIDEST_RANGE,
 )
 from slopekit.strength.mohr_coulomb import line
@@ -154,7 +154,7 @@ def mechanism_range(
     """
     say("range of the mechanism")
     away = Distance(model, _cleaned(model, velocity, forces, factor), bond, 1.0 / factor)
-    if away.at(1.0 / factor).distance > FEASIBLE:
+    if away.at(1.0 / factor).distance > EACH_BALANCED:
         return None
     ends = []
     for way in (1.0, -1.0):  # λ up: the lowest factor
@@ -169,7 +169,7 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
     while True:
         outside *= stride**way
         far = away.at(outside)
-        if far.distance > REACHES:
+        if far.distance > SOLVED:
             break
         inside = outside
         if not 1.0 / WIDEST_RANGE < outside * stride**way / inside < WIDEST_RANGE or stride > WIDEST_RANGE:
@@ -182,7 +182,7 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
         if not min(inside, outside) < trial < max(inside, outside):
             trial = math.sqrt(inside * outside)
         there = away.at(trial)
-        if there.distance > REACHES:
+        if there.distance > SOLVED:
             outside, far = trial, there
         else:
             inside = trial

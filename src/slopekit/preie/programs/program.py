@@ -31,7 +31,7 @@ from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import ContactPattern
 from slopekit.preie.tolerances import (
     DIAGONAL_SHIFT,
-    FEASIBLE,
+    EACH_BALANCED,
     LIGHTEST,
     MOTION_RESIDUAL,
     NO_FORCE,
@@ -131,7 +131,7 @@ class BlockProgram:
         best, since = math.inf, 0
         while True:
             off = Residuals.of(self, strengths, at)
-            if off.sound and off.gap < tolerance * max(at.load_factor, FEASIBLE):
+            if off.sound and off.gap < tolerance * max(at.load_factor, EACH_BALANCED):
                 return ProgramResult(at, True, steps, off.unbalanced)
             best, since = (off.gap, 0) if off.gap < 0.8 * best else (best, since + 1)
             if steps >= most or stalled > STALLED or since > _FRUITLESS or not math.isfinite(off.gap):
@@ -247,9 +247,9 @@ class Residuals:
         unbalanced = float((np.abs(balance) / program.least_load).max())
         earned = float(np.abs(normal * at.normal).sum()) + float(np.abs(off_slip * at.friction).sum())
         sound = (
-            unbalanced < FEASIBLE
-            and float(np.abs(strength).max()) < FEASIBLE * max(1.0, float(limit.max()))
-            and earned < MOTION_RESIDUAL * max(at.load_factor, FEASIBLE)
+            unbalanced < EACH_BALANCED
+            and float(np.abs(strength).max()) < EACH_BALANCED * max(1.0, float(limit.max()))
+            and earned < MOTION_RESIDUAL * max(at.load_factor, EACH_BALANCED)
             and abs(factor) < MOTION_RESIDUAL
         )
         return cls(

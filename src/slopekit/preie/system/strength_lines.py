@@ -26,7 +26,7 @@ from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.effort import EffortSpentError
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import LEAST_TRACTION, NO_FORCE, ROUNDING, STEADY, TINY
+from slopekit.preie.tolerances import LEAST_TRACTION, NO_FORCE, ROUNDING, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
@@ -267,7 +267,7 @@ def settled_blocks(
         steps += at_limit.steps
         return at_limit
 
-    exact = STEADY if model.unknowns == 6 else 0.0
+    exact = SAME_LIMIT if model.unknowns == 6 else 0.0
     model, limit, off = _rounds(
         model, solve, lambda at_limit: (at_limit.normal_force, at_limit.factor, exact) if at_limit.factor else None
     )
@@ -287,7 +287,7 @@ def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel,
 
     def forces(solution: tuple[PathLimit, BlocksLimit]) -> tuple[Floats, float, float] | None:
         path_end, limit = solution
-        exact = STEADY if model.unknowns == 6 else 0.0
+        exact = SAME_LIMIT if model.unknowns == 6 else 0.0
         return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
 
     model, (path_end, limit), _ = _rounds(
