@@ -18,12 +18,10 @@ ROUNDING = 1e-13
 #: Unbalanced force, in parts of the springs' forces: what adding them up leaves, ten spacings of doubles.
 SPRING_ROUNDING = 10.0 * sys.float_info.epsilon
 
-#: Added to the diagonal of a stiffness, in parts of it: blocks that nothing holds have a stiffness too. Ten times as
-#: much moves a factor in two sections of 37.
+#: Added to the diagonal of a stiffness, in parts of it, or of the elastic one for the modes of a limit state: blocks
+#: that nothing holds, and several motions, have a stiffness too. Ten times as much moves a factor in two sections of
+#: 37, for the modes by 1e-11.
 DIAGONAL_SHIFT = ROUNDING
-
-#: The same, in parts of the elastic stiffness, for the modes of a limit state: there may be several motions.
-MODES_SHIFT = 10.0 * ROUNDING
 
 #: Force, in parts of the load, or tan φ, that is none: some ten times what is left where forces balance.
 NO_FORCE = 10.0 * ROUNDING
@@ -39,20 +37,15 @@ PARALLEL = 1e-9
 #: Size of the multipliers of a factorisation: beyond it pivots of one front only leave too few digits.
 PIVOT_GROWTH = 1e8
 
-#: Length of a Newton step to a limit state, whose unknowns are of order one: a longer one has lost the way.
-LOST_STEP = 1e9
-
 # -- Motions: what moves, opens, slips or pulls -----------------------------------------------------------------------
 
 #: Opening or slip of an exact mechanism, or what it draws a bolt out by, in parts of its fastest motion, that is none:
 #: a mechanism is known to some 1e-8 of that.
 NO_MOTION = 1e-6
 
-#: The same where the motion of an elastic path has settled and no limit state is exact.
+#: The same where the motion of an elastic path has settled, or is that of a pass, and no limit state is exact. Ten
+#: times as much or a tenth moves none of 28 designs.
 OPENS_ROUGHLY = 1e-4
-
-#: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `programs.mechanism`.
-OPENS_IN_PASSES = 1e-5
 
 #: Speed of a block, in parts of the fastest of its mechanism: slower ones are at rest. Opening or slip, in parts of the
 #: largest, and missing strength, in parts of it, that are none where a motion is cleaned onto its exact kinematics.
@@ -104,14 +97,10 @@ ROUGHLY_SETTLED = 1e-8
 #: says of strengths; load that a proposal may shed. Ten times as much or a tenth moves none of 23 designs.
 EACH_BALANCED = 1e-6
 
-#: Load, in parts of the heaviest block's: a lighter block balances to `EACH_BALANCED` of this one.
-LIGHTEST_ON_BED = 1e-7
-
-#: The same in programs and on rounded joints, which weigh every block's balance by its load.
-LIGHTEST = 1e-9
-
-#: The same where the balance of a solved model is measured: what is less is rounding of the others.
-LIGHTEST_MEASURED = 1e-6
+#: Load, in parts of the heaviest block's: the balance of a lighter block is weighed by this one, as what is less is
+#: rounding of the others. Benches hold slivers a millionth of their largest block. A hundredth, or ten times as much,
+#: moves none of 25 designs.
+LIGHTEST = 1e-7
 
 #: Of a limit of many blocks, in parts of the load of the block it acts on: more is no limit state.
 LIMIT_BALANCED = 1e-5
@@ -232,7 +221,8 @@ OTHER_MOTION = 0.1
 
 # -- Limits of what is a number ---------------------------------------------------------------------------------------
 
-#: Factor, load multiplier, or work in parts of the elastic: beyond it, or below its inverse, there is none.
+#: Factor, load multiplier, or work in parts of the elastic: beyond it, or below its inverse, there is none. A Newton
+#: step to a limit state, whose unknowns are of order one, that is longer has lost the way.
 FARTHEST = 1e6
 
 #: λ below which forces balance without friction; above its inverse they do at none.

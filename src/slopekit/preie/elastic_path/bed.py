@@ -31,7 +31,7 @@ from slopekit.preie.system.patterns import ContactPattern
 from slopekit.preie.tolerances import (
     DIAGONAL_SHIFT,
     EACH_BALANCED,
-    LIGHTEST_ON_BED,
+    LIGHTEST,
     ROUGHLY_SETTLED,
     SETTLED,
     SPRING_ROUNDING,
@@ -163,7 +163,7 @@ class Bed:
         self.evaluations = self.factorisations = 0
         self.load_size = float(np.abs(drive.load).max())
         own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
-        own = np.maximum(own, LIGHTEST_ON_BED * float(own.max(initial=0.0)))
+        own = np.maximum(own, LIGHTEST * float(own.max(initial=0.0)))
         self.unbalanced_at_most = EACH_BALANCED * np.repeat(own, model.unknowns)
         self.working = self._working()
         if held is None:  # of a few blocks hardly anybody asks

@@ -13,7 +13,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit import LimitAnalysis
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import LIGHTEST_MEASURED, TINY
+from slopekit.preie.tolerances import LIGHTEST, TINY
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
@@ -93,7 +93,7 @@ def of_one_block(model: Model, analysis: LimitAnalysis) -> list[BalanceCheck]:
 def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: Floats, bond: Floats) -> BalanceCheck:
     """What many blocks carry: N (m,), T (g, t), and what bonds are left (m,)."""
     own = _sizes(model.load)
-    weights = np.append(np.maximum(own, LIGHTEST_MEASURED * float(own.max())), np.inf)  # bedrock is the last
+    weights = np.append(np.maximum(own, LIGHTEST * float(own.max())), np.inf)  # bedrock is the last
     beside = np.minimum(weights[model.plus], weights[model.minus])[model.group_contact]
     allowed = line(model.by_group(bond * model.cohesion), model.tan_friction, model.by_group(normal))
     over = np.maximum(_sizes(friction) - allowed / factor, np.where(model.bolted, -friction[:, 0], 0.0))

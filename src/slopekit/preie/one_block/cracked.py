@@ -26,9 +26,9 @@ from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.tolerances import (
     BED_BALANCED,
     EQUILIBRIUM,
+    FARTHEST,
     FINER_PRESSED,
     LEVEL,
-    LOST_STEP,
     PATH_ENDS,
     POLISHED,
     ROUNDING,
@@ -420,7 +420,7 @@ class _Path:
                 return None
             along, elastic = along + step[:first], elastic + step[first:count]
             reduction += float(step[count])
-            if not (reduction > 0.0 and float(np.abs(step).max()) < LOST_STEP):
+            if not (reduction > 0.0 and float(np.abs(step).max()) < FARTHEST):
                 return None
         else:
             if size > EQUILIBRIUM * max(1.0, reduction):

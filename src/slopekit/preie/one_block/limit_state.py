@@ -22,7 +22,7 @@ from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import (
     CARRIES,
     EQUILIBRIUM,
-    LOST_STEP,
+    FARTHEST,
     NO_FORCE,
     NO_MOTION,
     OPENS_ROUGHLY,
@@ -212,7 +212,7 @@ def limit_state(
         along = along + step[:count]
         elastic = elastic + step[count : model.unknowns]
         reduction = reduction + float(step[model.unknowns])
-        if not np.abs(step).max() < LOST_STEP:
+        if not np.abs(step).max() < FARTHEST:
             return None
     else:
         if residual > EQUILIBRIUM * scale:

@@ -25,7 +25,7 @@ from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.system.model import JointStrength, Model, local_axes
 from slopekit.preie.system.patch_pairs import polygon_pairs, segment_pairs
-from slopekit.preie.tolerances import LIGHTEST_MEASURED, TINY
+from slopekit.preie.tolerances import LIGHTEST, TINY
 
 if TYPE_CHECKING:
     from slopekit.preie.system.strength_lines import StrengthLines
@@ -187,7 +187,7 @@ class AssemblyModel:
         """What forces leave of the loads, (n, u), in parts of each block's load (at least 1e-6 of the largest)."""
         weights = np.sqrt((self.load * self.load).sum(axis=1))
         left: Floats = self.forces_on_blocks(normal, friction) + self.load
-        parts: Floats = left / np.maximum(weights, LIGHTEST_MEASURED * float(weights.max()))[:, None]
+        parts: Floats = left / np.maximum(weights, LIGHTEST * float(weights.max()))[:, None]
         return parts
 
 
