@@ -28,7 +28,7 @@ from slopekit.preie.elastic_path.path_limit import BORDERED, MANY, PathLimit, Pa
 from slopekit.preie.elastic_path.traced import traced, traced_in_section
 from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.effort import EffortSpentError
-from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT, VISCOUS_LEFT_IN_SPACE
+from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
 
 START = 2.0  # times the strength of the static bound, or of a known limit, at which a path begins
 _STRIDE = 0.85  # of the strength, a step of stage A
@@ -267,7 +267,7 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         far = work > 1e3 * bed.elastic_work
         settled = same and viscous < SAME_LIMIT and (changed < 1e-2 * SAME_LIMIT or (changed < SAME_LIMIT and far))
         small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
-        tries = small and viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE)
+        tries = small and viscous < VISCOUS_LEFT
         if failed is not None and forces.same_modes(failed):
             tries = tries and (bed.tangents == 1 or bed.size <= _CHEAPLY)
         if tries or (settled and bed.size <= BORDERED):

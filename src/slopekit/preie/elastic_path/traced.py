@@ -22,7 +22,6 @@ from slopekit.preie.tolerances import (
     SAME_LIMIT,
     SAME_SHARP,
     SHARP_FAR_DOWN,
-    SURE_ROUNDING,
 )
 
 #: Rounding of the joints in space, one after the other: of 140 random benches 22 come to it, none to the second, which
@@ -188,7 +187,7 @@ def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float
     near = sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter
     if not near or flow.ended != "rest":
         return False
-    return rounding <= SURE_ROUNDING or at_their_limit(bed, flow, limit)  # hardly rounded it came past the peak itself
+    return rounding <= _ROUNDINGS[-1] or at_their_limit(bed, flow, limit)  # hardly rounded it came past the peak itself
 
 
 def _on(curve: RoundedPath) -> BedForces:

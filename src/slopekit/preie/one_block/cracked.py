@@ -24,7 +24,6 @@ from slopekit.preie.one_block.polygon_bed import BedSprings, PointForces, Polygo
 from slopekit.preie.solvers.linear import split_space
 from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.tolerances import (
-    BED_BALANCED,
     EQUILIBRIUM,
     FARTHEST,
     FINER_PRESSED,
@@ -32,6 +31,7 @@ from slopekit.preie.tolerances import (
     PATH_ENDS,
     POLISHED,
     ROUNDING,
+    SETTLED,
     TINY,
 )
 
@@ -164,7 +164,7 @@ class _Path:
 
     def _rest(self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0) -> Floats | None:
         """Newton's method at one λ; with `slow` the block is held back from u by that part of its bonded stiffness."""
-        drag, small = slow * self.springs.stiffness, BED_BALANCED * max(1.0, reduction)
+        drag, small = slow * self.springs.stiffness, SETTLED * max(1.0, reduction)
 
         def forces(at: Floats) -> tuple[Floats, Unbalanced]:
             there = self.forces(at, at, reduction, False, sticks)
@@ -227,7 +227,7 @@ class _Path:
             u, reduction = y[:count] * scale, math.exp(float(y[count]))
             at = self.forces(u, u, reduction, False)
             size = float(np.abs(at.out).max())
-            if size < BED_BALANCED * max(1.0, reduction):
+            if size < SETTLED * max(1.0, reduction):
                 tangent = self._tangent(at, reduction, scale, point.tangent)
                 if tangent is None:
                     return None
@@ -333,7 +333,7 @@ class _Path:
     def _lowest(self, folds: "list[_Fold]", best: _PathPoint, is_fold: bool) -> tuple[_PathPoint, bool]:
         """The point of least λ, on the folds passed as well, and whether it is on one of them."""
         for fold in sorted(folds, key=lambda fold: fold.lowest):
-            if fold.lowest >= best.log_reduction - BED_BALANCED:
+            if fold.lowest >= best.log_reduction - SETTLED:
                 break
             least = self._least(fold)
             if least.log_reduction <= best.log_reduction:
