@@ -418,8 +418,7 @@ MUTATIONS = (
     ),
     *_group(
         "paths of many blocks",
-        ("what may stay unbalanced", "preie/elastic_path/local_viscosity.py", "_ENOUGH = 0.3 ", "_ENOUGH = 30.0 ",
-         _RESTS),
+        ("what may stay unbalanced", "preie/elastic_path/flow.py", "ENOUGH = 0.3 ", "ENOUGH = 30.0 ", _RESTS),
         ("just before a factor", "preie/elastic_path/rests.py", "(factor * (1.0 - trial)), flow",
          "(factor * (1.0 + trial)), flow",
          _RESTS),

@@ -372,7 +372,7 @@ def test_what_the_rounds_of_other_blocks_said_is_kept() -> None:
 
 
 def test_groups_that_never_agree_have_no_limit(monkeypatch) -> None:
-    monkeypatch.setattr(bonds, "_MOST_GROUPS", 3)
+    monkeypatch.setattr(bonds, "MOST_GROUPS", 3)
     model, asked = boxes(), []
 
     def once(bond, falls, vouched) -> tuple[PathLimit, bool]:

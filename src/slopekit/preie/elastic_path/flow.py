@@ -13,16 +13,15 @@ from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces, NewtonStep
 
-EASES, _GENTLY = (
-    0.2,
-    0.5,
-)  # viscosity after a step that went well, and in large ones; after one that did not the inverse
+#: Viscosity after a step that went well (after one that did not the inverse), and in large steps.
+EASES, _GENTLY = 0.2, 0.5
 THICK = 1e-2  # viscosity in parts of the elastic stiffness, to go on with
-_THIN, _THICKEST = 1e-8, 0.3  # the least; from which on, in space, a step has to be found
+#: The least viscosity, and the most that is needed: with that, in space, a step has to be found.
+THIN, THICKEST = 1e-7, 0.3
 _FAILS = 6  # steps in a row
 _MANY = 12  # blocks in space
 _FEW, _ROUNDS, _WORK = 0.3, 8, 60  # part of the blocks that are settled by themselves, how often, factorisations
-_ENOUGH = 0.3  # of what may stay unbalanced
+ENOUGH = 0.3  # of what may stay unbalanced: blocks that are less out of balance are left alone
 _LESS = 0.5  # of what was out of balance, that has to go
 
 
@@ -58,7 +57,7 @@ def relaxed(
     runs_at : work in parts of the elastic at which they run, in space from where they are
     patience : factorisations after which it is left for later
     """
-    before, last, fails, least, begun = at, viscosity, 0, _THIN, 0.0
+    before, last, fails, least, begun = at, viscosity, 0, THIN, 0.0
     if bed.tangents > 1:  # slivers that have slid and come to rest again do not run
         begun = abs(float(bed.working @ at))
     beyond = begun + runs_at * bed.elastic_work
@@ -69,7 +68,7 @@ def relaxed(
         step = stepped(bed, at, at, parameter, viscosity)
         if not step.settled:
             viscosity, fails = max(viscosity / EASES, THICK), fails + 1
-            least = viscosity if bed.tangents > 1 else _THIN  # of many blocks in space it goes slowly from there
+            least = viscosity if bed.tangents > 1 else THIN  # of many blocks in space it goes slowly from there
             if fails > _FAILS:
                 return Flow(at, bed.forces(at, parameter), "lost", before, last)
             continue
@@ -78,7 +77,7 @@ def relaxed(
             return Flow(at, step.forces, "rest", before, last)
         if abs(float(bed.working @ at)) > beyond:
             return Flow(at, step.forces, "runs", before, last)
-        least = max(_GENTLY * least, _THIN)
+        least = max(_GENTLY * least, THIN)
         viscosity = max(EASES * viscosity, least)
     return Flow(at, bed.forces(at, parameter), "slow", before, last)
 
@@ -102,7 +101,7 @@ def stepped(
     if step.settled or (viscosity == 0.0 and work is None):
         return step
     step = bed.newton(at, before, parameter, viscosity, work, downhill=False)
-    if step.settled or work is not None or (many and viscosity < _THICKEST):
+    if step.settled or work is not None or (many and viscosity < THICKEST):
         return step
     return _by_passes(bed, before, parameter, viscosity)
 
@@ -116,7 +115,7 @@ def _eliminated(bed: Bed, last_step: NewtonStep, before: Floats, viscosity: floa
     for turn in range(_ROUNDS):
         _, off = bed.unbalanced_parts(last_step.at, before, last_step.parameter, viscosity)
         off = np.abs(off / bed.unbalanced_at_most).reshape(-1, size).max(axis=1)
-        out = off > _ENOUGH
+        out = off > ENOUGH
         worst = float(off.max())
         if not 0 < int(out.sum()) <= _FEW * len(out) or (turn > 1 and worst > _LESS * last):
             break

@@ -17,7 +17,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces
-from slopekit.preie.elastic_path.flow import Flow, relaxed
+from slopekit.preie.elastic_path.flow import ENOUGH, THICKEST, THIN, Flow, relaxed
 from slopekit.preie.system.assembly import AssemblyModel
 
 _STEPS = 250  # to a rest
@@ -29,10 +29,9 @@ _SPOTS, _SPOTS_ALONE = 0.05, 0.2  # part of the blocks that these may be, and of
 _PLACES = 0.02  # part of the blocks out of balance from which on those are
 _EVERY, _RINGS = 5, 2  # steps after which the places that are out of balance are, and how far around them
 _FEW = 0.05  # part of the blocks out of balance from which on they are settled by themselves
-_VISCOUS, _THINNEST, _THICKEST = 0.1, 1e-7, 0.3  # viscosity by what is out of balance, its least, its most
+_VISCOUS = 0.1  # viscosity by what is out of balance
 _GREW, _UP, _DOWN = 1.15, 2.0, 0.5  # what is out of balance grows by more: viscosity times these
 _OUT = 3.0  # of a block's load: more out of balance counts as that
-_ENOUGH = 0.3  # of what may stay unbalanced
 _ROUNDS, _ALONE, _PATIENCE = 9, 25, 150  # of settling blocks by themselves; steps, factorisations for it
 
 
@@ -205,13 +204,13 @@ class _ViscosityControl:
         share, count = _share(out), float((out > 1.0).sum())
         self.least = self.least + 1 if count >= 0.9 * self.count else 0
         self.count = min(count, self.count)
-        wanted = np.clip(_VISCOUS * share, _THINNEST, _THICKEST)
+        wanted = np.clip(_VISCOUS * share, THIN, THICKEST)
         if self.viscosity is None:
             self.viscosity = wanted
         else:
-            more = np.maximum(np.minimum(_UP * self.viscosity, _THICKEST), 0.3 * wanted)
+            more = np.maximum(np.minimum(_UP * self.viscosity, THICKEST), 0.3 * wanted)
             self.viscosity = np.where(share > _GREW * self.before, more, _DOWN * self.viscosity)
-            self.viscosity = np.clip(self.viscosity, _THINNEST, 3.0 * wanted)
+            self.viscosity = np.clip(self.viscosity, THIN, 3.0 * wanted)
         self.before = share
         around = self.viscosity.copy()
         for one, other in ((self.plus, self.minus), (self.minus, self.plus)):
@@ -229,7 +228,7 @@ def _settled(bed: Bed, at: Floats, parameter: float) -> Flow | None:
     size = bed.model.unknowns
     for turn in range(_ROUNDS):
         there = bed.forces(at, parameter)
-        out = _out(bed, there) > _ENOUGH
+        out = _out(bed, there) > ENOUGH
         if not out.any():
             return Flow(at, there, "rest", at, 0.0)
         for _ in range(turn % 3):
@@ -248,7 +247,7 @@ def _settled(bed: Bed, at: Floats, parameter: float) -> Flow | None:
         step = bed.newton(trial, trial, parameter, 0.0, None, downhill=True)
         if step.settled:
             return Flow(step.at, step.forces, "rest", step.at, 0.0)
-        left = [int((_out(bed, forces) > _ENOUGH).sum()) for forces in (step.forces, bed.forces(trial, parameter))]
+        left = [int((_out(bed, forces) > ENOUGH).sum()) for forces in (step.forces, bed.forces(trial, parameter))]
         at = step.at if left[0] <= left[1] else trial
     return None
 

@@ -24,7 +24,7 @@ from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import EQUILIBRIUM, FLOWS, NO_MOTION, OPENS_ROUGHLY, SAME_FACTOR, TINY
 
-_MOST_ROUNDS, _MOST_GROUPS = 60, 8  # of cohesion lost; of groups of blocks that fail
+_MOST_ROUNDS, MOST_GROUPS = 60, 8  # of cohesion lost; groups of blocks that are tried, one after the other
 _LITTLE = 0.02  # of the work of a motion that has not settled: cohesion that it opens does no more
 # cosine of two motions from which on they are one: of 69 random benches (46 to 140, 5 kPa) one moves with 0.5 (46: 10.2
 # for 10.7), two with 0.9999 (66: 0.527 for 0.492); of 35 others none from 0.9 to 0.999
@@ -210,7 +210,7 @@ def with_bonds(
     begun = np.ones(len(model.control_area)) if bond is None else bond
     rounds = _Rounds(model, once, working, load_grows, begun)
     last = rounds.limit(begun, True)
-    for _ in range(_MOST_GROUPS):  # forces of one alone are none of all blocks
+    for _ in range(MOST_GROUPS):  # forces of one alone are none of all blocks
         ended = rounds.ended(last)
         vouched = rounds.vouched(ended)
         if isinstance(vouched, Bonded):

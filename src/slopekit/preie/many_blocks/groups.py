@@ -13,6 +13,7 @@ from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome
 from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rest_at, rests_before
 from slopekit.preie.many_blocks.blocks import first_limit, unit_bound
 from slopekit.preie.many_blocks.blocks_limit import Span
+from slopekit.preie.many_blocks.bonds import MOST_GROUPS
 from slopekit.preie.many_blocks.key_blocks import slide_alone
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.programs.bounds import mechanism_range
@@ -21,7 +22,7 @@ from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, model_of
 from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
 
-_MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
+_MOST_GROUP = 0.5  # how much of all a group may be
 _OF_GROUP, _OF_OPEN = 0.6, 0.5  # of the work that is left, for the limit of a group, and a rest without more bonds
 
 Solution = tuple[AssemblyModel, PathLimit, Floats]
@@ -201,7 +202,7 @@ class Groups:
         if not len(self.alone):
             return None
         group, work = self._first(bond, falls), 0
-        for _ in range(_MOST_GROUPS):
+        for _ in range(MOST_GROUPS):
             solution = self._of_group(group, bond, falls)
             if solution is None:
                 return None

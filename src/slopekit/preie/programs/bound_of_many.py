@@ -45,7 +45,7 @@ from slopekit.preie.tolerances import (
     DIAGONAL_SHIFT,
     EACH_BALANCED,
     FARTHEST,
-    LEAST_REDUCTION,
+    LEAST_STRENGTH,
     NEAR,
     TINY,
 )
@@ -201,7 +201,7 @@ def _run(program: _Shortfall, start: float, known: bool = False) -> StaticBound 
     for steps in range(MOST_STEPS):
         strengths = program.at(reduction)
         off = residuals(program, strengths, at)
-        if not np.isfinite(off.gap) or not LEAST_REDUCTION < reduction < FARTHEST:
+        if not np.isfinite(off.gap) or not LEAST_STRENGTH < reduction < FARTHEST:
             return None
         short, falls, worth = at.load_factor - 1.0, program.falls(at), program.worth(at, off)
         if falls == 0.0:  # no strength at all

@@ -32,7 +32,7 @@ from slopekit.preie.tolerances import (
     CLOSE,
     EACH_BALANCED,
     EQUILIBRIUM,
-    LEAST_REDUCTION,
+    LEAST_STRENGTH,
     LIFTED_BALANCED,
     LIFTED_SHED,
     LIGHTEST,
@@ -69,7 +69,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
             return StaticBound(None, False, True, at.velocity, normal, steps)
         return StaticBound(None, True, False, program.release(), at.normal, steps)
     if at_once.settled and at_once.unbalanced < BOUND_ACCURACY:
-        locked = at.load_factor < LEAST_REDUCTION
+        locked = at.load_factor < LEAST_STRENGTH
         known = StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
         if locked or not few or (model.unknowns == 3 and is_proved(model, known)):
             return known

@@ -23,7 +23,7 @@ from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     CLOSE,
     FARTHEST,
-    LEAST_REDUCTION,
+    LEAST_STRENGTH,
     LIGHTEST,
     NEAR,
     NO_MOTION,
@@ -203,7 +203,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             return ended(trial, False)
         if high < low * (1.0 + CLOSE):
             return ended(high, high > _ROUNDED and proved > (1.0 - BOUND_ACCURACY) * high)
-        if reduction < LEAST_REDUCTION:
+        if reduction < LEAST_STRENGTH:
             return bound(None, locked=True)
         if low > FARTHEST:
             break
