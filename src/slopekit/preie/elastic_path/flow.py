@@ -17,7 +17,7 @@ from slopekit.preie.elastic_path.bed import Bed, BedForces, NewtonStep
 EASES, _GENTLY = 0.2, 0.5
 THICK = 1e-2  # viscosity in parts of the elastic stiffness, to go on with
 #: The least viscosity, and the most that is needed: with that, in space, a step has to be found.
-THIN, THICKEST = 1e-7, 0.3
+THIN, THICKEST = 1e-8, 0.3
 _FAILS = 6  # steps in a row
 _MANY = 12  # blocks in space
 _FEW, _ROUNDS, _WORK = 0.3, 8, 60  # part of the blocks that are settled by themselves, how often, factorisations

@@ -15,7 +15,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.limit_state import LimitState, settled_limit_state
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import DRIVEN, EQUILIBRIUM, NO_FORCE, OPENS_ROUGHLY, PASSES_STEADY, TINY
+from slopekit.preie.tolerances import DRIVEN, EQUILIBRIUM, NO_FORCE, OPENS_IN_PASSES, PASSES_STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:  # most limits need no passes
@@ -186,7 +186,7 @@ def opens(model: Model, velocity: Floats, tan_dilation: Floats) -> Bools:
     """Which pairs a motion opens beyond their dilation, (n,)."""
     motion = model.relative(velocity)
     opening, slip = motion[:, 0], np.sqrt((motion[:, 1:] * motion[:, 1:]).sum(axis=1))
-    beyond: Bools = opening - tan_dilation * slip > OPENS_ROUGHLY * max(float(slip.max()), float(opening.max()))
+    beyond: Bools = opening - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(opening.max()))
     return beyond
 
 
