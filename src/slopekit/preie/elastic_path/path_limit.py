@@ -10,7 +10,7 @@ from scipy.linalg import lapack
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed, BedForces
-from slopekit.preie.tolerances import ADMISSIBLE, DIAGONAL_SHIFT, EQUILIBRIUM, NO_MOTION, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import ADMISSIBLE, MODES_SHIFT, EQUILIBRIUM, NO_MOTION, SAME_LIMIT, TINY
 
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 #: Unknowns from which a path takes seconds: then other ways are tried first, and fewer where they lead nowhere.
@@ -153,7 +153,7 @@ def _bordered(bed: Bed, here: BedForces, parameter: float, across: Floats) -> Ca
     """A solver of the modes' stiffness with the parameter as one more unknown and `across` as one more equation."""
     size = bed.size
     matrix = np.zeros((size + 1, size + 1))
-    local = bed.tangent(here, parameter, turning=False) + DIAGONAL_SHIFT * bed.elastic
+    local = bed.tangent(here, parameter, turning=False) + MODES_SHIFT * bed.elastic
     matrix[:-1, :-1] = bed.stiffness.dense(local)
     matrix[:-1, -1] = -bed.by_parameter(here, parameter)
     matrix[-1, :-1] = across
