@@ -22,8 +22,8 @@ SPRING_ROUNDING = 10.0 * sys.float_info.epsilon
 #: much moves a factor in two sections of 37.
 DIAGONAL_SHIFT = ROUNDING
 
-#: The same, in parts of the elastic stiffness, for the modes of a limit state: there may be several motions, and a tenth
-#: of it takes another in 4 sections of 450 (one of 1.507 fails at 1.302 then).
+#: The same, in parts of the elastic stiffness, for the modes of a limit state: there may be several motions. A tenth of
+#: it takes another in 4 sections of 450 (358 has 1.302 for 1.507).
 MODES_SHIFT = 10.0 * ROUNDING
 
 #: Force, in parts of the load, or tan φ, that is none: some ten times what is left where forces balance.
