@@ -67,7 +67,7 @@ def relaxed(
             break
         step = stepped(bed, at, at, parameter, viscosity)
         if not step.settled:
-            viscosity, fails = max(viscosity / EASES, THICK), fails + 1
+            viscosity, fails = max(1.0 / EASES * viscosity, THICK), fails + 1
             least = viscosity if bed.tangents > 1 else THIN  # of many blocks in space it goes slowly from there
             if fails > _FAILS:
                 return Flow(at, bed.forces(at, parameter), "lost", before, last)
