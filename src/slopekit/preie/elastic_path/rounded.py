@@ -26,7 +26,6 @@ from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.programs.cones import along_rows
 from slopekit.preie.tolerances import ALIGNED, EACH_BALANCED, LIGHTEST, SHARP, TINY
-from slopekit.strength.mohr_coulomb import line
 
 _FIRST, _LONGEST, _SHORTEST = 0.3, 2.0, 1e-4  # steps along the curve, 1 being a change of all forces or of W by e
 _CORRECTIONS = 8  # of a step
@@ -256,8 +255,7 @@ class RoundedPath:
         return math.exp(rounding - work) * self._unit
 
     def _strength(self, normal: Floats) -> Floats:
-        carried = np.asarray(np.bincount(self.bed.group_of_pair, normal, self.bed.groups), dtype=np.float64)
-        return line(self.bed.cohesion, self.bed.friction, carried)
+        return self.bed.strength_of(normal)
 
     def _motion(self, velocity: Floats) -> tuple[Floats, Floats]:
         relative = self.bed.rows @ velocity
@@ -326,7 +324,7 @@ class RoundedPath:
         bed, slow = self.bed, math.exp(-work)
         give, shear_give = slow * self._give, slow * self._shear_give
         strength = self._strength(at.normal)
-        allowed, follows = at.reduction * strength, at.reduction * bed.friction
+        allowed, follows = at.reduction * strength, at.reduction * bed.slopes_of(at.normal)
         opening, slip = self._motion(at.velocity)
         residual = _Residual(
             self._on_blocks(at.normal, at.friction) + bed.drive.load,
@@ -367,13 +365,13 @@ class RoundedPath:
                 -residual.sliding - along_rows(at.friction, residual.shear),
                 -residual.across - allowed[:, None] * residual.shear,
             )
-            stronger = follows * np.bincount(bed.group_of_pair, pressed, bed.groups)
+            stronger = bed.followed(follows, pressed)
             velocity = solver(residual.balance + self._on_blocks(pressed, dragged + by_strength * stronger[:, None]))
             reduction = (-residual.work - float(bed.working @ velocity)) / gained
             velocity = velocity + reduction * by_reduction
             opens, slips = self._motion(velocity)
             normal = pressed - springs * opens
-            stronger = follows * np.bincount(bed.group_of_pair, normal, bed.groups) + strength * reduction
+            stronger = bed.followed(follows, normal) + strength * reduction
             friction = dragged + np.matmul(tangent, slips[:, :, None])[:, :, 0] + by_strength * stronger[:, None]
             # each is a large number there, and rounding does not matter
             gap = np.where(

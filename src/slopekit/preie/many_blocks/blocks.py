@@ -70,7 +70,7 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
     """The limit with the work that is allowed."""
     model, unit = _in_unit_strength(model)
     strong = unit > 0.0
-    bound = _bound(model if strong else replace(model, tan_friction=np.full(len(model.tan_friction), 10.0)))
+    bound = _bound(_bounding(model) if strong else replace(model, tan_friction=np.full(len(model.tan_friction), 10.0)))
     if bound.lifted:
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
@@ -86,6 +86,15 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
         sooner=_times(limit.sooner, unit),
     )  # fmt: skip
+
+
+def _bounding(model: AssemblyModel) -> AssemblyModel:
+    """The model whose static bound is one: of laws that the path follows their tangents at the first tractions."""
+    if model.lines is None or not model.lines.followed:
+        return model
+    from slopekit.preie.system.strength_lines import outer  # only curved laws pay for it
+
+    return outer(model)
 
 
 def _bound(model: AssemblyModel) -> StaticBound:
@@ -111,7 +120,10 @@ def _in_unit_strength(model: AssemblyModel) -> tuple[AssemblyModel, float]:
     tan_friction, bonds = model.tan_friction / unit, model.cohesion / unit
     if model.lines is None:  # lines of curved laws settle to more digits
         tan_friction, bonds = _rounded(tan_friction), _rounded(bonds / model.control_area) * model.control_area
-    return replace(model, tan_friction=frozen(tan_friction), cohesion=frozen(bonds)), unit
+    lines = model.lines
+    if lines is not None and lines.followed:
+        lines = lines.reduced(unit)
+    return replace(model, tan_friction=frozen(tan_friction), cohesion=frozen(bonds), lines=lines), unit
 
 
 def _rounded(values: Floats) -> Floats:

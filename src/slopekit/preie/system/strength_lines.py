@@ -49,12 +49,14 @@ class StrengthLines:
     joint : (n,) of each node pair, -1 where it has none (bolts)
     normal : (n,) normal forces, in parts of the load, that the lines were drawn at
     rounds : how often they were drawn
+    followed : whether elastic joints ask the laws themselves (`curved_joints`), and not the lines
     """
 
     laws: tuple[StrengthLaw | None, ...]
     joint: Ints
     normal: Floats
     rounds: int = 0
+    followed: bool = False
 
     def chosen(self, pairs: Ints) -> "StrengthLines":
         """Those of some node pairs."""
@@ -85,7 +87,7 @@ def drawn(model: AnyModel, normal: Floats) -> AnyModel:
     """The model with its lines at other normal forces (n,), those of straight joints as they are."""
     assert model.lines is not None
     slopes, _, _ = _at(model, normal, secant)
-    lines = replace(model.lines, normal=frozen(normal), rounds=model.lines.rounds + 1)
+    lines = replace(model.lines, normal=frozen(normal), rounds=model.lines.rounds + 1, followed=False)
     return replace(model, tan_friction=frozen(_shared(model, slopes, normal)), lines=lines)
 
 
@@ -258,7 +260,18 @@ def mean_stress_limit(model: Model) -> Limit:
 def settled_blocks(
     model: AssemblyModel, limit_of: Callable[[AssemblyModel], BlocksLimit]
 ) -> tuple[AssemblyModel, BlocksLimit]:
-    """The limit of an assembly with every pair on the line of its own traction, and the model with those lines."""
+    """The limit of an assembly with every pair on the line of its own traction, and the model with those lines.
+
+    The path asks the laws as it goes. Where joints dilate, which they do by no more than their friction angle, it has
+    lines, drawn anew until they stay.
+    """
+    assert model.lines is not None
+    if not model.tan_dilation.any():
+        limit = limit_of(replace(model, lines=replace(model.lines, followed=True)))
+        if limit.factor:
+            model = drawn(model, limit.normal_force)
+            limit = _with_bound(model, limit)
+        return model, limit
     steps = 0
 
     def solve(drawn_model: AssemblyModel) -> BlocksLimit:
@@ -273,13 +286,19 @@ def settled_blocks(
     )
     if limit.factor:
         limit = replace(limit, change=max(limit.change, off if off > max(ROUNDING, exact) else 0.0), steps=steps)
-        if limit.static_bound is not None:
-            try:
-                bound = static_bound(outer(model)).factor
-            except EffortSpentError:
-                bound = None
-            limit = replace(limit, static_bound=None if bound is None else max(bound, limit.factor or 0.0))
+        limit = _with_bound(model, limit)
     return model, limit
+
+
+def _with_bound(model: AssemblyModel, limit: BlocksLimit) -> BlocksLimit:
+    """The limit with the static bound of the tangents at its own tractions."""
+    if limit.static_bound is None:
+        return limit
+    try:
+        bound = static_bound(outer(model)).factor
+    except EffortSpentError:
+        bound = None
+    return replace(limit, static_bound=None if bound is None else max(bound, limit.factor or 0.0))
 
 
 def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
@@ -290,6 +309,11 @@ def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel,
         exact = SAME_LIMIT if model.unknowns == 6 else 0.0
         return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
 
+    assert model.lines is not None
+    if not model.tan_dilation.any():
+        followed = replace(model, lines=replace(model.lines, followed=True))
+        path_end, limit = load_limit(followed, model.live, reduction)
+        return drawn(model, limit.normal_force), path_end, limit
     model, (path_end, limit), _ = _rounds(
         model, lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
     )
