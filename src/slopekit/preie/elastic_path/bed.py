@@ -27,7 +27,7 @@ from slopekit.core.records import dataclass
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
-from slopekit.preie.system.curved_joints import PairStrengths
+from slopekit.preie.system.joint_strengths import strengths_of
 from slopekit.preie.system.patterns import ContactPattern
 from slopekit.preie.tolerances import (
     DIAGONAL_SHIFT,
@@ -142,10 +142,11 @@ class Bed:
         self.size = model.load.size
         self.area = model.control_area
         self.group_of_pair = model.group_of_pair
+        self.strengths = strengths_of(model, self.group_of_pair)
+        self._summed = self.strengths.summed
         self.spring = ratio * self._summed(self.area)
         self.cohesion = self._summed(model.cohesion * self.bond)
         self.friction = model.tan_friction
-        self.curved = PairStrengths(model) if model.lines is not None and model.lines.followed else None
         self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
         self.stiffness = SparseStiffness(model, symmetric=held is None)
@@ -222,10 +223,6 @@ class Bed:
         parts: Floats = of_block / np.maximum(own, 1e-12 * float(own.max()))[:, None]
         return parts.ravel()
 
-    def _summed(self, of_pairs: Floats) -> Floats:
-        sums: Floats = np.bincount(self.group_of_pair, of_pairs, self.groups).astype(np.float64, copy=False)
-        return sums
-
     # -- the law ------------------------------------------------------------------------------------------------------
 
     def forces(
@@ -242,15 +239,7 @@ class Bed:
         reduction, load = self.drive.at(parameter)
         if self._kernels is not None and modes is None and not self.dilates and self.slid is None:
             there = self._compiled_forces(at, reduction, load, frozen)
-            if self.curved is None:
-                return there
-            strength = self.strength_of(there.normal)
-            if self.bolted is not None:  # slack ones have none
-                strength = np.where(self.bolted, there.strength, strength)
-            if frozen is None:
-                there = self._compiled_forces(at, reduction, load, reduction * strength)
-            there.strength = strength
-            return there
+            return self._by_laws(there, at, reduction, frozen, load) if self.strengths.curved else there
         relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         if self.slid is not None:
@@ -266,7 +255,7 @@ class Bed:
             slack = self.bolted & (direction[:, 0] > 0.0)
             cohesion = np.where(slack, 0.0, cohesion)
             frozen = None if frozen is None else np.where(slack, 0.0, frozen)
-        strength = self.strength_of(normal, cohesion)
+        strength = self.strengths.at(normal, cohesion)
         allowed = reduction * strength if frozen is None else frozen
         if modes is None:
             slips = size > allowed
@@ -288,37 +277,6 @@ class Bed:
             SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
         )  # fmt: skip
 
-    def strength_of(self, normal: Floats, cohesion: Floats | None = None) -> Floats:
-        """What friction forces may be at most (g,), not reduced, at normal forces (m,).
-
-        Parameters
-        ----------
-        cohesion : (g,) another one, as where bolts are slack
-        """
-        bonds = self.cohesion if cohesion is None else cohesion
-        if self.curved is None:
-            return line(bonds, self.friction, self._summed(normal))
-        return bonds + self._summed(self.curved.resistance(normal))
-
-    def slopes_of(self, normal: Floats) -> Floats:
-        """How strength follows normal forces (m,): tan φ (g,), and where laws are curved that of each pair, (m,)."""
-        return self.friction if self.curved is None else self.curved.slope(normal)
-
-    def followed(self, follows: Floats, pressed: Floats) -> Floats:
-        """What forces (m,) are worth in strength, (g,), which follows them as `slopes_of` says."""
-        if self.curved is None:
-            followed: Floats = follows * np.bincount(self.group_of_pair, pressed, self.groups)
-            return followed
-        return self._summed(follows * pressed)
-
-    def _dragging(self, follows: Floats, touching: Bools | Floats) -> Floats:
-        """The same as rows (g, u) of the motion of the contact."""
-        if self.curved is None:
-            pressing = np.add.reduceat(self._pressing * touching[:, None], self.model.group_first)
-            return follows[:, None] * pressing
-        rows: Floats = np.add.reduceat(self._pressing * (follows * touching)[:, None], self.model.group_first)
-        return rows
-
     def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
         friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
@@ -332,6 +290,16 @@ class Bed:
             normal, friction, strength, touching, slips, direction, slip, unbalanced, max(self.load_size, highest),
             SPRING_ROUNDING * (pressed + longest),
         )  # fmt: skip
+
+    def _by_laws(self, there: BedForces, at: Floats, reduction: float, frozen: Any, load: Floats) -> BedForces:
+        """The same with the strengths that curved laws have at its normal forces."""
+        strength = self.strengths.at(there.normal, self.cohesion)
+        if self.bolted is not None:  # slack ones have none
+            strength = np.where(self.bolted, there.strength, strength)
+        if frozen is None:
+            there = self._compiled_forces(at, reduction, load, reduction * strength)
+        there.strength = strength
+        return there
 
     def _dilation(self, reduction: float) -> Floats:
         """Tangents of dilation (g,): no joint dilates by more than its reduced friction angle."""
@@ -378,17 +346,12 @@ class Bed:
         if self._kernels is not None and not self.dilates:
             local = np.empty_like(self.elastic)
             reduction, _ = self.drive.at(parameter)
-            straight = coupled and self.curved is None
+            curved = coupled and self.strengths.curved
             self._kernels.tangent(
-                self._law, reduction, viscosity, straight, turning, there.touching, there.slips, there.direction,
-                there.friction, there.slip, self.elastic, local,
+                self._law, reduction, viscosity, coupled and not curved, turning, there.touching, there.slips,
+                there.direction, there.friction, there.slip, self.elastic, local,
             )  # fmt: skip
-            if coupled and not straight and there.slips.any():
-                slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]
-                dragging = self._dragging(reduction * self.slopes_of(there.normal), there.touching)
-                dragging[~there.slips] = 0.0
-                local -= self._by_contact(slipping[:, :, None] * dragging[:, None, :])
-            return local
+            return local - self._coupled(there, reduction) if curved else local
         carried = np.sqrt((there.friction * there.friction).sum(axis=1))
         sideways = self.spring.copy()
         if turning:
@@ -402,12 +365,10 @@ class Bed:
         local = self._local(there.touching, tangent)
         if coupled and there.slips.any():
             reduction, _ = self.drive.at(parameter)
-            slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
             if not self.dilates:
-                dragging = self._dragging(reduction * self.slopes_of(there.normal), there.touching)
-                dragging[~there.slips] = 0.0
-                local -= self._by_contact(slipping[:, :, None] * dragging[:, None, :])
+                local -= self._coupled(there, reduction)
             else:
+                slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
                 pressing = np.add.reduceat(self._pressing * there.touching[:, None], self.model.group_first)
                 gain = np.where(there.slips, reduction * self.friction, 0.0)
                 dilation = np.where(there.slips, self._dilation(reduction), 0.0)
@@ -418,6 +379,14 @@ class Bed:
                 local -= self._by_contact((dilation[:, None] * pressing)[:, :, None] * beyond[:, None, :])
         return local + viscosity * self.elastic if viscosity else local
 
+    def _coupled(self, there: BedForces, reduction: float) -> Floats:
+        """How friction that slips follows the normal forces: a stiffness (k, u, u) that is taken away."""
+        slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
+        pressing = self._pressing * there.touching[:, None]
+        dragged = self.strengths.rows(reduction * self.strengths.slopes(there.normal), pressing)
+        dragged[~there.slips] = 0.0
+        return self._by_contact(slipping[:, :, None] * dragged[:, None, :])
+
     def mixed(self, springs: Floats, tangent: Floats, by_strength: Floats, follows: Floats) -> Floats:
         """Stiffness (k, u, u) of contacts with given springs.
 
@@ -425,11 +394,12 @@ class Bed:
         ----------
         springs : (m,) of the pairs; tangent : (g, t, t) how friction changes with slip
         by_strength : (g, t) how it changes with what it may carry; follows : how that follows the normal forces, as
-            `slopes_of` says
+            `JointStrengths.slopes` says
         """
         touching = springs / self.area
+        pressing = self._pressing * touching[:, None]
         dragged = np.matmul(self._transposed, by_strength[:, :, None])[:, :, 0]
-        coupled = self._by_contact(dragged[:, :, None] * self._dragging(follows, touching)[:, None, :])
+        coupled = self._by_contact(dragged[:, :, None] * self.strengths.rows(follows, pressing)[:, None, :])
         return self._local(touching, -tangent) + coupled
 
     def by_parameter(self, there: BedForces, parameter: float) -> Floats:

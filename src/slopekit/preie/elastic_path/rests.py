@@ -43,7 +43,7 @@ def rest_at(bed: Bed, at: Floats, parameter: float) -> Flow | None:
 
 def _is_large(bed: Bed) -> bool:
     """Whether a lagged rest is looked for first: with bonds only where there is no other, it rounds what lies open."""
-    return bed.tangents > 1 and bed.curved is None and bed.size > (_LAGGED_FAR if bed.has_bonds else _LAGGED)
+    return bed.tangents > 1 and not bed.strengths.curved and bed.size > (_LAGGED_FAR if bed.has_bonds else _LAGGED)
 
 
 def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:

@@ -255,7 +255,7 @@ class RoundedPath:
         return math.exp(rounding - work) * self._unit
 
     def _strength(self, normal: Floats) -> Floats:
-        return self.bed.strength_of(normal)
+        return self.bed.strengths.at(normal, self.bed.cohesion)
 
     def _motion(self, velocity: Floats) -> tuple[Floats, Floats]:
         relative = self.bed.rows @ velocity
@@ -324,7 +324,7 @@ class RoundedPath:
         bed, slow = self.bed, math.exp(-work)
         give, shear_give = slow * self._give, slow * self._shear_give
         strength = self._strength(at.normal)
-        allowed, follows = at.reduction * strength, at.reduction * bed.slopes_of(at.normal)
+        allowed, follows = at.reduction * strength, at.reduction * bed.strengths.slopes(at.normal)
         opening, slip = self._motion(at.velocity)
         residual = _Residual(
             self._on_blocks(at.normal, at.friction) + bed.drive.load,
@@ -365,13 +365,13 @@ class RoundedPath:
                 -residual.sliding - along_rows(at.friction, residual.shear),
                 -residual.across - allowed[:, None] * residual.shear,
             )
-            stronger = bed.followed(follows, pressed)
+            stronger = bed.strengths.followed(follows, pressed)
             velocity = solver(residual.balance + self._on_blocks(pressed, dragged + by_strength * stronger[:, None]))
             reduction = (-residual.work - float(bed.working @ velocity)) / gained
             velocity = velocity + reduction * by_reduction
             opens, slips = self._motion(velocity)
             normal = pressed - springs * opens
-            stronger = bed.followed(follows, normal) + strength * reduction
+            stronger = bed.strengths.followed(follows, normal) + strength * reduction
             friction = dragged + np.matmul(tangent, slips[:, :, None])[:, :, 0] + by_strength * stronger[:, None]
             # each is a large number there, and rounding does not matter
             gap = np.where(

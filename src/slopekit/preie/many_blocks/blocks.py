@@ -350,7 +350,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
 
 def unit_bound(model: AssemblyModel) -> StaticBound:
     """The static bound in parts of what friction angles and cohesions suggest; it has all bonds."""
-    return static_bound(_in_unit_strength(model)[0])
+    return static_bound(_bounding(_in_unit_strength(model)[0]))
 
 
 def bound_of(model: AssemblyModel) -> float | None:
@@ -359,7 +359,7 @@ def bound_of(model: AssemblyModel) -> float | None:
     if not unit:
         return None
     with allowed(MOST):
-        return _times(_bound(model).factor, unit)
+        return _times(_bound(_bounding(model)).factor, unit)
 
 
 def first_limit(
@@ -448,7 +448,7 @@ def _is_locked(model: AssemblyModel, peak: PathLimit, bound: StaticBound) -> boo
     """Whether a rest needs many times the strength of the static bound with the bonds that are left there."""
     parameter = peak.parameter or 0.0
     if parameter * (bound.factor or 0.0) > _LOCKED and (peak.bond == 0.0).any():
-        bound = _bound(replace(model, cohesion=frozen(model.cohesion * peak.bond)))
+        bound = _bound(_bounding(replace(model, cohesion=frozen(model.cohesion * peak.bond))))
     return parameter * (bound.factor or 0.0) > _LOCKED
 
 

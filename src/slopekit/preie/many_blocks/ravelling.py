@@ -8,6 +8,7 @@ what is left of that component is solved anew. Contacts in space that twist get 
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -246,7 +247,8 @@ def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
 
 def _large(model: AssemblyModel) -> bool:
     """Whether groups of a component propose its limit."""
-    return model.unknowns == 6 and len(model.load) > _LARGE and model.lines is None
+    followed = model.lines is None or model.lines.followed
+    return model.unknowns == 6 and len(model.load) > _LARGE and followed
 
 
 def component_limit(
@@ -260,7 +262,7 @@ def component_limit(
         return model, limit_of_blocks(model, False, proposal=proposal, bond=bond)
     from slopekit.preie.system.strength_lines import settled_blocks  # only curved laws pay for it
 
-    return settled_blocks(model, limit_of_blocks)
+    return settled_blocks(model, partial(limit_of_blocks, ranged=False, proposal=proposal, bond=bond))
 
 
 def _no_later(part: Part, parts: Iterable[Part]) -> Part:

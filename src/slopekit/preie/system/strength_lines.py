@@ -19,14 +19,14 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.many_blocks.blocks import load_limit
-from slopekit.preie.many_blocks.blocks_limit import BlocksLimit
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.effort import EffortSpentError
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import LEAST_TRACTION, NO_FORCE, ROUNDING, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import BOUND_ACCURACY, LEAST_TRACTION, NO_FORCE, ROUNDING, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
@@ -76,11 +76,17 @@ class StrengthLines:
 def first_lines(
     laws: Sequence[StrengthLaw | None], joint: Ints, model: AnyModel, mean_kpa: float
 ) -> AnyModel:  # fmt: skip
-    """A model with lines at one traction all over, to begin with; the same model where every law is straight."""
+    """A model with lines at one traction all over, to begin with; the same model where every law is straight.
+
+    Many blocks ask the laws themselves from there on; not where joints dilate, by no more than their friction angle.
+    """
     if not any(laws):
         return model
     normal = model.control_area * (mean_kpa * model.area_scale / model.force_scale)
-    return drawn(replace(model, lines=StrengthLines(tuple(laws), joint, normal)), normal)
+    model = drawn(replace(model, lines=StrengthLines(tuple(laws), joint, normal)), normal)
+    assert model.lines is not None
+    followed = isinstance(model, AssemblyModel) and not model.tan_dilation.any()
+    return replace(model, lines=replace(model.lines, followed=followed))
 
 
 def drawn(model: AnyModel, normal: Floats) -> AnyModel:
@@ -99,7 +105,9 @@ def outer(model: AnyModel) -> AnyModel:
     if model.lines is None:
         return model
     slopes, cohesion, curved = _at(model, model.lines.normal, tangent)
-    bonds = np.where(curved, cohesion * model.control_area * (model.area_scale / model.force_scale), model.cohesion)
+    _, none, _ = _at(model, model.lines.normal, secant)
+    area = model.control_area * (model.area_scale / model.force_scale)
+    bonds = np.where(curved, (cohesion - none) * area, 0.0) + model.cohesion  # less what is lost of τ(0)
     shared = _shared(model, slopes, model.lines.normal)
     return replace(model, tan_friction=frozen(shared), cohesion=frozen(bonds), lines=None)
 
@@ -262,15 +270,14 @@ def settled_blocks(
 ) -> tuple[AssemblyModel, BlocksLimit]:
     """The limit of an assembly with every pair on the line of its own traction, and the model with those lines.
 
-    The path asks the laws as it goes. Where joints dilate, which they do by no more than their friction angle, it has
-    lines, drawn anew until they stay.
+    Where the path follows the laws it is found at once, else on lines that are drawn anew until they stay.
     """
     assert model.lines is not None
-    if not model.tan_dilation.any():
-        limit = limit_of(replace(model, lines=replace(model.lines, followed=True)))
+    if model.lines.followed:
+        limit = limit_of(model)
         if limit.factor:
             model = drawn(model, limit.normal_force)
-            limit = _with_bound(model, limit)
+            limit = _with_bound(model, limit, limit.static_bound)
         return model, limit
     steps = 0
 
@@ -286,19 +293,25 @@ def settled_blocks(
     )
     if limit.factor:
         limit = replace(limit, change=max(limit.change, off if off > max(ROUNDING, exact) else 0.0), steps=steps)
-        limit = _with_bound(model, limit)
+        limit = _with_bound(model, limit, None)
     return model, limit
 
 
-def _with_bound(model: AssemblyModel, limit: BlocksLimit) -> BlocksLimit:
-    """The limit with the static bound of the tangents at its own tractions."""
-    if limit.static_bound is None:
+def _with_bound(model: AssemblyModel, limit: BlocksLimit, other: float | None) -> BlocksLimit:
+    """The limit with the static bound of the tangents at its own tractions, or `other` tangents, which may be lower.
+
+    Forces that the laws allow lie within any tangents: below the factor no such bound can be but by its accuracy.
+    """
+    if limit.static_bound is None or not limit.factor:
         return limit
     try:
         bound = static_bound(outer(model)).factor
     except EffortSpentError:
         bound = None
-    return replace(limit, static_bound=None if bound is None else max(bound, limit.factor or 0.0))
+    if bound is not None and bound < limit.factor * (1.0 - BOUND_ACCURACY):
+        return replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None, basis=Basis.NONE, static_bound=bound)
+    known = [one for one in (bound, other) if one is not None]
+    return replace(limit, static_bound=max(min(known), limit.factor) if known else None)
 
 
 def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
@@ -310,9 +323,8 @@ def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel,
         return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
 
     assert model.lines is not None
-    if not model.tan_dilation.any():
-        followed = replace(model, lines=replace(model.lines, followed=True))
-        path_end, limit = load_limit(followed, model.live, reduction)
+    if model.lines.followed:
+        path_end, limit = load_limit(model, model.live, reduction)
         return drawn(model, limit.normal_force), path_end, limit
     model, (path_end, limit), _ = _rounds(
         model, lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
