@@ -329,6 +329,8 @@ _OPENS = 1e-3  # of the fastest opening or slip
 _SETTLED = 1e-6  # change of λ while the work of the loads grows tenfold
 
 
+_LEAST_KPA, _APART = 1e-4, 1e-6  # traction below which curves are straight, and how far apart slopes are read off
+
 #: The tangent -dR/du (n, n) and dR/dλ (n,), where they are asked for.
 Slopes = Callable[[], tuple[np.ndarray, np.ndarray]]
 
@@ -380,7 +382,7 @@ class Joints:
         pressed = given.area * (opening < 0.0)
         normal = -pressed * opening
         trial = old.friction - (self.along * (given.slip @ u)).reshape(-1, t) + self._reached(old)
-        limit = np.where(given.bolted & (trial[:, 0] < 0.0), 0.0, self.bond) + given.friction * given.of_groups(normal)
+        limit = np.where(given.bolted & (trial[:, 0] < 0.0), 0.0, self.bond) + given.of_groups(self.resists(normal))
         most = strength * limit
         size = np.sqrt((trial * trial).sum(axis=1))
         slips = size > most
@@ -396,12 +398,20 @@ class Joints:
             rows = (self.along[:, None] * given.slip).reshape(len(limit), t, -1)
             tangent = given.normal.T @ closing + given.slip.T @ np.matmul(turn, rows).reshape(len(given.slip), -1)
             sums = np.zeros((len(limit), len(u)))
-            np.add.at(sums, given.group, closing)
-            pull = (e * (slips * strength * given.friction)[:, None])[:, :, None] * sums[:, None, :]
+            np.add.at(sums, given.group, self.follows(normal)[:, None] * closing)
+            pull = (e * (slips * strength)[:, None])[:, :, None] * sums[:, None, :]
             tangent += given.slip.T @ pull.reshape(len(given.slip), -1)
             return tangent, given.slip.T @ (e * (slips * limit)[:, None]).ravel()
 
         return left, friction, slopes
+
+    def resists(self, normal: np.ndarray) -> np.ndarray:
+        """What friction makes of normal forces (m,), (m,)."""
+        return self.given.friction[self.given.group] * normal
+
+    def follows(self, normal: np.ndarray) -> np.ndarray:
+        """How that changes with them, (m,)."""
+        return self.given.friction[self.given.group]
 
     def _reached(self, old: State) -> np.ndarray:
         return (self.along * old.slipped).reshape(old.friction.shape)
@@ -474,7 +484,30 @@ class Joints:
         return state, "lost", viscosity, before
 
 
-def history(model: AssemblyModel, start: float, stiffness: float = 0.4, cohesion: np.ndarray | None = None) -> History:
+class CurvedJoints(Joints):
+    """The same whose pairs have a curved law all over: its strength τ(σ) (kPa) and, by differences, its slope."""
+
+    def __init__(
+        self, given: Arrays, stiffness: float, shear: Callable[[np.ndarray], np.ndarray], kpa: np.ndarray
+    ) -> None:
+        """`kpa` (m,) is the normal force of each pair at a traction of one kPa."""
+        self._shear, self._kpa = shear, kpa
+        super().__init__(given, kpa * shear(np.zeros(len(kpa))), stiffness)
+
+    def resists(self, normal: np.ndarray) -> np.ndarray:
+        """What friction makes of normal forces (m,), (m,)."""
+        return self._kpa * (self._shear(normal / self._kpa) - self._shear(np.zeros(len(normal))))
+
+    def follows(self, normal: np.ndarray) -> np.ndarray:
+        """How that changes with them, (m,)."""
+        at = np.maximum(normal / self._kpa, _LEAST_KPA)
+        return (self._shear(at * (1.0 + _APART)) - self._shear(at * (1.0 - _APART))) / (2.0 * _APART * at)
+
+
+def history(
+    model: AssemblyModel, start: float, stiffness: float = 0.4, cohesion: np.ndarray | None = None,
+    bed: Joints | None = None,
+) -> History:  # fmt: skip
     """The limit state of one history: loads come on at strengths λ = `start`, which then go down slowly.
 
     Joints are elastic without tension, their slip is incremental: what slipped stays slipped. Every state is reached by
@@ -484,7 +517,7 @@ def history(model: AssemblyModel, start: float, stiffness: float = 0.4, cohesion
     times their friction, and lose their way from there.
     """
     given = arrays_of(model)
-    bed = Joints(given, given.cohesion if cohesion is None else cohesion, stiffness)
+    bed = bed or Joints(given, given.cohesion if cohesion is None else cohesion, stiffness)
     groups, t = len(given.friction), given.directions
     state = unmoved(given)
     nothing = np.zeros(len(given.area)), np.zeros((groups, t))

@@ -136,7 +136,8 @@ def _shared(model: AnyModel, slopes: Floats, normal: Floats) -> Floats:
     """Tan φ of the friction forces, from those of their pairs by what they carry."""
     if isinstance(model, Model) or len(model.group_first) == len(slopes):
         return slopes
-    weight = np.maximum(normal, LEAST_TRACTION * float(normal.mean()) * model.control_area)
+    # a pair that carries nothing has the steepest line of all: it may weigh nothing beside one that does
+    weight = np.maximum(normal, ROUNDING * float(normal.mean()) * model.control_area)
     weight = np.maximum(weight, TINY)
     return model.by_group(slopes * weight) / model.by_group(weight)
 
