@@ -23,7 +23,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
-from slopekit.core.records import dataclass
+from slopekit.preie.elastic_path.bed_states import BedForces, Drive, NewtonStep
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
@@ -34,84 +34,18 @@ from slopekit.preie.tolerances import (
     EACH_BALANCED,
     LIGHTEST,
     ROUGHLY_SETTLED,
-    SETTLED,
     SPRING_ROUNDING,
     TINY,
 )
-from slopekit.strength.mohr_coulomb import line
+
+__all__ = ["Bed", "BedForces", "Drive", "NewtonStep"]
 
 _DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
 _SHORTEST = 0.02  # step of a line search
 _TRIES = 12  # Newton steps
 _POLISHES = 3  # of a state that is at rest
 _KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node pairs
-
-
-@dataclass(slots=True)
-class BedForces:
-    """What the joints carry at a displacement.
-
-    Attributes
-    ----------
-    normal : (m,); friction : (g, t); strength : (g,) r, before it is reduced
-    touching : (m,); slips : (g,); direction : (g, t) of the slip; slip : (g,) its size
-    unbalanced : (N,) R; largest : of all forces; rounding : unbalanced force that is none
-    """
-
-    normal: Floats
-    friction: Floats
-    strength: Floats
-    touching: Bools
-    slips: Bools
-    direction: Floats
-    slip: Floats
-    unbalanced: Floats
-    largest: float
-    rounding: float
-
-    @property
-    def residual(self) -> float:
-        """Largest unbalanced generalised force."""
-        return float(np.abs(self.unbalanced).max())
-
-    def balanced(self, off: float, part: float = SETTLED) -> bool:
-        """Whether an unbalanced force is as small as it should be."""
-        return off <= max(part * self.largest, self.rounding)
-
-    def same_modes(self, other: "BedForces") -> bool:
-        """Whether the same pairs touch and the same joints slip."""
-        return bool((self.slips == other.slips).all() and (self.touching == other.touching).all())
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """What the path changes: the strength (`ramp` None, the parameter is λ), or the load P + parameter x ramp.
-
-    `strength` is the λ that stays while the load changes.
-    """
-
-    load: Floats
-    ramp: Floats | None = None
-    strength: float = 1.0
-
-    @property
-    def working(self) -> Floats:
-        """The load whose work drives, (N,)."""
-        return self.load if self.ramp is None else self.ramp
-
-    def at(self, parameter: float) -> tuple[float, Floats]:
-        """λ and the load (N,)."""
-        if self.ramp is None:
-            return parameter, self.load
-        return self.strength, self.load + parameter * self.ramp
-
-    def harder(self, parameter: float, ratio: float) -> float:
-        """The parameter made worse: `ratio` < 1 times the strength, or the load divided by it."""
-        return parameter * ratio if self.ramp is None else parameter / ratio
-
-    def gap(self, bad: float, good: float) -> float:
-        """How far apart a good and a worse parameter are, 1 where they are the same."""
-        return bad / good if self.ramp is None else good / bad
+_BENDS, _STRAIGHT = 40, 1e-14  # Newton steps along a curved one, and change, in parts of what sticks, that ends them
 
 
 class Bed:
@@ -266,7 +200,7 @@ class Bed:
             carried = np.where(slips, allowed, size)
         if self.dilates and frozen is None and slips.any():
             normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes, cohesion)
-            strength = line(cohesion, self.friction, self._summed(normal))
+            strength = self.strengths.at(normal, cohesion)
         friction = -direction * carried[:, None]
         if modes is not None:
             friction = np.where(slips[:, None], friction, -elastic)
@@ -309,16 +243,20 @@ class Bed:
         self, pressing: Floats, size: Floats, reduction: float, touching: Bools, carried: Floats,
         modes: BedForces | None, cohesion: Floats,
     ) -> tuple[Floats, Bools, Floats]:  # fmt: skip
-        """Normal forces, touching pairs and friction where slip presses the joints: piecewise linear in p."""
+        """Normal forces, touching pairs and friction where slip presses the joints: linear in p by pieces, on lines."""
         dilation, of_pair = self._dilation(reduction), self.group_of_pair
         pushes = self.area * dilation[of_pair] / self.spring[of_pair]
-        for _ in range(_KINKS):
-            allowed = reduction * line(cohesion, self.friction, self._summed(np.where(touching, pressing, 0.0)))
-            gain = reduction * self.friction * self._summed(np.where(touching, pushes, 0.0))
-            beyond = (size - allowed) / (1.0 + gain)  # k_t A p
+        strengths, beyond = self.strengths, np.zeros_like(size)
+        for _ in range(_BENDS if strengths.curved else _KINKS):
+            begun = beyond if strengths.curved else np.zeros_like(size)
+            there = np.where(touching, pressing + pushes * begun[of_pair], 0.0)
+            allowed = reduction * strengths.at(there, cohesion)
+            gain = strengths.followed(reduction * strengths.slopes(there), np.where(touching, pushes, 0.0))
+            beyond = begun + (size - begun - allowed) / (1.0 + gain)  # k_t A p
             beyond = np.maximum(beyond, 0.0) if modes is None else np.where(modes.slips, beyond, 0.0)
             now = pressing + pushes * beyond[of_pair] > 0.0 if modes is None else touching
-            if (now == touching).all():
+            bends = strengths.curved and bool((np.abs(beyond - begun) > _STRAIGHT * size).any())
+            if (now == touching).all() and not bends:
                 break
             touching = now
         normal = np.where(touching, pressing + pushes * beyond[of_pair], 0.0)
@@ -369,11 +307,14 @@ class Bed:
                 local -= self._coupled(there, reduction)
             else:
                 slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
-                pressing = np.add.reduceat(self._pressing * there.touching[:, None], self.model.group_first)
-                gain = np.where(there.slips, reduction * self.friction, 0.0)
+                rows = self._pressing * there.touching[:, None]
+                pressing = np.add.reduceat(rows, self.model.group_first)
+                follows = reduction * self.strengths.slopes(there.normal)
                 dilation = np.where(there.slips, self._dilation(reduction), 0.0)
-                stiff = self.spring + gain * dilation * self._summed(np.where(there.touching, self.area, 0.0))
-                beyond = (self.spring[:, None] * slipping + gain[:, None] * pressing) / stiff[:, None]
+                stiff = self.spring + dilation * self._pushed(follows, there)
+                dragged = self.strengths.rows(follows, rows)
+                dragged[~there.slips] = 0.0
+                beyond = (self.spring[:, None] * slipping + dragged) / stiff[:, None]
                 carries = np.where(there.slips, self.spring, 0.0)[:, None] * (slipping - beyond)
                 local += self._by_contact(slipping[:, :, None] * carries[:, None, :])
                 local -= self._by_contact((dilation[:, None] * pressing)[:, :, None] * beyond[:, None, :])
@@ -386,6 +327,10 @@ class Bed:
         dragged = self.strengths.rows(reduction * self.strengths.slopes(there.normal), pressing)
         dragged[~there.slips] = 0.0
         return self._by_contact(slipping[:, :, None] * dragged[:, None, :])
+
+    def _pushed(self, follows: Floats, there: BedForces) -> Floats:
+        """How strength grows with an even closing of what touches, (g,)."""
+        return self.strengths.followed(follows, np.where(there.touching, self.area, 0.0))
 
     def mixed(self, springs: Floats, tangent: Floats, by_strength: Floats, follows: Floats) -> Floats:
         """Stiffness (k, u, u) of contacts with given springs.
@@ -410,13 +355,13 @@ class Bed:
         normal = np.zeros(self.pairs)
         if self.dilates:
             dilation = np.where(there.slips, self._dilation(parameter), 0.0)
-            pushed = self._summed(np.where(there.touching, self.area, 0.0))
-            stiff = self.spring + parameter * self.friction * dilation * pushed
+            pushed = self._pushed(parameter * self.strengths.slopes(there.normal), there)
+            stiff = self.spring + dilation * pushed
             # where the joint dilates by all of its reduced friction angle that angle falls too
             steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)
             carried = np.sqrt((there.friction * there.friction).sum(axis=1))
             pressed = np.where(there.slips, steeper * (there.slip - carried / self.spring), 0.0)
-            beyond = -(weaker + parameter * self.friction * pushed * pressed) / stiff
+            beyond = -(weaker + pushed * pressed) / stiff
             weaker = -self.spring * beyond
             normal = np.where(there.touching, self.area, 0.0) * (dilation * beyond + pressed)[self.group_of_pair]
         changed: Floats = self.columns @ np.concatenate([normal, (-there.direction * weaker[:, None]).ravel()])
@@ -517,7 +462,7 @@ class Bed:
             at, there = trial, seen
         return at, there
 
-    def onward(self, step: "NewtonStep") -> Floats | None:
+    def onward(self, step: NewtonStep) -> Floats | None:
         """How the blocks go on from a state at rest as work is done, (N,) per unit of work; None where they do not."""
         try:
             solver = self.factored(self.tangent(step.forces, step.parameter))
@@ -541,7 +486,7 @@ class Bed:
 
     def newton(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
-    ) -> "NewtonStep":
+    ) -> NewtonStep:
         working = self.working
         there, off = self.unbalanced_parts(at, before, parameter, viscosity)
         size = best = float(np.abs(off).max())
@@ -591,14 +536,3 @@ class Bed:
             best = min(best, size)
         good = there.balanced(size, ROUGHLY_SETTLED) and self._each_balanced(off) and worked(at, 1e-6)
         return NewtonStep(at, parameter, there, good, _TRIES)
-
-
-@dataclass(slots=True)
-class NewtonStep:
-    """Where Newton's method ended: displacement (N,), parameter, forces, whether they balance, steps taken."""
-
-    at: Floats
-    parameter: float
-    forces: BedForces
-    settled: bool
-    taken: int

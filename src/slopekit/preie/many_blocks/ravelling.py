@@ -247,8 +247,7 @@ def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
 
 def _large(model: AssemblyModel) -> bool:
     """Whether groups of a component propose its limit."""
-    followed = model.lines is None or model.lines.followed
-    return model.unknowns == 6 and len(model.load) > _LARGE and followed
+    return model.unknowns == 6 and len(model.load) > _LARGE
 
 
 def component_limit(
@@ -262,7 +261,7 @@ def component_limit(
         return model, limit_of_blocks(model, False, proposal=proposal, bond=bond)
     from slopekit.preie.system.strength_lines import settled_blocks  # only curved laws pay for it
 
-    return settled_blocks(model, partial(limit_of_blocks, ranged=False, proposal=proposal, bond=bond))
+    return settled_blocks(model, partial(limit_of_blocks, ranged=False, bond=bond), proposal)
 
 
 def _no_later(part: Part, parts: Iterable[Part]) -> Part:

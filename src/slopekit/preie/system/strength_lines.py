@@ -19,14 +19,14 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.many_blocks.blocks import load_limit
-from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
 from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.effort import EffortSpentError
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import BOUND_ACCURACY, LEAST_TRACTION, NO_FORCE, ROUNDING, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import BOUND_ACCURACY, LEAST_TRACTION, NO_FORCE, NO_MOTION, ROUNDING, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
@@ -78,15 +78,14 @@ def first_lines(
 ) -> AnyModel:  # fmt: skip
     """A model with lines at one traction all over, to begin with; the same model where every law is straight.
 
-    Many blocks ask the laws themselves from there on; not where joints dilate, by no more than their friction angle.
+    Many blocks ask the laws themselves from there on.
     """
     if not any(laws):
         return model
     normal = model.control_area * (mean_kpa * model.area_scale / model.force_scale)
     model = drawn(replace(model, lines=StrengthLines(tuple(laws), joint, normal)), normal)
     assert model.lines is not None
-    followed = isinstance(model, AssemblyModel) and not model.tan_dilation.any()
-    return replace(model, lines=replace(model.lines, followed=followed))
+    return replace(model, lines=replace(model.lines, followed=isinstance(model, AssemblyModel)))
 
 
 def drawn(model: AnyModel, normal: Floats) -> AnyModel:
@@ -267,20 +266,23 @@ def mean_stress_limit(model: Model) -> Limit:
 
 
 def settled_blocks(
-    model: AssemblyModel, limit_of: Callable[[AssemblyModel], BlocksLimit]
+    model: AssemblyModel, limit_of: Callable[..., BlocksLimit], proposal: Proposal | None = None
 ) -> tuple[AssemblyModel, BlocksLimit]:
     """The limit of an assembly with every pair on the line of its own traction, and the model with those lines.
 
-    Where the path follows the laws it is found at once, else on lines that are drawn anew until they stay.
+    The path follows the laws. Where joints would dilate by more than the friction angle that is left of their line,
+    which no joint does, it has lines instead, drawn anew until they stay.
+
+    Parameters
+    ----------
+    limit_of : the limit of a model as it is, and with a `proposal`
     """
     assert model.lines is not None
-    if model.lines.followed:
-        limit = limit_of(model)
-        if limit.factor:
-            model = drawn(model, limit.normal_force)
-            limit = _with_bound(model, limit, limit.static_bound)
-        return model, limit
-    steps = 0
+    limit = limit_of(model, proposal=proposal)
+    settled_model = drawn(model, limit.normal_force) if limit.factor else model
+    if not _dilates_by_friction(model, settled_model, limit):
+        return settled_model, _with_bound(settled_model, limit, limit.static_bound)
+    steps = limit.steps
 
     def solve(drawn_model: AssemblyModel) -> BlocksLimit:
         nonlocal steps
@@ -290,12 +292,23 @@ def settled_blocks(
 
     exact = SAME_LIMIT if model.unknowns == 6 else 0.0
     model, limit, off = _rounds(
-        model, solve, lambda at_limit: (at_limit.normal_force, at_limit.factor, exact) if at_limit.factor else None
-    )
+        settled_model, solve,
+        lambda at_limit: (at_limit.normal_force, at_limit.factor, exact) if at_limit.factor else None,
+    )  # fmt: skip
     if limit.factor:
         limit = replace(limit, change=max(limit.change, off if off > max(ROUNDING, exact) else 0.0), steps=steps)
-        limit = _with_bound(model, limit, None)
-    return model, limit
+    return model, _with_bound(model, limit, None)
+
+
+def _dilates_by_friction(first: AssemblyModel, last: AssemblyModel, limit: BlocksLimit) -> bool:
+    """Whether a joint that slips at the limit dilates by all of its reduced friction angle, on first lines or last."""
+    if not limit.factor or not first.tan_dilation.any():
+        return False
+    _, slip = first.opening_and_slip(limit.velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    slips = (size > NO_MOTION * float(size.max(initial=0.0))) & (first.by_group(limit.normal_force) > 0.0)
+    least = np.minimum(first.tan_friction, last.tan_friction) / limit.factor
+    return bool((first.tan_dilation > least)[slips & ~first.bolted].any())
 
 
 def _with_bound(model: AssemblyModel, limit: BlocksLimit, other: float | None) -> BlocksLimit:
@@ -323,11 +336,11 @@ def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel,
         exact = SAME_LIMIT if model.unknowns == 6 else 0.0
         return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
 
-    assert model.lines is not None
-    if model.lines.followed:
-        path_end, limit = load_limit(model, model.live, reduction)
-        return drawn(model, limit.normal_force), path_end, limit
+    path_end, limit = load_limit(model, model.live, reduction)
+    settled_model = drawn(model, limit.normal_force)
+    if path_end.parameter is None or not _dilates_by_friction(model, settled_model, limit):
+        return settled_model, path_end, limit
     model, (path_end, limit), _ = _rounds(
-        model, lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
+        settled_model, lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
     )
     return model, path_end, limit
