@@ -53,6 +53,10 @@ def settlement(
     ----------
     start : the same at a smaller factor, to go on from; cohesion that is lost stays lost
     """
+    if model.lines is not None:
+        from slopekit.preie.system.strength_lines import by_lines, drawn  # only curved laws pay for it
+
+        model = by_lines(model)
     per_metre = stiffness.normal * model.area_scale * model.length_scale / model.force_scale
     group_area = model.by_group(model.control_area) * model.area_scale
     law = stiffness.tangential
@@ -85,8 +89,6 @@ def settlement(
             ratio = np.sqrt(ratio) * np.sqrt(stiff * np.maximum(1.0 - bent * shear, _LEAST) / stiffness.normal)
             ratio[bolted] = of_bolts
         if model.lines is not None:
-            from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
-
             model = drawn(model, forces.normal)
         moved = float(np.abs(at - before).max()) / float(np.abs(at).max())
         settled = taken > 0 and moved < SETTLEMENT_STEADY

@@ -18,7 +18,7 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.path_limit import PathLimit
-from slopekit.preie.many_blocks.blocks import load_limit
+from slopekit.preie.many_blocks.blocks import bound_of, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
 from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.one_block.passes import Limit, Outcome
@@ -33,6 +33,7 @@ from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 _MOST_ROUNDS = 120  # of lines drawn anew
 _MEMORY = 6  # rounds that Anderson's mixing remembers, and before it begins
 _MIX, _LONGEST = 0.3, 0.7  # its relaxation, and the longest step of ln tan φ
+_PRESSED = 10.0  # tractions in parts of the mean, up to which joints are taken not to dilate by their friction angle
 _FRUITLESS = 12  # rounds without gain: then the last alone is mixed, and after as many again the lines do not settle
 
 AnyModel = TypeVar("AnyModel", Model, AssemblyModel)
@@ -49,7 +50,7 @@ class StrengthLines:
     joint : (n,) of each node pair, -1 where it has none (bolts)
     normal : (n,) normal forces, in parts of the load, that the lines were drawn at
     rounds : how often they were drawn
-    followed : whether elastic joints ask the laws themselves (`curved_joints`), and not the lines
+    followed : whether elastic joints ask the laws themselves (`joint_strengths`), and not the lines
     """
 
     laws: tuple[StrengthLaw | None, ...]
@@ -92,7 +93,7 @@ def drawn(model: AnyModel, normal: Floats) -> AnyModel:
     """The model with its lines at other normal forces (n,), those of straight joints as they are."""
     assert model.lines is not None
     slopes, _, _ = _at(model, normal, secant)
-    lines = replace(model.lines, normal=frozen(normal), rounds=model.lines.rounds + 1, followed=False)
+    lines = replace(model.lines, normal=frozen(normal), rounds=model.lines.rounds + 1)
     return replace(model, tan_friction=frozen(_shared(model, slopes, normal)), lines=lines)
 
 
@@ -270,19 +271,19 @@ def settled_blocks(
 ) -> tuple[AssemblyModel, BlocksLimit]:
     """The limit of an assembly with every pair on the line of its own traction, and the model with those lines.
 
-    The path follows the laws. Where joints would dilate by more than the friction angle that is left of their line,
-    which no joint does, it has lines instead, drawn anew until they stay.
+    The path follows the laws. No joint dilates by more than the friction angle that is left of its line: where one
+    might, the path has lines, drawn anew until they stay.
 
     Parameters
     ----------
     limit_of : the limit of a model as it is, and with a `proposal`
     """
-    assert model.lines is not None
-    limit = limit_of(model, proposal=proposal)
-    settled_model = drawn(model, limit.normal_force) if limit.factor else model
-    if not _dilates_by_friction(model, settled_model, limit):
-        return settled_model, _with_bound(settled_model, limit, limit.static_bound)
-    steps = limit.steps
+    if not _might_dilate_by_friction(model):
+        limit = limit_of(model, proposal=proposal)
+        ended = by_lines(drawn(model, limit.normal_force) if limit.factor else model)
+        if not limit.factor or not _dilates_by_friction(ended, limit.factor):
+            return ended, _with_bound(ended, limit, limit.static_bound)
+    steps = 0
 
     def solve(drawn_model: AssemblyModel) -> BlocksLimit:
         nonlocal steps
@@ -291,28 +292,39 @@ def settled_blocks(
         return at_limit
 
     exact = SAME_LIMIT if model.unknowns == 6 else 0.0
-    model, limit, off = _rounds(
-        settled_model, solve,
+    ended, limit, off = _rounds(
+        by_lines(model), solve,
         lambda at_limit: (at_limit.normal_force, at_limit.factor, exact) if at_limit.factor else None,
     )  # fmt: skip
     if limit.factor:
         limit = replace(limit, change=max(limit.change, off if off > max(ROUNDING, exact) else 0.0), steps=steps)
-    return model, _with_bound(model, limit, None)
+    return ended, _with_bound(ended, limit, None)
 
 
-def _dilates_by_friction(first: AssemblyModel, last: AssemblyModel, limit: BlocksLimit) -> bool:
-    """Whether a joint that slips at the limit dilates by all of its reduced friction angle, on first lines or last."""
-    if not limit.factor or not first.tan_dilation.any():
+def _dilates_by_friction(model: AssemblyModel, factor: float) -> bool:
+    """Whether a joint that carries anything would dilate by more than its line's friction angle at a factor."""
+    assert model.lines is not None
+    carries = model.by_group(model.lines.normal) > 0.0
+    return bool((model.tan_dilation > model.tan_friction / factor)[carries].any())
+
+
+def _might_dilate_by_friction(model: AssemblyModel) -> bool:
+    """The same at any traction up to some times the mean, and any factor up to the static bound."""
+    if not model.tan_dilation.any():
         return False
-    _, slip = first.opening_and_slip(limit.velocity)
-    size = np.sqrt((slip * slip).sum(axis=1))
-    slips = (size > NO_MOTION * float(size.max(initial=0.0))) & (first.by_group(limit.normal_force) > 0.0)
-    least = np.minimum(first.tan_friction, last.tan_friction) / limit.factor
-    return bool((first.tan_dilation > least)[slips & ~first.bolted].any())
+    most = bound_of(model)
+    assert model.lines is not None
+    return most is None or _dilates_by_friction(drawn(model, _PRESSED * model.lines.normal), most)
+
+
+def by_lines(model: AssemblyModel) -> AssemblyModel:
+    """The model with its lines for joints that ask no law."""
+    assert model.lines is not None
+    return replace(model, lines=replace(model.lines, followed=False))
 
 
 def _with_bound(model: AssemblyModel, limit: BlocksLimit, other: float | None) -> BlocksLimit:
-    """The limit with the static bound of the tangents at its own tractions, or `other` tangents, which may be lower.
+    """The limit with the static bound of the tangents at its own tractions, or of `other` ones if that is lower.
 
     Forces that the laws allow lie within any tangents: below the factor no such bound can be but by its accuracy.
     """
@@ -336,11 +348,12 @@ def settled_load(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel,
         exact = SAME_LIMIT if model.unknowns == 6 else 0.0
         return None if path_end.parameter is None else (limit.normal_force, path_end.parameter, exact)
 
-    path_end, limit = load_limit(model, model.live, reduction)
-    settled_model = drawn(model, limit.normal_force)
-    if path_end.parameter is None or not _dilates_by_friction(model, settled_model, limit):
-        return settled_model, path_end, limit
-    model, (path_end, limit), _ = _rounds(
-        settled_model, lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
+    if not _might_dilate_by_friction(model):
+        path_end, limit = load_limit(model, model.live, reduction)
+        ended = by_lines(drawn(model, limit.normal_force))
+        if path_end.parameter is None or not _dilates_by_friction(ended, 1.0 / reduction):
+            return ended, path_end, limit
+    ended, (path_end, limit), _ = _rounds(
+        by_lines(model), lambda drawn_model: load_limit(drawn_model, drawn_model.live, reduction), forces
     )
-    return model, path_end, limit
+    return ended, path_end, limit
