@@ -22,6 +22,7 @@ _KEY_BLOCKS = ("tests/preie/test_key_blocks.py",)
 _UNITS = ("tests/design/test_unit_factors.py",)
 _MESSAGES = ("tests/design/test_messages.py",)
 _LAWS = ("tests/strength/test_laws.py",)
+_CURVED_BLOCKS = ("tests/strength/test_curved_blocks.py", "tests/preie/test_joint_strengths.py")
 _CURVES = ("tests/strength/test_curved_strength.py",)
 _WEDGES = ("tests/closed_form/test_wedges.py", "tests/closed_form/test_wedge.py")
 _PLANES = ("tests/closed_form/test_planes.py", "tests/closed_form/test_plane.py")
@@ -117,9 +118,9 @@ MUTATIONS = (
         ("friction of many blocks", "preie/programs/program.py",
          "line(program.cohesion, model.tan_friction, model.by_group(at.",
          "line(program.cohesion, 1.01 * model.tan_friction, model.by_group(at.", _BLOCKS),
-        ("friction of the path of many blocks", "preie/elastic_path/bed.py",
-         "strength = line(cohesion, self.friction, self._summed(normal))\n        allowed",
-         "strength = line(cohesion, 1.01 * self.friction, self._summed(normal))\n        allowed", _BLOCKS),
+        ("friction of the path of many blocks", "preie/system/joint_strengths.py",
+         "line(cohesion, self.friction, self.summed(normal))",
+         "line(cohesion, 1.01 * self.friction, self.summed(normal))", _BLOCKS),
         ("cohesion of many blocks", "preie/system/assembly.py", "strength.cohesion[joint[pair_contact]] * areas",
          "1.01 * strength.cohesion[joint[pair_contact]] * areas", _MODEL),
         ("friction of single blocks, one face", "preie/many_blocks/key_blocks.py",
@@ -379,8 +380,15 @@ MUTATIONS = (
         ("waves reduced", "strength/waviness.py", "self._tangent / factor", "1.01 * self._tangent / factor", _LAWS),
         ("tractions of node pairs", "preie/system/strength_lines.py", "np.maximum(normal, 0.0) / model.control_area",
          "1.01 * np.maximum(normal, 0.0) / model.control_area", _CURVES),
-        ("the bound's tangents", "preie/system/strength_lines.py", "np.where(curved, cohesion * model",
-         "np.where(curved, 0.99 * cohesion * model", _CURVES),
+        ("the bound's tangents", "preie/system/strength_lines.py", "np.where(curved, (cohesion - none)",
+         "np.where(curved, 0.99 * (cohesion - none)", _CURVES),
+        ("the law on the path", "preie/system/joint_strengths.py", "area * np.where(traction < self._least",
+         "1.01 * area * np.where(traction < self._least", _CURVED_BLOCKS),
+        ("how it follows normal forces", "preie/system/joint_strengths.py", "slopes[curve.pairs] = np.where(",
+         "slopes[curve.pairs] = 1.01 * np.where(", _CURVED_BLOCKS),
+        ("a factor above the bound of tangents", "preie/system/strength_lines.py",
+         "bound < limit.factor * (1.0 - BOUND_ACCURACY)", "bound < limit.factor * (1.0 - 1e3 * BOUND_ACCURACY)",
+         _CURVED_BLOCKS),
         ("lines of the forces alone", "preie/system/strength_lines.py", "/ float(weight.sum())",
          "/ (1.01 * float(weight.sum()))", _CURVES),
         ("one traction a joint", "preie/system/strength_lines.py", "limit.normal_force[on].sum() * model",
