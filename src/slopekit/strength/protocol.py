@@ -3,9 +3,10 @@
 A law gives the shear strength τ(σ) of a joint at the effective normal traction σ (kPa, compression positive). The
 factor of safety divides τ, never the parameters of the law: JRC 8 at F = 2 is half the strength, not JRC 4.
 
-The solvers know lines c + σ tan φ alone. A curved law is the line through its own strength at no traction and at the
-traction that acts (the secant), found again where the traction has changed, until it no longer does. There the limit
-state is that of the law itself: forces, moments and τ(σ) / F agree in every node pair.
+The solvers of one block know lines c + σ tan φ alone. A curved law is the line through its own strength at no traction
+and at the traction that acts (the secant), found again where the traction has changed, until it no longer does. There
+the limit state is that of the law itself: forces, moments and τ(σ) / F agree in every node pair. The elastic path of
+many blocks asks the law itself (`preie.system.joint_strengths`), and ends in such a state.
 """
 
 from typing import Protocol, runtime_checkable

@@ -5,6 +5,9 @@ traction and at the pair's own normal traction (`strength.protocol.secant`). The
 tractions, they give other lines, and so on: at the end every pair carries τ(σ) / F of its own σ, and the limit state
 is that of the law. Cohesion, which contacts that open lose, is τ(0) and never moves.
 
+Many blocks come to that state on a path that asks the laws themselves (`system.joint_strengths`); their lines are drawn
+at its end. Only where joints might dilate by their friction angle does their path have lines, and rounds of them.
+
 Friction forces that several pairs share (a flat contact in a section) have the sum of the strengths of their pairs.
 """
 
