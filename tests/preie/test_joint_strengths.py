@@ -47,11 +47,15 @@ def test_strength_is_that_of_the_law_at_the_traction_of_each_pair(scene, law) ->
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("way", ["numpy", "compiled"])
-def test_the_tangent_is_that_of_the_forces(scene, law, way, monkeypatch) -> None:
-    """Unbalanced forces a little farther on, by differences of both sides: contact modes are those of the middle."""
+@pytest.mark.parametrize(("way", "dilation"), [("numpy", 0.0), ("compiled", 0.0), ("compiled", 0.05)])
+def test_the_tangent_is_that_of_the_forces(scene, law, way, dilation, monkeypatch) -> None:
+    """Unbalanced forces a little farther on, by differences of both sides: contact modes are those of the middle.
+
+    And at a little more strength; where slip dilates it presses the joint, and its law follows.
+    """
     monkeypatch.setenv("SLOPEKIT_KERNELS", way)
     model = model_with(scene, law)
+    model = replace(model, tan_dilation=np.full(len(model.tan_dilation), dilation))
     bed, rng = Bed(model, Drive(model.load.ravel())), np.random.default_rng(2)
     at = bed.elastic_displacement * 6.0
     there, move = bed.forces(at, 0.1), rng.normal(size=bed.size) * np.abs(at).mean()
@@ -61,6 +65,9 @@ def test_the_tangent_is_that_of_the_forces(scene, law, way, monkeypatch) -> None
     by_differences = (ahead.unbalanced - behind.unbalanced) / 2e-6
     stiff = -bed.stiffness.dense(bed.tangent(there, 0.1)) @ move
     assert stiff == pytest.approx(by_differences, abs=1e-6 * float(np.abs(by_differences).max()))
+    stronger, weaker = (bed.forces(at, 0.1 + by) for by in (1e-7, -1e-7))
+    by_strength = (stronger.unbalanced - weaker.unbalanced) / 2e-7
+    assert bed.by_parameter(there, 0.1) == pytest.approx(by_strength, abs=1e-6 * float(np.abs(by_strength).max()))
     modes = bed.forces(at, 0.1, modes=there)
     assert modes.unbalanced == pytest.approx(there.unbalanced, abs=1e-12 * there.largest)
 

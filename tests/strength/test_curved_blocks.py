@@ -168,3 +168,24 @@ def test_the_load_at_the_limit_by_hand() -> None:
         push = 2.0 * (shear[0] + 4.0 * shear[1] + shear[2]) / 6.0
     assert 25.0 - 0.75 * push > 0.0
     assert found.multiplier * 0.1 * 50.0 == pytest.approx(push, rel=1e-9)
+
+
+def test_joints_that_dilate_follow_the_law_up_to_their_friction_angle() -> None:
+    """A wall under 2 σ^0.75 with ψ = 3°: one limit state of the law; with 18° of Barton-Bandis on lines, drawn anew."""
+    found = []
+    for dilation in (3, 18):
+        law = {"law": "power", "a": 2.0, "b": 0.75} if dilation == 3 else LAWS["barton-bandis"]
+        part = first_part({**yaml_of("wall"), "strength": {"joint": {**law, "dilation": dilation}}})
+        found.append(part.model.lines.rounds)
+        most = law_strength(part)
+        assert (np.abs(part.limit.friction[:, 0]) - most).max() < 1e-7
+        assert part.limit.basis is Basis.LIMIT
+    assert found[0] == 2
+    assert found[1] > 2
+
+
+def law_strength(part: Part) -> np.ndarray:
+    """Σ A τ(N / A) / F (g,) of a part, by the law alone."""
+    model, kpa = part.model, in_units(part.model)
+    shear = model.lines.laws[0].resistance(part.limit.normal_force / kpa)
+    return model.by_group(kpa * shear) / part.limit.factor
