@@ -29,7 +29,7 @@ from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.solvers.effort import EffortSpentError
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import BOUND_ACCURACY, LEAST_TRACTION, NO_FORCE, NO_MOTION, ROUNDING, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import BOUND_ACCURACY, LEAST_TRACTION, NO_FORCE, ROUNDING, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
