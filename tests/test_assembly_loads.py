@@ -266,3 +266,20 @@ def test_what_goes_next_has_lost_the_anchor_of_what_went_before() -> None:
     first, then = (one.fos for one in found.findings.mechanisms)
     assert first == pytest.approx(2.0 * math.tan(math.radians(10.0)) / 0.2, rel=1e-9)
     assert then == pytest.approx(math.tan(math.radians(35.0)) / 0.2, rel=1e-9)
+
+
+@pytest.mark.parametrize("head", ["A", "B"])
+def test_an_anchor_is_lost_by_a_block_that_touches_no_other(head) -> None:
+    """A slides from under it at (k W + T) F = W tan 10°; B, which it had held, then at tan 35° / k, as it does bare."""
+    bolt = {"force": 20, "toward": "090/00", "head": [0, 0, 1], "length": 7, "acts": "active", "block": "A"}
+    bolt |= {} if head == "A" else {"toward": "270/00", "head": [10, 0, 1], "block": "B"}
+    square = {name: {"polygon": [[x, 0], [x + 4, 0], [x + 4, 2], [x, 2]]} for name, x in (("A", 0), ("B", 6))}
+    found = sk.run(DESIGN | {
+        "blocks": {"base": {"polygon": [[-20, -1], [20, -1], [20, 0], [-20, 0]], "fixed": True}} | square,
+        "strength": {"joint": {"c": 0, "phi": 35}, "smooth": {"c": 0, "phi": 10}},
+        "interfaces": {"default": "joint", "base/A": "smooth"}, "support": {"bolts": [bolt]},
+        "loads": {"seismic": {"k": 0.2, "toward": 90}}, "analysis": {"mechanisms": 2},
+    })  # fmt: skip
+    first, then = (one.fos for one in found.findings.mechanisms)
+    assert first == pytest.approx(200.0 * math.tan(math.radians(10.0)) / (0.2 * 200.0 + 20.0), rel=1e-9)
+    assert then == pytest.approx(math.tan(math.radians(35.0)) / 0.2, rel=1e-9)

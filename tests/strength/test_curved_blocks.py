@@ -108,7 +108,7 @@ def test_where_the_path_starts_says_hardly_anything(times, monkeypatch) -> None:
     """From half and from twice the strength: the same wall to six digits, as blocks at rest may be so in other ways."""
     design = {**yaml_of("wall"), "strength": {"joint": LAWS["barton-bandis"]}}
     exact = factors_of(sk.load(design)).limit
-    monkeypatch.setattr(blocks, "_START", times * blocks._START)
+    monkeypatch.setattr(blocks, "START", times * blocks.START)
     assert factors_of(sk.load(design)).limit == pytest.approx(exact, rel=2e-6)
 
 

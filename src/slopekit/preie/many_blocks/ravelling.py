@@ -161,14 +161,27 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
         there[blocks] = False
         out = np.append(~there & ~assembly.fixed, False)
         opened = out[assembly.patches.plus] | out[assembly.patches.minus]
+        freed = _let_go(scene.loads, out)
         scene = replace(scene, loads=untied(assembly, drained(assembly, scene.loads, opened), out[:-1]))
         if len(failures) == count:
             break
+        again = [part for part in left if freed[part.blocks].any()]
+        left = [part for part in left if not freed[part.blocks].any()]
         with effort.allowed(effort.MOST):
+            for part in again:
+                left += _solved(scene, there, part.blocks)
             for part in together:
                 left += _solved(scene, there, part.blocks[there[part.blocks]])
         parts = left
     return Ravelling(tuple(failures), tuple(replace(part, groups=None) for part in first), there, ended)
+
+
+def _let_go(loads: AssemblyLoads, out: Bools) -> Bools:
+    """Blocks (n,) at whose anchors nothing pulls any more, as those at the other ends (n + 1,) are gone."""
+    head, toe = loads.anchors.head, loads.anchors.toe
+    freed = np.zeros(len(out) - 1, dtype=bool)
+    freed[head[out[toe]]] = freed[toe[out[head]]] = True
+    return freed
 
 
 @dataclass(frozen=True, slots=True)
