@@ -155,13 +155,18 @@ def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Noti
     yield from of_inputs
     yield from peak_only(design, "bolts are for the factor")
     yield from rules_left_out(design, JUDGED)
-    points, places = [Point(factors_of(design))], ["as it stands"]
+    bare = factors_of(design)
+    points, places = [Point(bare)], ["as it stands"]
+    besides = [] if cases else [(bare.also, places[0])]
     for case in cases:
-        if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:
-            points.append(Point(factors_of(site.with_bolts(*case.bolts))))
-            places.append(f"with the {case.acts} bolts")
-    for point, place in zip(points[1:] if cases else points, places[1:] if cases else places, strict=True):
-        yield from also_falls_short(None if point.factors is None else point.factors.also, target, place)
+        place = f"with the {case.acts} bolts" if case.bolts else places[0]
+        built = site.with_bolts(*case.bolts) if case.bolts else design
+        if 0 < len(case.bolts) <= _MOST_PUT_BACK:
+            points.append(Point(factors_of(built)))
+            places.append(place)
+        besides.append((kind_of(design).without_basal(built), place))
+    for also, place in dict.fromkeys(besides):
+        yield from also_falls_short(also, target, place)
     yield from said_at(points, places.__getitem__, of_inputs, "designs")
 
 
