@@ -253,7 +253,7 @@ class WithoutBasal:
 
     def asks(self, rule: Rule) -> bool:
         """Whether a rule is held against it: every least factor of safety."""
-        return rule.relation in (">=", ">")
+        return rule.is_least
 
     def meets(self, rule: Rule) -> bool:
         """Whether it keeps a least factor of safety: what is lifted or falls keeps none."""
@@ -312,7 +312,7 @@ class WithoutTurning:
 
     def asks(self, rule: Rule) -> bool:
         """Whether a rule is held against it: a least limit, no other number."""
-        return rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")
+        return rule.is_on_factor and rule.is_least
 
     def meets(self, rule: Rule) -> bool:
         """Whether it keeps a least factor of safety."""

@@ -250,15 +250,14 @@ class Result(Shown):
     @property
     def margin(self) -> float | None:
         """The number that acceptance hangs on over what it asks (1 without a rule); 0 without one, inf at rest."""
-        least = [max(rule.value, 1e-9) for rule in self.design.rules if rule.relation in (">=", ">")]
-        whole = None if self.also is None else self.also.factor
-        most = float("inf") if whole is None else min((whole / value for value in least), default=whole)
+        least, also = [rule for rule in self.design.rules if rule.is_least], self.also
+        most = float("inf")
+        if also is not None and also.factor is not None:
+            asked = [also.factor / max(rule.value, 1e-9) for rule in least if also.asks(rule)]
+            most = min(asked, default=most if least else also.factor)
         if self.status == "no_driving_force":
             return most
-        judged = [
-            (self.value_of(rule) or 0.0) / max(rule.value, 1e-9)
-            for rule in self.design.rules if rule.relation in (">=", ">")
-        ]  # fmt: skip
+        judged = [(self.value_of(rule) or 0.0) / max(rule.value, 1e-9) for rule in least]
         return min(most, min(judged, default=self.criterion_fos or 0.0))
 
     def case_columns(self) -> "list[Column[Any]]":
@@ -294,7 +293,7 @@ class Result(Shown):
             return False
         return any(
             self.judged(rule) and not rule.met(left.limit)
-            for rule in self.design.rules if rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")
+            for rule in self.design.rules if rule.is_on_factor and rule.is_least
         )  # fmt: skip
 
     @property

@@ -3,6 +3,7 @@
 The whole wedge that a basal joint cuts the toe off is another file without that joint: the closed form of two joints.
 """
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +13,9 @@ import slopekit as sk
 from benchmarks import populations
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
+from slopekit.evidence import WithoutBasal
 from slopekit.studies import points
+from slopekit.studies.points import Point
 from slopekit.studies.prob import bolts
 
 WHOLE = {
@@ -120,6 +123,18 @@ def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
 
 
+def test_a_whole_wedge_that_nothing_holds_has_no_factor_among_those_at_random() -> None:
+    """Of four samples one whole wedge is lifted, one is driven by nothing, one has less than the block, one has more."""
+    found = sk.prob(sk.load(CUT, set={"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}), 8, confirm=4)
+    block = Point(replace(found.confirmation.points[0].factors, limit=1.7))
+    besides = [("lifted", None), ("no_driving_force", None), ("slides_on_both", 0.7), ("slides_on_both", 2.0)]
+    wholes = [replace(block, factors=replace(block.factors, also=WithoutBasal(*one))) for one in besides]
+    checked = replace(found.confirmation, points=tuple(wholes), random=np.ones(4, dtype=bool))
+    shown = replace(found, confirmation=checked).to_dict()["histogram"]
+    assert shown["pre_ie_at_random"] == [0.7, 1.7, 1.7]
+    assert (shown["pre_ie_without_factor"], shown["pre_ie_samples"]) == (1, 4)
+
+
 def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
     found = sk.sweep(sk.load(CUT), {"strength.joint.phi": [30, 44, 60]}, fos=1.1)
     factors = [point.factors for point in found.points]
@@ -141,6 +156,11 @@ def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
 def test_a_tornado_says_it_too() -> None:
     found = sk.tornado(sk.load(CUT), methods="closed-form")
     assert any("the whole wedge without the basal joint falls short of 1.3" in text for text in notices(found, "W507"))
+
+
+def test_a_rule_on_what_is_too_much_asks_for_no_level_of_a_tornado() -> None:
+    found = sk.tornado(sk.load(CUT, set={"acceptance.rules": ["fos >= 0.3", "fos <= 2"]}), methods="closed-form")
+    assert all("falls short of 0.3" in text for text in notices(found, "W507"))
 
 
 def test_an_earthquake_that_moves_the_whole_wedge_before_is_not_passed() -> None:
@@ -184,6 +204,7 @@ def test_a_block_that_turns_as_one_of_many_is_accepted_by_what_the_wedge_has(spl
     assert (rule["met"], rule["judged"]) == (False, "without_turning")
     other = sk.run(path, set={"acceptance.rules": "fos.static_bound >= 1.3"})
     assert other.accepted is True
+    assert other.margin == pytest.approx(other.fos.static_bound / 1.3, rel=1e-9)
 
 
 def test_studies_of_a_block_that_turns_are_judged_without() -> None:

@@ -249,6 +249,11 @@ class Design:
         """Numbers of the slope that were left out and taken from elsewhere, by name."""
         return tuple(name for name in self.defaults if name in self.DEFAULTS)
 
+    @property
+    def accepted_fos(self) -> float | None:
+        """The factor of safety that acceptance asks for; None where it asks for none."""
+        return max((rule.value for rule in self.rules if rule.is_on_factor and rule.is_least), default=None)
+
     def place_of(self, above: str, key: str, number: int, count: int) -> str:
         """Where the item of that number (from 1) of a list of `count` was written: its line; empty where none knows."""
         root = None if self.source is None else self.source.root

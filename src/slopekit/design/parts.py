@@ -375,6 +375,10 @@ class CaseKeys:
     )  # fmt: skip
 
 
+#: Names of the acceptance rules on the factor of safety itself.
+ON_FACTOR = ("fos", "fos.limit")
+
+
 @dataclass(frozen=True, slots=True)
 class Rule:
     """An acceptance rule: what is held against a value, `fos >= 1.5`.
@@ -387,11 +391,21 @@ class Rule:
     relation: Literal[">=", ">", "<=", "<"]
     value: float
 
+    @property
+    def is_on_factor(self) -> bool:
+        """Whether it is held against the factor of safety itself, not against another by its name."""
+        return self.name in ON_FACTOR
+
+    @property
+    def is_least(self) -> bool:
+        """Whether it says what is enough, not what is too much."""
+        return self.relation in (">=", ">")
+
     def met(self, value: float | None) -> bool:
         """Whether a value meets the rule; no value meets none."""
         if value is None:
             return False
-        if self.relation in (">=", ">"):
+        if self.is_least:
             return value > self.value or (self.relation == ">=" and value == self.value)
         return value < self.value or (self.relation == "<=" and value == self.value)
 

@@ -342,7 +342,7 @@ def _judgement(result: Result, rule: Rule) -> str:
         lowest = result.fos.lowest
         if result.value_of(rule) is None:  # nothing drives it
             return "MET (it stands without any strength: there is no factor to judge)"
-        if lowest is None or rule.name not in ("fos", "fos.limit") or rule.relation not in (">=", ">"):
+        if lowest is None or not (rule.is_on_factor and rule.is_least):
             return "MET"
         if rule.met(lowest):
             return f"MET, by the lowest {_as_judged(lowest, rule)} too"

@@ -408,7 +408,7 @@ def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, 
     for rule in design.rules:
         below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
                  if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
-        if rule.name in ("fos", "fos.limit") and rule.met(limit) and below:
+        if rule.is_on_factor and rule.met(limit) and below:
             yield Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not")
 
 

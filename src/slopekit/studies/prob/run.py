@@ -28,7 +28,7 @@ from slopekit.evidence import AlsoJudged, WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import GIVEN_UP, Point, other_history, point_of
+from slopekit.studies.points import GIVEN_UP, Point, lower_of, other_history, point_of
 from slopekit.studies.prob.bolts import (
     Sampled,
     WithoutForce,
@@ -310,13 +310,10 @@ class Probability(StudyOutcome):
         points = [] if checked is None else [
             point for point, random in zip(checked.points, checked.random.tolist(), strict=True) if random
         ][:_MOST_AT_RANDOM]  # fmt: skip
-        judged = [point.factors for point in points if point.factors and point.factors.status != "not_converged"]
-        fails = [factors for factors in judged if factors.limit is None and factors.status != "no_driving_force"]
-        besides = [np.inf if factors.also is None else factors.also.factor or np.inf for factors in judged]
-        limits = [(factors.limit, other) for factors, other in zip(judged, besides, strict=True)]
+        levels = [factor for point in points if (factor := lower_of(point, "pre_ie")) is not None]
         return {
-            "pre_ie_at_random": sorted(min(limit, other) for limit, other in limits if limit is not None),
-            "pre_ie_without_factor": len(fails), "pre_ie_samples": len(judged),
+            "pre_ie_at_random": sorted(factor for factor in levels if 0.0 < factor < np.inf),
+            "pre_ie_without_factor": levels.count(0.0), "pre_ie_samples": len(levels),
         }  # fmt: skip
 
     def _at_means(self) -> dict[str, Any] | None:

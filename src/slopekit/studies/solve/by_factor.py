@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.design.common import Design
+from slopekit.design.parts import ON_FACTOR
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import also_falls_short, dilates, kind_of, peak_only
 from slopekit.studies.keys import key_of, values_of
@@ -115,7 +116,7 @@ def for_factor(
     said = tuple(notices(solution))
     known = {notice.code for notice in said}
     said += tuple(notice for notice in _of_nearest(solution, asked) if notice.code not in known)
-    said += (*_at_peak(solution), *(rules_left_out(design, ("fos", "fos.limit")) if own else ()))
+    said += (*_at_peak(solution), *(rules_left_out(design, ON_FACTOR) if own else ()))
     solution = replace(solution, rounded=_rounded(solution, asked), warnings=said)
     return replace(solution, seconds=time.perf_counter() - began)
 

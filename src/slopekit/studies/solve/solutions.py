@@ -243,12 +243,12 @@ def target_of(design: Design, fos: float | None) -> tuple[float, bool]:
     """The factor that is wanted, and whether it comes from the acceptance rules."""
     advice = "Give the factor of safety that is wanted: --fos 1.5"
     if fos is None:
-        wanted = [rule.value for rule in design.rules if rule.name in ("fos", "fos.limit") and ">" in rule.relation]
-        if not wanted:
+        wanted = design.accepted_fos
+        if wanted is None:
             raise DesignError(
                 [Fault("E314", "no target is given, and no acceptance rule on fos or fos.limit", "", advice)]
             )
-        return max(wanted), True
+        return wanted, True
     checked_target(fos, advice)
     return fos, False
 

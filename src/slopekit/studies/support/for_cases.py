@@ -13,7 +13,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of
 from slopekit.studies.cases import InCase, in_each_case
-from slopekit.studies.support.records import Acts, BoltCase, Support, accepted_fos, snippet, written
+from slopekit.studies.support.records import Acts, BoltCase, Support, snippet, written
 from slopekit.studies.support.search import Answer
 
 _RAISED, _LEAST, _MOST = 16, 1.001, 1.5  # rounds in which forces are raised; by so much at least, at most
@@ -23,7 +23,7 @@ _OVER = 1e-9  # of a bolt's capacity: rounding
 
 def options(design: Design, given: Mapping[str, Any]) -> dict[str, Any]:
     """What the study of a case takes: the factor that its acceptance asks for, where no other is wanted."""
-    asked = accepted_fos(design)
+    asked = design.accepted_fos
     return {**({} if asked is None else {"fos": asked}), **given}
 
 

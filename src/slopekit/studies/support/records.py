@@ -25,8 +25,6 @@ from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.search import Answer
 
 _UP = Context(prec=5, rounding=ROUND_CEILING)
-#: Names of the acceptance rules whose factor is wanted, where no other is.
-JUDGED = ("fos", "fos.limit")
 Which = Literal["best", "given", "practical"]
 Acts = Literal["active", "passive"]
 
@@ -457,15 +455,9 @@ class Support(SupportOutcome):
         return record
 
 
-def accepted_fos(design: Design) -> float | None:
-    """The factor of safety that the acceptance rules of a design ask for."""
-    asked = [rule.value for rule in design.rules if rule.name in JUDGED and rule.relation in (">=", ">")]
-    return max(asked, default=None)
-
-
 def wanted_in_words(design: Design, target: float) -> str:
     """The target beside what acceptance asks for."""
-    asked = accepted_fos(design)
+    asked = design.accepted_fos
     beside = "" if asked is None or target > asked else f"below the {asked:g} that acceptance asks for"
     beside = "what acceptance asks for" if target == asked else beside
     return f"FoS {target:g}{f', {beside}' if beside else ''}"

@@ -21,7 +21,7 @@ from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.design.common import Design
-from slopekit.design.parts import Bolt
+from slopekit.design.parts import ON_FACTOR, Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of, kind_of, peak_only, slips_of_size
 from slopekit.notices import common_notices
 from slopekit.studies.points import Point, rules_left_out, said_at
@@ -30,7 +30,6 @@ from slopekit.studies.support.columns import ColumnSupport
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
-    JUDGED,
     BoltCase,
     CrestRow,
     FacePressure,
@@ -39,7 +38,6 @@ from slopekit.studies.support.records import (
     Support,
     SupportOptions,
     Which,
-    accepted_fos,
     built_way,
     enough,
     read_options,
@@ -125,7 +123,7 @@ def support(
     (168045, 1.7, 1.7)
     """  # fmt: skip
     began = time.perf_counter()
-    wanted = (accepted_fos(design) or _WANTED) if fos is None else fos
+    wanted = (design.accepted_fos or _WANTED) if fos is None else fos
     options = read_options(
         fos=wanted, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
         length=length, named=desk.named,
@@ -154,7 +152,7 @@ def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Noti
     of_inputs = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design))
     yield from of_inputs
     yield from peak_only(design, "bolts are for the factor")
-    yield from rules_left_out(design, JUDGED)
+    yield from rules_left_out(design, ON_FACTOR)
     bare = factors_of(design)
     points, places = [Point(bare)], ["as it stands"]
     besides = [] if cases else [(bare.also, places[0])]

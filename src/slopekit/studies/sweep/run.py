@@ -22,6 +22,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
+from slopekit.design.parts import ON_FACTOR
 from slopekit.kinds import kind_of, notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import (
@@ -59,7 +60,7 @@ from slopekit.studies.ranges import MOST, how_written, meant_in_steps, parse_val
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 
 _SAME = 1e-9  # factors that differ by less do not rise or fall
-_LEVELS = ("fos", "fos.limit", "fos.closed_form")  # names of the rules whose levels are looked for
+_LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
 
 
 @dataclass(frozen=True, slots=True)

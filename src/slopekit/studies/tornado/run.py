@@ -128,8 +128,7 @@ class Tornado(StudyOutcome):
             for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high))
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
-        level = max((rule.value for rule in self.design.rules if rule.name in ("fos", "fos.limit")), default=1.0)
-        short = also_short(self.points, self._where, method, level)
+        short = also_short(self.points, self._where, method, self.design.accepted_fos or 1.0)
         said = (*short, *said_at(self.points, self._where, (*self.of_inputs, *self._of_ends())))
         if not bare:
             return (*said, *self.of_inputs)
