@@ -124,7 +124,7 @@ def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
 
 
 def test_a_whole_wedge_that_nothing_holds_has_no_factor_among_those_at_random() -> None:
-    """Of four samples one whole wedge is lifted, one is driven by nothing, one has less than the block, one has more."""
+    """Of four samples one whole wedge is lifted, one is driven by nothing, one has less than the block, one more."""
     found = sk.prob(sk.load(CUT, set={"strength.bedding.phi": {"dist": "normal", "mean": 40, "sd": 0.1}}), 8, confirm=4)
     block = Point(replace(found.confirmation.points[0].factors, limit=1.7))
     besides = [("lifted", None), ("no_driving_force", None), ("slides_on_both", 0.7), ("slides_on_both", 2.0)]
