@@ -18,8 +18,7 @@ from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import said_of_history
 from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
 from slopekit.kinds.solver_inputs import joint_strength
-from slopekit.preie.many_blocks.blocks import limit_of_blocks
-from slopekit.preie.many_blocks.ravelling import component_limit, finer_model
+from slopekit.preie.many_blocks.ravelling import finer_model, limit_again
 from slopekit.preie.solvers.threads import one_thread
 
 _MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
@@ -62,8 +61,7 @@ def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:
     with one_thread():
         for k in (OTHER_STRENGTH, failures[0].limit.factor):
             say("other strengths", head=True)
-            other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
-            limit = limit_of_blocks(other, ranged=False)
+            limit = limit_again(model, k)
             factors.append(k * limit.factor if limit.factor else None)
     return tuple(factors)
 
@@ -79,7 +77,7 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
     part = failures[0].parts[0]
     for ratio in _RATIOS:
         say(f"ladder, k_t/k_n {ratio:g}", head=True)
-        limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
+        limit, seconds = timed(partial(limit_again, part.model, ratio=ratio))
         yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
     for level in range(3 if _refines(solution) else 1):
         model = part.model
@@ -88,7 +86,7 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
         if level and len(model.control_area) > MOST_PAIRS:
             break
         say(f"ladder, parts split {often(level)}", head=True)
-        (_, limit), seconds = timed(partial(component_limit, model))
+        limit, seconds = timed(partial(limit_again, model))
         setting = f"parts split {often(level)}" if _refines(solution) else "as analysed"
         yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
 

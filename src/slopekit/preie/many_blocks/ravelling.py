@@ -26,6 +26,7 @@ from slopekit.preie.solvers import effort
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, block_sizes, components, model_of
+from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.system.model import JointStrength
 from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_LIMIT, TINY, TWISTS
 
@@ -264,17 +265,30 @@ def _large(model: AssemblyModel) -> bool:
 
 
 def component_limit(
-    model: AssemblyModel, proposal: Groups | None = None, bond: Floats | None = None
+    model: AssemblyModel, proposal: Groups | None = None, bond: Floats | None = None, ratio: float = SHEAR_TO_NORMAL
 ) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
     """The limit of a component, and its model: where laws are curved with the lines that the limit settled on.
 
     The range of its mechanism comes later, of those that fail first.
     """
     if model.lines is None:
-        return model, limit_of_blocks(model, False, proposal=proposal, bond=bond)
+        return model, limit_of_blocks(model, False, ratio, proposal, bond)
     from slopekit.preie.system.strength_lines import settled_blocks  # only curved laws pay for it
 
-    return settled_blocks(model, partial(limit_of_blocks, ranged=False, bond=bond), proposal)
+    return settled_blocks(model, partial(limit_of_blocks, ranged=False, ratio=ratio, bond=bond), proposal)
+
+
+def limit_again(model: AssemblyModel, divided_by: float = 1.0, ratio: float = SHEAR_TO_NORMAL) -> BlocksLimit:
+    """The limit of a component whose limit is known, its strength divided, or on joints of another k_t / k_n.
+
+    It is found as the first was: where laws are curved not on the lines that this settled on.
+    """
+    other = replace(model, cohesion=model.cohesion / divided_by, tan_friction=model.tan_friction / divided_by)
+    if other.lines is not None:
+        from slopekit.preie.system.strength_lines import by_laws  # only curved laws pay for it
+
+        other = by_laws(replace(other, lines=other.lines.reduced(divided_by)))
+    return component_limit(other, ratio=ratio)[1]
 
 
 def _no_later(part: Part, parts: Iterable[Part]) -> Part:

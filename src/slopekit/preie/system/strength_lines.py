@@ -326,6 +326,17 @@ def by_lines(model: AssemblyModel) -> AssemblyModel:
     return replace(model, lines=replace(model.lines, followed=False))
 
 
+def by_laws(model: AssemblyModel) -> AssemblyModel:
+    """The model as it was before its limit was found: joints ask their laws, lines are those of one traction all over."""
+    assert model.lines is not None
+    joints = model.joint_pairs
+    even = np.zeros(len(model.control_area))
+    even[joints] = model.control_area[joints] * (len(model.load) / float(model.control_area[joints].sum()))
+    begun = drawn(replace(model, lines=replace(model.lines, rounds=0)), even)
+    assert begun.lines is not None
+    return replace(begun, lines=replace(begun.lines, followed=True))
+
+
 def _with_bound(model: AssemblyModel, limit: BlocksLimit, other: float | None) -> BlocksLimit:
     """The limit with the static bound of the tangents at its own tractions, or of `other` ones if that is lower.
 
