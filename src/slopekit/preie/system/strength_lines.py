@@ -327,7 +327,7 @@ def by_lines(model: AssemblyModel) -> AssemblyModel:
 
 
 def by_laws(model: AssemblyModel) -> AssemblyModel:
-    """The model as it was before its limit was found: joints ask their laws, lines are those of one traction all over."""
+    """The model as before its limit was found: joints ask their laws, lines are those of one traction all over."""
     assert model.lines is not None
     joints = model.joint_pairs
     even = np.zeros(len(model.control_area))

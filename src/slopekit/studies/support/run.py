@@ -159,7 +159,7 @@ def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Noti
     for case in cases:
         place = f"with the {case.acts} bolts" if case.bolts else places[0]
         built = site.with_bolts(*case.bolts) if case.bolts else design
-        if 0 < len(case.bolts) <= _MOST_PUT_BACK:
+        if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:
             points.append(Point(factors_of(built)))
             places.append(place)
         besides.append((kind_of(design).without_basal(built), place))
