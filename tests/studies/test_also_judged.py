@@ -205,6 +205,8 @@ def test_a_block_that_turns_as_one_of_many_is_accepted_by_what_the_wedge_has(spl
     other = sk.run(path, set={"acceptance.rules": "fos.static_bound >= 1.3"})
     assert other.accepted is True
     assert other.margin == pytest.approx(other.fos.static_bound / 1.3, rel=1e-9)
+    said, of_other = (notices(one, "W479")[0].endswith("acceptance is held against it too") for one in (found, other))
+    assert (said, of_other) == (True, False)
 
 
 def test_studies_of_a_block_that_turns_are_judged_without() -> None:

@@ -95,7 +95,8 @@ def notices_of(
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if straight is not None:
-        held = "; acceptance is held against it too" if design.rules else ""
+        asked = any(straight.asks(rule) for rule in design.rules)
+        held = "; acceptance is held against it too" if asked else ""
         yield Notice("W479", f"{straight.block} turns as it goes, which raises its factor: without turning, as "
                      f"closed forms count, it is {straight.limit:.4f}; of a wedge (kind: wedge) no credit is taken for "
                      f"that{held}")  # fmt: skip

@@ -225,7 +225,9 @@ class Bed:
             SPRING_ROUNDING * (pressed + longest),
         )  # fmt: skip
 
-    def _by_laws(self, there: BedForces, at: Floats, reduction: float, frozen: Any, load: Floats) -> BedForces:
+    def _by_laws(
+        self, there: BedForces, at: Floats, reduction: float, frozen: Floats | None, load: Floats
+    ) -> BedForces:  # fmt: skip
         """The same with the strengths that curved laws have at its normal forces."""
         strength = self.strengths.at(there.normal, self.cohesion)
         if self.bolted is not None:  # slack ones have none
