@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from slopekit.core.errors import DesignError, SolverError
+from slopekit.studies import running
 from slopekit.studies.running import Crew, Interrupted, Journal, checked_crew, run_all
 from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, slow_square, square
 
@@ -78,6 +79,17 @@ def test_ctrl_c_as_workers_start_is_for_the_one_who_asked(tmp_path) -> None:
     )
     run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60)
     assert (run.stdout, run.stderr) == ("[1, 2, 3] False\n", "")
+
+
+def test_a_journal_of_records_of_another_layout_is_not_taken(tmp_path, monkeypatch) -> None:
+    """Points of older ones have no whole wedge above a basal joint: samples that it fails would count as safe."""
+    monkeypatch.setattr(running, "_LAYOUT", 1)
+    older = Journal.of(tmp_path, "prob", "x")
+    older.keep([0], [SQUARES[0]])
+    older.save()
+    assert list(Journal.of(tmp_path, "prob", "x").records(1)) == [(0, SQUARES[0])]
+    monkeypatch.undo()
+    assert list(Journal.of(tmp_path, "prob", "x").records(1)) == []
 
 
 def test_a_journal_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path) -> None:

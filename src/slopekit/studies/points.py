@@ -70,10 +70,9 @@ class Point:
         if len(record) == 2:
             return cls(None, *record)
         count = len(_NO_FACTORS)
-        notes = tuple(Notice(*note) for note in (record[count : count + 1] or [()])[0])  # an old journal has none
-        own = record[count + 1 :]
-        also = None if not own else _ALSO[own[0][0]](*own[0][1:])
-        return cls(Factors(*record[:count], notes=notes, also=also))
+        notes, *own = record[count:]
+        also = _ALSO[own[0][0]](*own[0][1:]) if own else None
+        return cls(Factors(*record[:count], notes=tuple(Notice(*note) for note in notes), also=also))
 
 
 #: The points of a sweep along its first key, by the value of the second, None without one.

@@ -34,6 +34,7 @@ _MOST_LOSSES = 3  # times that workers may die without a task being finished in 
 _CONNECT_S = 10.0
 _GONE_S = 5.0  # within which workers of a broken pool have ended
 _MOST_JOBS = 512
+_LAYOUT = 2  # of records, to be raised with them: since 2 points have what acceptance is held against besides
 _NO_GUARD = 64  # exit code of a worker whose script asks for workers itself while it is imported
 
 
@@ -43,7 +44,8 @@ class Journal:
 
     Attributes
     ----------
-    path : the file; another run (other inputs, seed, version) has another name, so that none takes what is not its own
+    path : the file; another run (other inputs, seed, version, layout of records) has another name, so that none takes
+        what is not its own
     streamed : whether records are written as they come, a second at a time; else only when `save` is called
     """
 
@@ -62,7 +64,7 @@ class Journal:
         ----------
         study : its name; run : everything that its records depend on, as JSON values
         """
-        text = json.dumps([__version__, study, run], sort_keys=True, default=str)
+        text = json.dumps([__version__, _LAYOUT, study, run], sort_keys=True, default=str)
         key = hashlib.sha256(text.encode()).hexdigest()
         return cls(folder / f"{study}-{key[:12]}.journal", key, streamed)
 
