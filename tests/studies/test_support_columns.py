@@ -136,6 +136,15 @@ def test_columns_that_stand_need_nothing() -> None:
     assert "no more support is needed" in str(found)
 
 
+def test_rules_that_holding_columns_does_not_judge_are_named() -> None:
+    """W508: the factor of a rule is reached; nobody looked at the lowest, which another asks for."""
+    rules = {"acceptance": {"rules": ["fos >= 0.5", "fos.lowest >= 0.9"]}}
+    found = sk.support(sk.load(GOODMAN_BRAY | rules))
+    assert (found.target, found.stands) == (0.5, True)
+    (said,) = (notice.message for notice in found.warnings if notice.code == "W508")
+    assert "fos.lowest >= 0.9" in said
+
+
 def test_without_the_table_pre_ie_alone_says_the_force() -> None:
     """Cohesion on the sides is not in Goodman & Bray's method."""
     design = THREE | {

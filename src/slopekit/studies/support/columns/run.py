@@ -14,10 +14,11 @@ import numpy as np
 from slopekit.closed_form.toppling import ColumnSlope, anchor_force_required, toppling_factor_of_safety, toppling_table
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line
-from slopekit.design.parts import Bolt
+from slopekit.design.parts import ON_FACTOR, Bolt
 from slopekit.kinds import factors_of, kind_of, peak_only, slips_of_size
 from slopekit.kinds.topple import ToppleDesign, column_slope, cut, not_taken, why_no_table
 from slopekit.notices import common_notices
+from slopekit.studies.points import rules_left_out
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce, Where
 from slopekit.studies.support.records import Acts, Need, SupportOptions, enough, written
 from slopekit.studies.support.search import AIM, WITHIN, Answer, least_force, pre_ie
@@ -40,7 +41,7 @@ def support_of_columns(design: ToppleDesign, options: SupportOptions, began: flo
     search = _RowSearch(design, options)
     held = () if search.stands else tuple(search.held())
     notices = (*common_notices(design, kind_of(design).strengths(design)), *slips_of_size(design),
-               *peak_only(design, "bolts are for the factor"))  # fmt: skip
+               *peak_only(design, "bolts are for the factor"), *rules_left_out(design, ON_FACTOR))  # fmt: skip
     return ColumnSupport(
         design, options.target, options, search.closed, search.bare, search.why_not, held,
         () if search.stands else search.by_column(), "kN/m", design.thickness_m,
