@@ -635,7 +635,20 @@ def test_loads_that_just_fit_on_in_modes_of_neither_side(number) -> None:
     factor = unit / last.parameter
     assert load_oracle.comes_on(given, 1.001 / factor) == 1.0
     assert load_oracle.comes_on(given, 0.999 / factor) < 1.0
-    assert factor == pytest.approx(limit_of_blocks(given, ranged=False).factor, rel=1e-6)
+    found = limit_of_blocks(given, ranged=False)
+    assert factor == pytest.approx(found.factor, rel=1e-6)
+    assert factor == pytest.approx(found.fit_on, rel=1e-12)
+
+
+def test_of_loads_that_fit_on_last_and_at_once_the_lower_factor_counts() -> None:
+    """Section 403, all bonds held: at once its loads lead to 24 % more than what they fit on at as they come last."""
+    given = model_of(populations.section(403))
+    model, unit = blocks._in_unit_strength(given)
+    bonds, bound = np.ones(len(model.control_area)), blocks.unit_bound(given)
+    at_once = follow(Bed(model, Drive(model.load.ravel()), bonds), path.START / bound.factor)
+    found, loads, _ = blocks._on_path(model, unit, bonds, bound, SHEAR_TO_NORMAL, falls=True)
+    assert (found.outcome, at_once.outcome, loads.last) == (PathOutcome.SETTLED, PathOutcome.LIMIT, True)
+    assert at_once.parameter < 0.9 * found.parameter
 
 
 @pytest.mark.parametrize("strength", [0.5, 1.0])

@@ -72,9 +72,10 @@ def notices_of(
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
     if limit.begun and first.fos and limit.static_bound:
+        last = "led to no limit state" if limit.fit_on is None else f"fit on at F = {limit.fit_on:.4f}"
         yield Notice("W482", "with all loads on at once the blocks come to rest at "
                      f"{limit.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
-                     "twice; those that came on after the weight led to no limit state")  # fmt: skip
+                     f"twice; those that came on after the weight {last}")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit, design.seismic.coefficient)
     if limit.spent:

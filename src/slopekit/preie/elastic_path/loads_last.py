@@ -29,12 +29,13 @@ _UNKNOWN = 2.0  # the static bound to go by where none is known
 
 @dataclass(frozen=True, slots=True)
 class LoadsOn:
-    """How the loads beside weight and water came on: `loads_last`, `carried`, `tips` and `begun` of a limit."""
+    """How the loads beside weight and water came on: `loads_last`, `carried`, `tips`, `begun`, `fit_on` of a limit."""
 
     last: bool = False
     carried: float | None = None
     tips: tuple[float, float] | None = None
     begun: float | None = None
+    fit_on: float | None = None
 
 
 def loads_last(

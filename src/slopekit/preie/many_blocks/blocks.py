@@ -37,6 +37,7 @@ from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     LIMIT_BALANCED,
+    SAME_FACTOR,
     TINY,
 )
 
@@ -83,6 +84,7 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         held=None if limit.held is None else (unit * limit.held[0], limit.held[1]),
         by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
         tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
+        fit_on=_times(limit.fit_on, unit),
         unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
         sooner=_times(limit.sooner, unit),
     )  # fmt: skip
@@ -263,7 +265,8 @@ def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps:
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
         None if highest is None else factor, highest, loads.carried, loads.last, steps, bound.steps, path_end.group,
-        path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun, locked=bound.locked,
+        path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun,
+        fit_on=loads.fit_on, locked=bound.locked,
     )  # fmt: skip
 
 
@@ -432,10 +435,15 @@ def _on_path(
         settled = path_end.found or last.outcome not in (PathOutcome.BRACKET, PathOutcome.SETTLED)
         if path_end.parameter is None or path_end.parameter > most or not settled:
             return last, loads, work + bed.factorisations
+        fit_on = None
+        if last.outcome is PathOutcome.SETTLED and last.parameter is not None:
+            if path_end.parameter < last.parameter * (1.0 - SAME_FACTOR):  # the lower of the two factors
+                return last, loads, work + bed.factorisations
+            fit_on = 1.0 / last.parameter
         if peaks and path_end.outcome is PathOutcome.BRACKET:
             path_end = first_peak(bed, path_end)
         begun = 1.0 / path_end.started if path_end.started > start else None
-        return path_end, LoadsOn(begun=begun), work + bed.factorisations
+        return path_end, LoadsOn(begun=begun, fit_on=fit_on), work + bed.factorisations
     if path_end.outcome is PathOutcome.BRACKET:
         if not falls and _is_locked(model, path_end, bound):
             path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)

@@ -48,7 +48,8 @@ class BlocksLimit:
     carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
     loads_last : whether those loads came on after weight and water; tips : the part of them at which the blocks tip
         then, in a motion that slips nowhere, at that factor and any lower one; None where no such motion was found
-    begun : the factor at which all loads came on at once, where that is far below the static bound
+    begun : the factor at which all loads came on at once, where that is far below the static bound; fit_on : that at
+        which they fit on last, between limits of other modes, where they do
     kept, unbonded : contacts that the motion opens and whose bonds stand until it begins, and the factor of lesser
         motions without those bonds
     kept_share : the part of the motion's work that cohesion would do which it opens, and that the factor leaves out
@@ -93,6 +94,7 @@ class BlocksLimit:
     by_turns: tuple[float, float] | None = None
     tips: tuple[float, float] | None = None
     begun: float | None = None
+    fit_on: float | None = None
     kept: int = 0
     kept_share: float = 0.0
     unbonded: float | None = None
