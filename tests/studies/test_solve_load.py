@@ -399,10 +399,11 @@ def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
         assert said == [at + notice.message for notice in notes]
 
 
-def test_notes_of_a_point_go_through_a_journal() -> None:
+def test_notes_of_a_point_go_through_a_journal_and_may_be_left_out() -> None:
     notes = (Notice("W484", "cohesion stands"), Notice("W486", "not settled"))
     point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
     assert Point.from_record(json.loads(json.dumps(point.to_record()))) == point
+    assert Point.from_record(point.to_record()[:-1]) == Point(replace(point.factors, notes=()))
     assert point.to_dict().keys() == Point(None, "E1", "").to_dict().keys()
 
 

@@ -70,7 +70,7 @@ class Point:
         if len(record) == 2:
             return cls(None, *record)
         count = len(_NO_FACTORS)
-        notes, *own = record[count:]
+        notes, *own = record[count:] or [()]  # which may be left out
         also = _ALSO[own[0][0]](*own[0][1:]) if own else None
         return cls(Factors(*record[:count], notes=tuple(Notice(*note) for note in notes), also=also))
 
