@@ -43,7 +43,7 @@ _SERVER = ("tests/app/test_server.py",)
 _SAVING = ("tests/app/test_saving.py",)
 _JOBS = ("tests/app/test_jobs.py",)
 _WIDGETS = ("tests/app/test_widgets.py",)
-_EFFORT = ("tests/preie/test_effort.py",)
+_WORK = ("tests/preie/test_work_limit.py",)
 _GAIN = ("tests/preie/test_seismic_gain.py",)
 _BEDROCK = ("tests/elastic/test_bedrock.py",)
 _QUAKE = ("tests/studies/test_quake.py",)
@@ -344,7 +344,7 @@ MUTATIONS = (
          "physical.cohesion, model.tan_friction, model.tan_dilation, factor",
          "physical.cohesion, 1.01 * model.tan_friction, model.tan_dilation, factor",
          ("tests/validation/test_sheng_2023.py",)),
-        ("blocks untied", "preie/motion/all_pairs.py", "self.stiffness, factor, self.attached)",
+        ("blocks without_anchors_of", "preie/motion/all_pairs.py", "self.stiffness, factor, self.attached)",
          "self.stiffness, 1.01 * factor, self.attached)", ("tests/preie/test_all_pairs.py",)),
     ),
     *_group(
@@ -568,20 +568,20 @@ MUTATIONS = (
          "_paths(groups) == _paths(self.widget.groups)", _WIDGETS),
     ),
     *_group(
-        "effort, and loads that grow",
-        ("work of a factorisation", "preie/solvers/effort.py", "return float(unknowns) * math.sqrt(unknowns)",
-         "return 1.01 * float(unknowns) * math.sqrt(unknowns)", _EFFORT),
-        ("a part of the work that is left", "preie/solvers/effort.py", "max(meter.most - meter.spent, 0.0)",
+        "work, and loads that grow",
+        ("work of a factorisation", "preie/solvers/work_limit.py", "return float(unknowns) * math.sqrt(unknowns)",
+         "return 1.01 * float(unknowns) * math.sqrt(unknowns)", _WORK),
+        ("a part of the work that is left", "preie/solvers/work_limit.py", "max(meter.most - meter.spent, 0.0)",
          "meter.most",
-         _EFFORT),
-        ("work within work", "preie/solvers/effort.py", "min(before, meter.spent + units)", "meter.spent + units",
-         _EFFORT),
-        ("the factor of a last rest", "preie/elastic_path/path.py", "EffortSpentError(1.0 / rested[-1] if",
-         "EffortSpentError(1.01 / rested[-1] if", _EFFORT),
-        ("a rest in another unit of strength", "preie/solvers/effort.py", "else by * self.rested",
-         "else self.rested", _EFFORT),
+         _WORK),
+        ("work within work", "preie/solvers/work_limit.py", "min(before, meter.spent + units)", "meter.spent + units",
+         _WORK),
+        ("the factor of a last rest", "preie/elastic_path/path.py", "WorkSpentError(1.0 / rested[-1] if",
+         "WorkSpentError(1.01 / rested[-1] if", _WORK),
+        ("a rest in another unit of strength", "preie/solvers/work_limit.py", "else by * self.rested",
+         "else self.rested", _WORK),
         ("a rest where cohesion may be lost", "preie/many_blocks/blocks.py", "rested=spent.rested if whole else None,",
-         "rested=spent.rested,", _EFFORT),
+         "rested=spent.rested,", _WORK),
         ("a bracket in the load", "preie/many_blocks/ravelling.py",
          "(path.found or path.outcome is PathOutcome.BRACKET)",
          "path.found", _GAIN),

@@ -10,7 +10,7 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import cut
 from slopekit.kinds.assemblies.bolt_ends import last_left
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
-from slopekit.loads import PointForce, assembly_loads, drained, untied
+from slopekit.loads import PointForce, assembly_loads, drained, without_anchors_of
 
 BLOCKS = {
     "base": {"polygon": [[-9, -1], [9, -1], [9, 0], [-9, 0]], "fixed": True},
@@ -153,12 +153,12 @@ def test_an_anchor_goes_with_the_block_at_either_end() -> None:
     loads, own = scene_loads(tied), scene_loads(bare)
     assert loads.forces[1:, 2] == pytest.approx([-200.0 + 200.0, -200.0 - 200.0])
     for gone in (1, 2):
-        left, name = untied(tied.assembly, loads, np.arange(3) == gone), 3 - gone
+        left, name = without_anchors_of(tied.assembly, loads, np.arange(3) == gone), 3 - gone
         assert left.forces[name] == pytest.approx(own.forces[name])
         assert left.moments[name] == pytest.approx(own.moments[name], abs=1e-9)
         assert left.live[0][name] == pytest.approx(own.live[0][name])
         assert len(left.anchors.head) == 0
-    assert untied(tied.assembly, loads, np.zeros(3, dtype=bool)) is loads
+    assert without_anchors_of(tied.assembly, loads, np.zeros(3, dtype=bool)) is loads
 
 
 def test_an_anchor_between_two_blocks_is_exported_with_both_its_ends(tmp_path) -> None:

@@ -273,7 +273,7 @@ def drained(assembly: "Assembly", loads: AssemblyLoads, patches: Bools) -> Assem
     return replace(loads, forces=frozen(forces), moments=frozen(moments), water=frozen(water))
 
 
-def untied(assembly: "Assembly", loads: AssemblyLoads, gone: Bools) -> AssemblyLoads:
+def without_anchors_of(assembly: "Assembly", loads: AssemblyLoads, gone: Bools) -> AssemblyLoads:
     """The loads without the anchors of blocks (n,) that are gone: at their other ends nothing pulls any more."""
     anchors = loads.anchors
     lost = np.flatnonzero(gone[anchors.head] | gone[anchors.toe])

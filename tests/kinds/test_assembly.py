@@ -425,7 +425,7 @@ def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -
 
 
 def test_the_papers_criterion_for_many_blocks() -> None:
-    """Even slip: every block of a low stack is untied where it slides, tan φ / tan β."""
+    """Even slip: every block of a low stack is detached where it slides, tan φ / tan β."""
     stack = {f"B{k}": box(0, k, 30, 1) for k in range(3)}
     result = sk.run(on_incline(stack, 30, 35, analysis={"criterion": "all-pairs"}))
     expected = math.tan(math.radians(35)) / math.tan(math.radians(30))

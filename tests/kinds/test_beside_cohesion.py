@@ -12,7 +12,7 @@ from slopekit.design.templates import path_of
 from slopekit.evidence import History
 from slopekit.kinds.assemblies import many_blocks, many_blocks_ladder
 from slopekit.kinds.blocks import OWN
-from slopekit.preie.solvers import effort
+from slopekit.preie.solvers import work_limit
 from slopekit.studies.check.run import _history
 
 DIP, PHI, COHESION, WEIGHT, LENGTH = math.radians(30.0), math.radians(25.0), 3.0, 50.0, 2.0
@@ -78,7 +78,7 @@ def test_a_rule_on_what_was_not_computed_is_not_met() -> None:
 
 def test_no_more_work_goes_into_it_than_into_the_limit(monkeypatch) -> None:
     monkeypatch.setattr(many_blocks, "_LEAST_WORK", 1.0)
-    monkeypatch.setattr(effort, "spent", lambda: 0.0)  # the limit took none
+    monkeypatch.setattr(work_limit, "spent", lambda: 0.0)  # the limit took none
     found = sk.run(sk.load(block(acceptance={"rules": ["fos.without_cohesion >= 0.1"]})))
     assert found.without_cohesion.status == "not_converged"
     assert found.without_cohesion.limit is None
@@ -87,12 +87,12 @@ def test_no_more_work_goes_into_it_than_into_the_limit(monkeypatch) -> None:
 
 
 def test_work_is_counted_within_what_is_allowed() -> None:
-    assert effort.spent() == 0.0
-    with effort.allowed(math.inf):
-        effort.spend(3.0, 2.0)
-        with effort.allowed(1e3):
-            effort.spend(4.0)
-        assert effort.spent() == 10.0
+    assert work_limit.spent() == 0.0
+    with work_limit.allowed(math.inf):
+        work_limit.spend(3.0, 2.0)
+        with work_limit.allowed(1e3):
+            work_limit.spend(4.0)
+        assert work_limit.spent() == 10.0
 
 
 def test_a_history_that_ends_lower_lowers_the_lowest_factor() -> None:

@@ -18,15 +18,15 @@ def tan(degrees: float) -> float:
     return math.tan(math.radians(degrees))
 
 
-@pytest.mark.parametrize(("sticking", "untied"), [
+@pytest.mark.parametrize(("sticking", "detached"), [
     ([True, True, True], [False, False, False]),
     ([False, True, True], [True, True, True]),
     ([True, False, True], [False, True, True]),
     ([True, True, False], [False, False, True]),
 ])  # fmt: skip
-def test_a_block_is_tied_by_a_chain_to_bedrock(sticking, untied) -> None:
-    """Three blocks on top of each other: what lies above a contact that slips is untied."""
-    assert blocks_detached(stack(3, 20.0, 35.0), np.array(sticking)).tolist() == untied
+def test_a_block_is_tied_by_a_chain_to_bedrock(sticking, detached) -> None:
+    """Three blocks on top of each other: what lies above a contact that slips is detached."""
+    assert blocks_detached(stack(3, 20.0, 35.0), np.array(sticking)).tolist() == detached
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from slopekit.preie.elastic_path.bed import Bed, Drive
 from slopekit.preie.elastic_path.flow import Flow, relaxed
 from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.rests import JUST, rests_before
-from slopekit.preie.solvers.effort import EffortSpentError
+from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie.test_flow import model_of_bench
 
@@ -100,7 +100,7 @@ def far_away(found: Flow) -> Flow:
 
 
 def too_long(found: Flow) -> None:
-    raise EffortSpentError
+    raise WorkSpentError
 
 
 @pytest.mark.parametrize("first", [far_away, too_long, lambda _: None])

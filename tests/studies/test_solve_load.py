@@ -18,7 +18,7 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import Bonds, bond_notices
 from slopekit.preie.many_blocks import blocks
-from slopekit.preie.solvers import effort
+from slopekit.preie.solvers import work_limit
 from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
@@ -156,7 +156,7 @@ def test_a_slab_that_slides_by_itself_is_looked_at_at_three_places() -> None:
 
 def test_work_of_one_answer_ends(monkeypatch) -> None:
     """What is known by then is said, and that it is cut short; no value is claimed not to exist."""
-    monkeypatch.setattr(effort, "MOST", 3e4)
+    monkeypatch.setattr(work_limit, "MOST", 3e4)
     found = sk.solve(sk.load(path_of("bench")), KEY, fos=1.0)
     assert found.answer is None
     assert found.reason.code == "E319"
@@ -168,7 +168,7 @@ def test_work_of_one_answer_ends(monkeypatch) -> None:
 @pytest.mark.parametrize("work", [1e5, 1e6])
 def test_an_earthquake_that_was_not_looked_at_to_the_end_has_no_yield(monkeypatch, work) -> None:
     """It said that no k up to 2 moves the blocks, and 0 cm in every record, or ended in an IndexError."""
-    monkeypatch.setattr(effort, "MOST", work)
+    monkeypatch.setattr(work_limit, "MOST", work)
     monkeypatch.setattr(yielding, "check_stands", lambda _: None)
     with pytest.raises(DesignError) as refused:
         yielding.yields_of(with_values(sk.load(path_of("blocks")), {KEY: 0.0, "loads.seismic.toward": 90.0}), ALONE,
@@ -250,8 +250,8 @@ def _column(k: float) -> dict:
 
 def _cut_short(_: object) -> None:
     """The path in the load, which uses up the work that it may take."""
-    with suppress(effort.EffortSpentError):
-        effort.spend(0.6 * effort.MOST)  # a half is for the path
+    with suppress(work_limit.WorkSpentError):
+        work_limit.spend(0.6 * work_limit.MOST)  # a half is for the path
 
 
 @pytest.mark.parametrize("lower", [False, True])

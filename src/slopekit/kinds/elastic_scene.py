@@ -232,7 +232,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     """Convex blocks on flat contacts."""
     from slopekit.preie.many_blocks.blocks import bound_of
     from slopekit.preie.many_blocks.ravelling import ravel
-    from slopekit.preie.solvers import effort
+    from slopekit.preie.solvers import work_limit
     from slopekit.preie.system.components import whole_model
 
     assembly, (rock, _) = scene.assembly, rock_of(design)
@@ -310,7 +310,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
             tension=given.tension[joint], laws=tuple(given.laws[k] for k in joint.tolist()) if given.laws else (),
         )  # fmt: skip
         own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
-        with effort.allowed(_WITHOUT * effort.MOST):
+        with work_limit.allowed(_WITHOUT * work_limit.MOST):
             failures = ravel(own, scene_loads(scene), each, ranged=False).failures
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 

@@ -80,7 +80,7 @@ from slopekit.preie.many_blocks.ravelling import (
 from slopekit.preie.motion.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.motion.balance import Balance, balance, of_blocks
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.solvers import effort
+from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
@@ -92,7 +92,7 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
-_LEAST_WORK = 10.0 * effort.SECOND  # that may go into the limit without cohesion, however little the one with it took
+_LEAST_WORK = 10.0 * work_limit.SECOND  # at least, for the limit without cohesion
 MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
@@ -274,10 +274,10 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     assembly = scene.assembly
     with clock("loads"):
         loads = scene_loads(scene)
-    with clock("solve"), effort.allowed(math.inf):
-        before = effort.spent()
+    with clock("solve"), work_limit.allowed(math.inf):
+        before = work_limit.spent()
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
-        work = effort.spent() - before
+        work = work_limit.spent() - before
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
         mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
@@ -350,7 +350,7 @@ def _without_cohesion(scene: AssemblyScene, loads: AssemblyLoads, work: float) -
     if not strength.cohesion[scene.assembly.patches.joint].any() or any(law is not None for law in strength.laws):
         return None
     none = np.zeros_like(strength.cohesion)
-    with effort.allowed(max(work, _LEAST_WORK)):
+    with work_limit.allowed(max(work, _LEAST_WORK)):
         failures = ravel(scene.assembly, loads, replace(strength, cohesion=none, tension=none), ranged=False).failures
     if not failures:
         return WithoutCohesion("no_driving_force", None)
@@ -379,9 +379,9 @@ def history_of(part: Part, most: int) -> History | None:
     if left_out or not model.has_cohesion or not limit.factor or len(model.load) > most:
         return None
     try:
-        with one_thread(), effort.allowed(_HISTORY * effort.SECOND):
+        with one_thread(), work_limit.allowed(_HISTORY * work_limit.SECOND):
             found = falling.history(Bed(model, Drive(model.load.ravel())), START / limit.factor)
-    except effort.EffortSpentError:
+    except work_limit.WorkSpentError:
         return None
     if found is None:
         return None

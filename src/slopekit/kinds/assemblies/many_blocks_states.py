@@ -20,8 +20,8 @@ from slopekit.preie.many_blocks.blocks_limit import Basis
 from slopekit.preie.many_blocks.ravelling import Failure, Part
 from slopekit.preie.motion.settlement import settlement
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.solvers.effort import MOST, EffortSpentError, allowed
 from slopekit.preie.solvers.threads import one_thread
+from slopekit.preie.solvers.work_limit import MOST, WorkSpentError, allowed
 from slopekit.preie.system.components import block_sizes, whole_model
 from slopekit.preie.tolerances import OPENS_IN_PASSES
 from slopekit.strength.mohr_coulomb import line
@@ -285,7 +285,7 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
     if model is None:
         return None
     settled = None
-    with one_thread(), suppress(EffortSpentError), allowed(MOST):
+    with one_thread(), suppress(WorkSpentError), allowed(MOST):
         settled = settlement(model, joint_stiffness(design))
     if settled is None:
         return None

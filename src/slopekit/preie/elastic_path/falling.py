@@ -39,7 +39,7 @@ def fall(bed: Bed, start: float, brief: bool = False) -> PathLimit:
 
     Raises
     ------
-    EffortSpentError
+    WorkSpentError
         The work that is allowed is done.
     """
     if brief and at_rest_first(bed, start, 0)[1].ended != "rest":
@@ -77,7 +77,7 @@ def history(bed: Bed, start: float) -> tuple[float, float | None] | None:
 
     Raises
     ------
-    EffortSpentError
+    WorkSpentError
         The work that is allowed is done.
     """
     begun = _begun(bed, start * _STUCK if bed.drive.ramp is None else start)

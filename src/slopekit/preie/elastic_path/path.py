@@ -27,7 +27,7 @@ from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, steppe
 from slopekit.preie.elastic_path.path_limit import BORDERED, MANY, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.elastic_path.traced import traced, traced_in_section
 from slopekit.preie.programs.bounds import held_by_normals
-from slopekit.preie.solvers.effort import EffortSpentError
+from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
 
 START = 2.0  # times the strength of the static bound, or of a known limit, at which a path begins
@@ -69,14 +69,14 @@ def follow(bed: Bed, start: float, brief: bool = False, ran: Ran | None = None) 
 
     Raises
     ------
-    EffortSpentError
+    WorkSpentError
         The work that is allowed is done.
     """
     rested: list[float] = []
     try:
         ended = _followed(bed, start, brief, rested, ran)
-    except EffortSpentError:
-        raise EffortSpentError(1.0 / rested[-1] if rested and bed.drive.ramp is None else None) from None
+    except WorkSpentError:
+        raise WorkSpentError(1.0 / rested[-1] if rested and bed.drive.ramp is None else None) from None
     if ended.found or ended.outcome is PathOutcome.STANDS or bed.drive.ramp is not None:
         return ended
     normal = held_by_normals(bed.model, bed.drive.load)

@@ -14,7 +14,7 @@ from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.elastic_path.lagged import lagged_flow, lagged_rest
 from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathLimit
-from slopekit.preie.solvers.effort import EffortSpentError, part
+from slopekit.preie.solvers.work_limit import WorkSpentError, part
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 
 _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
@@ -59,7 +59,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
 
     Raises
     ------
-    EffortSpentError
+    WorkSpentError
         Most of the work that is left was done, and no rest is so near.
     """
     known: tuple[Flow, float] | None = None
@@ -67,9 +67,9 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
         with part(_OF_LEFT):
             for known in _nearer_rests(bed, factor, near):  # noqa: B007
                 pass
-    except EffortSpentError:
+    except WorkSpentError:
         if known is None or known[1] > near:
-            raise EffortSpentError(None if known is None else factor * (1.0 - known[1])) from None
+            raise WorkSpentError(None if known is None else factor * (1.0 - known[1])) from None
     assert known is not None
     return known
 
@@ -124,7 +124,7 @@ def _last_at_once(bed: Bed, factor: float) -> Flow | None:
     try:
         with part(_OF_AT_ONCE):
             last = rest_from(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - JUST)))
-    except EffortSpentError:
+    except WorkSpentError:
         return None
     far = last is None or abs(float(bed.working @ last.at)) >= _FAR * bed.elastic_work
     return None if far else last

@@ -31,7 +31,7 @@ from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bounds import mechanism_range, static_bound
-from slopekit.preie.solvers.effort import MOST, EffortSpentError, allowed, part
+from slopekit.preie.solvers.work_limit import MOST, WorkSpentError, allowed, part
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.tolerances import (
@@ -104,7 +104,7 @@ def _bound(model: AssemblyModel) -> StaticBound:
     try:
         with part(_OF_BOUND):
             return static_bound(model)
-    except EffortSpentError:
+    except WorkSpentError:
         return StaticBound(None, False, False, np.zeros(model.load.size), np.zeros(len(model.control_area)), 0)
 
 
@@ -156,7 +156,7 @@ def _limit_of(
         try:
             if proposal is not None:
                 settled = proposal.limit(bond, falls, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
-        except EffortSpentError as spent:
+        except WorkSpentError as spent:
             raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
@@ -177,7 +177,7 @@ def _limit_of(
         proposal.begins_with(bound.velocity.ravel())
     try:
         ended = with_bonds(model, once, drive.working, False, bond)
-    except EffortSpentError as spent:
+    except WorkSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
         whole = model.lines is None and not model.has_cohesion  # a rest says little where cohesion may yet be lost
         held = proposal.held() if whole and proposal is not None else None
@@ -204,7 +204,7 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
         return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
         span = _span(model, limit, proposal)
-    except EffortSpentError:
+    except WorkSpentError:
         span = None
     if span is None:
         return limit
@@ -307,7 +307,7 @@ def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     """No strength at all: the blocks rest on frictionless joints, or there is no factor."""
     try:
         path_end = follow(Bed(model, Drive(model.load.ravel())), 1.0)
-    except EffortSpentError:
+    except WorkSpentError:
         return replace(_ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound), spent=True)
     outcome = Outcome.NO_DRIVING_FORCE if path_end.outcome is PathOutcome.STANDS else Outcome.NO_STRENGTH
     return replace(
@@ -329,7 +329,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
         bed = Bed(model, Drive(own, grows, reduction), bond)
         try:
             return (fall if falls and model.has_cohesion else follow)(bed, first), True
-        except EffortSpentError:
+        except WorkSpentError:
             none = np.zeros(bed.size)
             return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)), True
 

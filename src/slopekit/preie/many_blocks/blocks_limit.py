@@ -61,7 +61,7 @@ class BlocksLimit:
     unrefined : why it is not known how far finer node pairs move the factor; None where that is known, or not asked
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost; if not `entire` with those that falling strength leaves
-    spent : whether there is no factor because the work that is allowed was done (`solvers.effort`); `rested`: the
+    spent : whether there is no factor because the work that is allowed was done (`solvers.work_limit`); `rested`: the
         factor at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
     held : where it is spent, the factor of the group that was solved last, all others held, and how many blocks it has
     by_turns : of a search that gave up, the factors between which loads that come last fit on and do not by turns

@@ -17,7 +17,7 @@ from slopekit.preie.many_blocks.bonds import MOST_GROUPS
 from slopekit.preie.many_blocks.key_blocks import slide_alone
 from slopekit.preie.programs.bound import StaticBound
 from slopekit.preie.programs.bounds import mechanism_range
-from slopekit.preie.solvers import effort
+from slopekit.preie.solvers import work_limit
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, model_of
 from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, RESTS_NEAR
@@ -112,9 +112,9 @@ class Groups:
         key = group.tobytes() + own_bond.tobytes() + bytes(falls)
         if key not in self.solved:
             try:
-                with effort.part(_OF_GROUP):
+                with work_limit.part(_OF_GROUP):
                     limit = first_limit(small, own_bond, self._bound(group, small), falls, at_once=not self.snaps)
-            except effort.EffortSpentError:
+            except work_limit.WorkSpentError:
                 return None
             self.snaps |= limit is not None and limit.outcome is PathOutcome.BRACKET
             self.solved[key] = None
@@ -255,9 +255,9 @@ def _without_open(bed: Bed, flow: Flow, parameter: float) -> tuple[Bed, Flow]:
     while (left := open_all_over(bed, flow)) is not None:
         weaker = bed.with_bonds(left)
         try:
-            with effort.part(_OF_OPEN):
+            with work_limit.part(_OF_OPEN):
                 after = rest_at(weaker, flow.at, parameter)
-        except effort.EffortSpentError:
+        except work_limit.WorkSpentError:
             after = None
         if after is None:
             break

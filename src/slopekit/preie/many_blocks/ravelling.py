@@ -16,13 +16,13 @@ from scipy import sparse
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
-from slopekit.loads import AssemblyLoads, drained, untied
+from slopekit.loads import AssemblyLoads, drained, without_anchors_of
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit, with_range
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Unrefined
 from slopekit.preie.many_blocks.groups import Groups
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.solvers import effort
+from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, block_sizes, components, model_of
@@ -134,13 +134,13 @@ def ravel(
 def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
     assembly, size = scene.assembly, block_sizes(scene.assembly)
     there = ~assembly.fixed
-    with effort.allowed(effort.MOST):
+    with work_limit.allowed(work_limit.MOST):
         parts = list(_solved(scene, there, np.flatnonzero(there)))
     first = parts
     failures: list[Failure] = []
     ended = "count"
     while len(failures) < count:
-        with effort.allowed(effort.MOST):
+        with work_limit.allowed(work_limit.MOST):
             parts = _refined(scene, there, parts)
         rank = min((part.rank for part in parts), default=math.inf)
         if rank == math.inf:
@@ -148,7 +148,7 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
             break
         together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_LIMIT]
         together[0] = _no_later(together[0], parts)
-        with effort.allowed(effort.MOST):
+        with work_limit.allowed(work_limit.MOST):
             together = [_ranged(scene, part) for part in together]
         moved = [_moving(part, size) for part in together]
         blocks = np.concatenate([fallen for fallen, _ in moved])
@@ -163,12 +163,12 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
         out = np.append(~there & ~assembly.fixed, False)
         opened = out[assembly.patches.plus] | out[assembly.patches.minus]
         freed = _let_go(scene.loads, out)
-        scene = replace(scene, loads=untied(assembly, drained(assembly, scene.loads, opened), out[:-1]))
+        scene = replace(scene, loads=without_anchors_of(assembly, drained(assembly, scene.loads, opened), out[:-1]))
         if len(failures) == count:
             break
         again = [part for part in left if freed[part.blocks].any()]
         left = [part for part in left if not freed[part.blocks].any()]
-        with effort.allowed(effort.MOST):
+        with work_limit.allowed(work_limit.MOST):
             for part in again:
                 left += _solved(scene, there, part.blocks)
             for part in together:
@@ -215,7 +215,7 @@ def critical_load(
     scene = WholeAssembly(assembly, replace(loads, live=ramp), strength)
     there = ~assembly.fixed
     lowest: tuple[float, Part, float | None] | None = None
-    with one_thread(), effort.allowed(effort.MOST):
+    with one_thread(), work_limit.allowed(work_limit.MOST):
         for blocks in components(scene, np.flatnonzero(there)):
             model_patch = model_of(scene, there, blocks)
             if model_patch is None or not model_patch[0].live.any():
@@ -223,7 +223,7 @@ def critical_load(
             model, patch = model_patch
             try:
                 model, path, limit = _load_limit(model, reduction)
-            except effort.EffortSpentError:  # before the first step of a path
+            except work_limit.WorkSpentError:  # before the first step of a path
                 return None
             if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
                 if lowest is None or path.parameter < lowest[0]:

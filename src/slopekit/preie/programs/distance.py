@@ -18,7 +18,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.programs.bound import StaticBound, is_proved
-from slopekit.preie.solvers.effort import PROGRAM, factorisation, spend
+from slopekit.preie.solvers.work_limit import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
     CLOSE,

@@ -33,8 +33,8 @@ from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Fault, SolverError
 from slopekit.preie.kernels import compiled
 from slopekit.preie.solvers.dissection import touching_blocks
-from slopekit.preie.solvers.effort import SECOND, factorisation, spend
 from slopekit.preie.solvers.fronts import FINER, Fronts, Solver
+from slopekit.preie.solvers.work_limit import SECOND, factorisation, spend
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.patterns import compiled_contacts
 
@@ -66,7 +66,7 @@ class SparseStiffness:
         self.contacts = compiled_contacts(model)
         self.plans = {symmetric: self._planned(self._chosen(symmetric))}
         self._dense_index: Ints | None = None
-        self._effort = factorisation(model.load.size)
+        self._work = factorisation(model.load.size)
 
     def factored(
         self, stiffness: Floats, shift: float, symmetric: bool = True, inertia: Floats | None = None
@@ -87,12 +87,12 @@ class SparseStiffness:
         ------
         SolverError
             E504 the factors do not fit into memory; E505 K is singular, or not positive definite.
-        EffortSpentError
-            The work that is allowed is done (`solvers.effort`).
+        WorkSpentError
+            The work that is allowed is done (`solvers.work_limit`).
         """
         if symmetric not in self.plans:
             self.plans[symmetric] = self._planned(self._chosen(symmetric))
-        spend(self._effort)
+        spend(self._work)
         plan = self.plans[symmetric]
         values = stiffness
         if self.contacts is None:

@@ -26,7 +26,7 @@ from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal
 from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bounds import static_bound
-from slopekit.preie.solvers.effort import EffortSpentError
+from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import BOUND_ACCURACY, LEAST_TRACTION, NO_FORCE, ROUNDING, SAME_LIMIT, TINY
@@ -346,7 +346,7 @@ def _with_bound(model: AssemblyModel, limit: BlocksLimit, other: float | None) -
         return limit
     try:
         bound = static_bound(outer(model)).factor
-    except EffortSpentError:
+    except WorkSpentError:
         bound = None
     if bound is not None and bound < limit.factor * (1.0 - BOUND_ACCURACY):
         return replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None, basis=Basis.NONE, static_bound=bound)

@@ -14,7 +14,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.notices import bond_notices
-from slopekit.preie.solvers import effort
+from slopekit.preie.solvers import work_limit
 from slopekit.studies.keys import values_of
 from slopekit.studies.points import UNSETTLED, Point, factor_at, status_of
 from slopekit.studies.solve.factor_request import (
@@ -31,7 +31,7 @@ from slopekit.studies.solve.solutions import TOLERANCE, Answers, SolvedValue, cu
 
 _K, _UNIT_LOAD = "loads.seismic.k", 1.0
 _OF_PATH = 0.5  # of the work that is allowed, for the path in a load
-_PUT_BACK = 0.1 * effort.MOST  # for the factor of a limit state: it vouches for itself
+_PUT_BACK = 0.1 * work_limit.MOST  # for the factor of a limit state: it vouches for itself
 _ABOVE = 1e-4  # of a value: a factor that falls on this by more than a jump does so at once
 _FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value of the path in a load, where the factor is above the target
 _SECANTS = 10  # from there to the value where it is the target
@@ -47,15 +47,15 @@ def of_load(asked: FactorRequest, whole: bool, lower: bool) -> tuple[Answers, bo
     """
     search = RootSearch(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
                     near=_LOAD_NEAR, same=SAME, jump=_LOAD_JUMP)  # fmt: skip
-    with effort.allowed(effort.MOST):
-        with effort.part(_OF_PATH):
+    with work_limit.allowed(work_limit.MOST):
+        with work_limit.part(_OF_PATH):
             last = _path_in_load(asked)
-            cut = last is None and effort.is_spent()
+            cut = last is None and work_limit.is_spent()
         beyond = None
         if last is not None and not asked.low <= last.multiplier <= asked.high:
             beyond, last = last.multiplier, None
         direct, jumps, crossings = _driven(search, asked, whole, lower, last)
-        spent = effort.is_spent()
+        spent = work_limit.is_spent()
         answers = answers_of("pre_ie", asked, search, crossings) if direct is None else _in_load(asked, direct, jumps)
         if answers.roots and not spent:
             first = answers.roots[0]
@@ -131,7 +131,7 @@ def _driven(
     if last is None:
         falls = asked.key.path == _K and not whole and _falls_from_below(search, asked)
         return None, False, [] if falls else look_roughly(search, asked, whole)
-    with effort.allowed(effort.MOST if lower or last.runs is not None else _PUT_BACK):
+    with work_limit.allowed(work_limit.MOST if lower or last.runs is not None else _PUT_BACK):
         here = search.at(last.multiplier)
     factor = factor_at(here.found, "pre_ie")
     if here.level is None or factor is None or (lower and factor >= asked.target - TOLERANCE["pre_ie"]):

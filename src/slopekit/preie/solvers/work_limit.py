@@ -8,7 +8,7 @@ whichever way it is done; a cone program counts as a hundred of them.
 ...     spend(factorisation(1.0), 2.0)
 Traceback (most recent call last):
     ...
-slopekit.preie.solvers.effort.EffortSpentError
+slopekit.preie.solvers.work_limit.WorkSpentError
 """
 
 import math
@@ -24,7 +24,7 @@ PROGRAM = 100.0  # factorisations that a cone program counts as
 _ABOUT = 1e4  # units that stand about a factorisation
 
 
-class EffortSpentError(Exception):
+class WorkSpentError(Exception):
     """The work that was allowed is done, and what was asked is not found.
 
     `rested` is the factor at which all blocks were at rest last, None where that is not known.
@@ -34,9 +34,9 @@ class EffortSpentError(Exception):
         super().__init__()
         self.rested = rested
 
-    def times(self, by: float) -> "EffortSpentError":
+    def times(self, by: float) -> "WorkSpentError":
         """The same in another unit of strength."""
-        return EffortSpentError(None if self.rested is None else by * self.rested)
+        return WorkSpentError(None if self.rested is None else by * self.rested)
 
 
 class _Meter:
@@ -48,7 +48,7 @@ class _Meter:
         self.spent, self.most = 0.0, math.inf
 
 
-_METER: ContextVar[_Meter | None] = ContextVar("effort", default=None)
+_METER: ContextVar[_Meter | None] = ContextVar("work", default=None)
 
 
 def factorisation(unknowns: float) -> float:
@@ -61,14 +61,14 @@ def spend(units: float, times: float = 1.0) -> None:
 
     Raises
     ------
-    EffortSpentError
+    WorkSpentError
         It is more than is allowed.
     """
     meter = _METER.get()
     if meter is not None:
         meter.spent += times * units
         if meter.spent > meter.most:
-            raise EffortSpentError
+            raise WorkSpentError
 
 
 def spent() -> float:

@@ -12,7 +12,7 @@ from benchmarks.benches import bench
 from slopekit.preie.many_blocks import groups
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.solvers.effort import EffortSpentError, allowed, factorisation, part, spend
+from slopekit.preie.solvers.work_limit import WorkSpentError, allowed, factorisation, part, spend
 from tests.preie.path_oracle import model_of
 
 FACTOR, BOUND = populations.goodman_bray_factor(16), 1.19089
@@ -23,16 +23,16 @@ def test_a_factorisation_counts_by_its_size() -> None:
 
 
 def test_what_is_spent_within_counts_outside_and_a_part_is_of_what_is_left() -> None:
-    with allowed(10.0), allowed(100.0), pytest.raises(EffortSpentError):  # no more than is left outside
+    with allowed(10.0), allowed(100.0), pytest.raises(WorkSpentError):  # no more than is left outside
         spend(11.0)
     with allowed(10.0):
         spend(6.0)
         with part(0.5):
             spend(1.5)
-            with pytest.raises(EffortSpentError):
+            with pytest.raises(WorkSpentError):
                 spend(1.0)
         spend(1.0)  # 9.5 of 10
-        with pytest.raises(EffortSpentError):
+        with pytest.raises(WorkSpentError):
             spend(1.0)
     spend(math.inf)  # nothing is counted
 
@@ -64,8 +64,8 @@ def test_where_blocks_rested_is_in_the_strength_that_they_have() -> None:
         other = limit_of_blocks(replace(model, tan_friction=2.0 * model.tan_friction))
     assert one.rested is not None
     assert other.rested == pytest.approx(2.0 * one.rested, rel=1e-9)
-    assert EffortSpentError(0.8).times(0.5).rested == 0.4
-    assert EffortSpentError().times(0.5).rested is None
+    assert WorkSpentError(0.8).times(0.5).rested == 0.4
+    assert WorkSpentError().times(0.5).rested is None
 
 
 def test_with_enough_work_nothing_changes() -> None:
@@ -94,7 +94,7 @@ def test_the_sheet_says_what_is_known(units: float, bound: float | None, known: 
 
 
 def no_rest(*_: object) -> None:
-    raise EffortSpentError
+    raise WorkSpentError
 
 
 def test_the_limit_of_the_blocks_that_slide_first_is_said_where_all_come_to_no_rest(monkeypatch) -> None:
