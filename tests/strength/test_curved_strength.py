@@ -1,7 +1,7 @@
 """Curved strength in designs of every kind: node pairs, closed forms, sheet and JSON."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -294,3 +294,33 @@ def test_moments_that_open_a_rough_joint() -> None:
     result = analyse(with_law(eccentric, ROUGH))
     assert result.status in ("rotates", "topples", "slides_on_J1")
     assert result.agree is not False
+
+
+@dataclass(frozen=True)
+class Lines:
+    """What `strength_lines` asks of a model whose lines are drawn anew: two pairs of tan φ."""
+
+    tan_friction: np.ndarray
+    cohesion: np.ndarray
+
+    def by_group(self, values):
+        """Every pair a group of its own."""
+        return values
+
+
+@pytest.mark.parametrize(("factors", "most"), [([1.5], 7), ([1.5, 1.6], 40)])
+def test_rounds_on_limits_by_passes_are_few(factors, most, monkeypatch) -> None:
+    """Limits that passes know to a part alone never leave lines that stay: a wedge took 137 s to say so."""
+    calls = []
+    drawn = lambda model, normal: replace(model, tan_friction=model.tan_friction * (1 + 0.1 * 0.98 ** len(calls)))  # noqa: E731
+    monkeypatch.setattr(strength_lines, "drawn", drawn)
+
+    def solve(model):
+        calls.append(model)
+        return factors[len(calls) % len(factors)]
+
+    forces = lambda factor: (np.ones(2), factor, 1e-9)  # noqa: E731
+    _, found, swing = strength_lines._rounds(Lines(np.ones(2), np.zeros(2)), solve, forces)
+    assert len(calls) <= most
+    assert found == min(factors)
+    assert swing == pytest.approx(max(factors) / min(factors) - 1.0)

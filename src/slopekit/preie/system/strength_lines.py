@@ -34,6 +34,8 @@ from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
 _MOST_ROUNDS = 120  # of lines drawn anew
+_MOST_BY_PASSES = 40  # rounds whose limit is known to some part alone: each may take seconds
+_STANDS = 1e-7  # a factor by passes that moves by no more from round to round stands
 _MEMORY = 6  # rounds that Anderson's mixing remembers, and before it begins
 _MIX, _LONGEST = 0.3, 0.7  # its relaxation, and the longest step of ln tan φ
 _PRESSED = 10.0  # tractions in parts of the mean, up to which joints are taken not to dilate by their friction angle
@@ -165,8 +167,8 @@ def _rounds(
     """
     steps: list[tuple[Floats, Floats]] = []
     rounds: list[tuple[float, AnyModel, Found]] = []
-    best, fruitless = math.inf, 0
-    while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS:
+    best, fruitless, by_passes = math.inf, 0, 0
+    while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS and by_passes < _MOST_BY_PASSES:
         limit = solve(model)
         carries = forces(limit)
         if carries is None:
@@ -182,6 +184,9 @@ def _rounds(
         if off <= max(ROUNDING, exact):
             return model, limit, off
         rounds.append((factor, model, limit))
+        by_passes += exact > 0.0
+        if by_passes >= _MEMORY and (swing := _swing(rounds[-_MEMORY:])) <= _STANDS:
+            return model, limit, swing  # passes leave more of the forces than the lines could still gain
         best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
         if len(rounds) > _MEMORY:
             at = np.log(np.maximum(model.tan_friction, NO_FORCE))
@@ -192,7 +197,13 @@ def _rounds(
         model = new
     last_ones = rounds[-_FRUITLESS:]
     lowest = min(last_ones, key=lambda one: one[0])
-    return lowest[1], lowest[2], max(one[0] for one in last_ones) / lowest[0] - 1.0
+    return lowest[1], lowest[2], _swing(last_ones)
+
+
+def _swing(rounds: Sequence[tuple[float, AnyModel, Found]]) -> float:
+    """How far the highest factor of some rounds lies above the lowest."""
+    factors = [one[0] for one in rounds]
+    return max(factors) / min(factors) - 1.0
 
 
 def _mixed(steps: Sequence[tuple[Floats, Floats]]) -> Floats:
