@@ -344,7 +344,7 @@ MUTATIONS = (
          "physical.cohesion, model.tan_friction, model.tan_dilation, factor",
          "physical.cohesion, 1.01 * model.tan_friction, model.tan_dilation, factor",
          ("tests/validation/test_sheng_2023.py",)),
-        ("blocks without_anchors_of", "preie/motion/all_pairs.py", "self.stiffness, factor, self.attached)",
+        ("blocks detached", "preie/motion/all_pairs.py", "self.stiffness, factor, self.attached)",
          "self.stiffness, 1.01 * factor, self.attached)", ("tests/preie/test_all_pairs.py",)),
     ),
     *_group(
