@@ -250,7 +250,8 @@ def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:
     """From a tenth and from ten times the mean traction: columns that follow their law, and those that have lines."""
     first = strength_lines.first_lines
     for dilation_deg in (3.0, 18.0):  # on its lines a joint that would dilate by more than its friction angle
-        design = with_strength(template("topple"), replace(Strength.by_law(ROUGH), dilation_deg=dilation_deg))
+        columns = replace(template("topple"), heights_m=(6.0, 8.0))
+        design = with_strength(columns, replace(Strength.by_law(ROUGH), dilation_deg=dilation_deg))
         found = []
         for times in (0.1, 10.0):
             monkeypatch.setattr(
