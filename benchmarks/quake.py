@@ -15,7 +15,8 @@ from slopekit.kinds import cut
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.assemblies.many_blocks_shaking import gyration
 from slopekit.kinds.solver_inputs import joint_strength
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import relaxed
 from slopekit.preie.many_blocks.ravelling import critical_load
 from slopekit.preie.motion.seismic_gain import mass_of

@@ -10,7 +10,8 @@ import pytest
 from scipy.optimize import linprog
 
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import follow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.many_blocks import blocks

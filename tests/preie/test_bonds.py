@@ -18,7 +18,8 @@ from slopekit.geometry.patches import BEDROCK
 from slopekit.kinds.assemblies import many_blocks
 from slopekit.notices import Bonds, bond_notices
 from slopekit.preie.elastic_path import falling, rests
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.falling import NEAR_RUNNING, fall, history
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.kernels import compiled

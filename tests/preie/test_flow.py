@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.benches import bench as keyed_bench
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import relaxed, stepped
 from slopekit.preie.many_blocks import ravelling
 from slopekit.preie.system.assembly import AssemblyModel

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks import populations
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.rounded import RoundedPath
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.joint_strengths import strengths_of

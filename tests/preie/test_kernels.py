@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from benchmarks import populations
 from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels as module
-from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces, Drive
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.cracked import cracked_limit
 from slopekit.preie.one_block.polygon_bed import BedSprings, PolygonBed

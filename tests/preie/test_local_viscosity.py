@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from slopekit.preie.elastic_path import local_viscosity, rests
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import Flow, relaxed
 from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.rests import JUST, rests_before

@@ -14,7 +14,8 @@ from slopekit.geometry.patches import BEDROCK
 from slopekit.kinds.assemblies.many_blocks_states import states_of_part
 from slopekit.loads import PassiveBolts
 from slopekit.preie.elastic_path import path, proposal
-from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive, NewtonStep
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces, Drive, NewtonStep
 from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.elastic_path.loads_last import loads_last
 from slopekit.preie.elastic_path.path import follow

@@ -12,7 +12,8 @@ import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
 from slopekit.preie.elastic_path import traced as traced_room
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import stepped
 from slopekit.preie.elastic_path.path import follow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome

@@ -67,7 +67,8 @@ from slopekit.kinds.words import (
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import those_of_factors
 from slopekit.preie.elastic_path import falling
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import START
 from slopekit.preie.many_blocks.ravelling import (
     CriticalLoad,

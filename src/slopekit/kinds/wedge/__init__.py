@@ -288,9 +288,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
     cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
     apart = math.degrees(math.acos(min(1.0, cosine)))
     if apart < _NEARLY_PARALLEL_DEG:
-        from slopekit.kinds.wedge.nearly_parallel import parallel_note
-
-        yield Notice("W301", parallel_note(design, apart))
+        yield Notice("W301", _parallel_note(design, apart))
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
@@ -323,6 +321,22 @@ def _without_basal(design: WedgeDesign) -> WithoutBasal | None:
     from slopekit.kinds.wedge import basal
 
     return basal.without_basal(design)
+
+
+def _parallel_note(design: WedgeDesign, apart: float) -> str:
+    """How far one degree of one joint moves the line of intersection."""
+    first, second = design.joints
+    normals = second.normal()
+    line = np.cross(first.normal(), normals)
+    moved = 0.0
+    for dip, direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
+        other = np.cross(Plane(first.dip_deg + dip, first.dip_direction_deg + direction).normal(), normals)
+        sizes = math.sqrt(float(line @ line) * float(other @ other))
+        if sizes > 0.0:
+            moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
+    return (
+        f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
+    )
 
 
 def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:

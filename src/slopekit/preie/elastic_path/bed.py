@@ -38,8 +38,6 @@ from slopekit.preie.tolerances import (
     TINY,
 )
 
-__all__ = ["Bed", "BedForces", "Drive", "NewtonStep"]
-
 _DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
 _SHORTEST = 0.02  # step of a line search
 _TRIES = 12  # Newton steps

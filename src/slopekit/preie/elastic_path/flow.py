@@ -11,7 +11,8 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, BedForces, NewtonStep
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces, NewtonStep
 
 #: Viscosity after a step that went well (after one that did not the inverse), and in large steps.
 EASES, _GENTLY = 0.2, 0.5

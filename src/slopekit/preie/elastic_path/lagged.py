@@ -25,7 +25,8 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
 from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, BedForces
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.kernels import compiled
 from slopekit.preie.programs.cone_steps import PAIR

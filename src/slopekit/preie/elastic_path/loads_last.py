@@ -12,7 +12,8 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces, Drive
 from slopekit.preie.elastic_path.flow import relaxed
 from slopekit.preie.elastic_path.path import follow
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, limit_state

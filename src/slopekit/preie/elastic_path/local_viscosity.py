@@ -16,7 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, BedForces
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import ENOUGH, THICKEST, THIN, Flow, relaxed
 from slopekit.preie.system.assembly import AssemblyModel
 

@@ -22,7 +22,8 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, BedForces
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.elastic_path.path_limit import BORDERED, MANY, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.elastic_path.traced import traced, traced_in_section

@@ -9,7 +9,8 @@ from scipy.linalg import lapack
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, BedForces
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, SAME_LIMIT, TINY
 
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense

@@ -6,7 +6,8 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
-from slopekit.preie.elastic_path.bed import Bed, NewtonStep
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import NewtonStep
 from slopekit.preie.elastic_path.flow import stepped
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.elastic_path.rests import rests_before

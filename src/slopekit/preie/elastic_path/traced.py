@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.preie.elastic_path.bed import Bed, BedForces, NewtonStep
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces, NewtonStep
 from slopekit.preie.elastic_path.flow import relaxed, stepped
 from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.elastic_path.rests import JUST, at_their_limit, rests_before

@@ -20,7 +20,8 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.onlooker import told_times
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.falling import fall
 from slopekit.preie.elastic_path.loads_last import FIRST_LOAD, LoadsOn, loads_last
 from slopekit.preie.elastic_path.path import START, first_peak, follow

@@ -6,7 +6,8 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import Assembly
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.falling import open_all_over
 from slopekit.preie.elastic_path.flow import Flow
 from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome

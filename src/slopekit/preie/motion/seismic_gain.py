@@ -18,7 +18,8 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, BedForces, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import BedForces, Drive
 from slopekit.preie.elastic_path.path_limit import BORDERED
 from slopekit.preie.many_blocks.blocks import load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit

@@ -11,7 +11,8 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.flow import THICK, relaxed, stepped
 from slopekit.preie.motion.equilibrium import BOLT_GIVE_M
 from slopekit.preie.system.assembly import AssemblyModel

@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import frozen
-from slopekit.preie.elastic_path.bed import Bed, Drive
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.elastic_path.path import ROUGHER, START, follow
 from slopekit.preie.elastic_path.path_limit import PathOutcome
 from slopekit.preie.one_block.limit import LimitAnalysis, governed
