@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from slopekit.core.errors import DesignError
+from slopekit.exchange.solids import save_gltf
 from slopekit.geometry.solids import meshes
 from slopekit.geometry.solids.meshes import outward, read_mesh
 from tests.scenes import ellipsoid_mesh, save, sheet
@@ -11,13 +12,54 @@ from tests.scenes import ellipsoid_mesh, save, sheet
 
 @pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "off", "glb"])
 def test_formats(tmp_path, suffix) -> None:
-    """The same closed body from each; single precision in STL, PLY and GLB."""
+    """The same closed body from each; single precision in STL, PLY and GLB, which is y-up (glTF 2.0, 3.4)."""
     vertices, triangles = ellipsoid_mesh(2)
-    found, faces, closed = read_mesh(save(tmp_path / f"body.{suffix}", (vertices, triangles)), "body")
+    x, y, z = vertices.T
+    written = np.stack([x, z, -y], axis=1) if suffix == "glb" else vertices
+    found, faces, closed = read_mesh(save(tmp_path / f"body.{suffix}", (written, triangles)), "body")
     assert closed
     assert (len(found), len(faces)) == (len(vertices), len(triangles))
     tolerance = 1e-8 if suffix in ("obj", "off") else 1e-5
     assert np.sort(found, axis=0) == pytest.approx(np.sort(vertices, axis=0), abs=tolerance)
+
+
+@pytest.mark.parametrize(("suffix", "up"), [("obj", "y"), ("stl", "y"), ("dxf", "y"), ("glb", "z"), ("glb", "y")])
+def test_the_axis_that_points_up_where_the_format_does_not_say_it(tmp_path, suffix, up) -> None:
+    vertices, triangles = ellipsoid_mesh(2)
+    x, y, z = vertices.T
+    written = np.stack([x, z, -y], axis=1) if up == "y" else vertices
+    path = tmp_path / f"body.{suffix}"
+    if suffix == "dxf":
+        drawing = pytest.importorskip("ezdxf").new()
+        with drawing.modelspace().add_mesh().edit_data() as data:
+            data.vertices, data.faces = written.tolist(), triangles.tolist()
+        drawing.saveas(path)
+    else:
+        save(path, (written, triangles))
+    found, faces, closed = read_mesh(path, "body", up=up)
+    assert closed
+    assert np.sort(found, axis=0) == pytest.approx(np.sort(vertices, axis=0), abs=1e-5)
+    assert (outward(found, faces) == faces).all()  # turned, not mirrored
+
+
+@pytest.mark.parametrize("suffix", ["glb", "gltf"])
+def test_nodes_of_gltf_stand_where_their_matrices_put_them(tmp_path, suffix) -> None:
+    """A box of 1 x 2 x 3 m (east, north, up) about (10, 20, 30), as a y-up scene of nested and mirrored nodes."""
+    import trimesh
+
+    box = trimesh.creation.box([1.0, 3.0, 2.0])  # x, up, south
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, [0.0, 0.0, 1.0])
+    box.apply_transform(np.linalg.inv(turn))
+    scene = trimesh.Scene()
+    place = trimesh.transformations.translation_matrix([10.0, 30.0, -20.0])
+    scene.graph.update(frame_from="world", frame_to="place", matrix=place @ np.diag([-1.0, 1.0, 1.0, 1.0]))
+    scene.add_geometry(box, node_name="box", parent_node_name="place", transform=turn)
+    save_gltf(scene, tmp_path / f"box.{suffix}")
+    vertices, triangles, closed = read_mesh(tmp_path / f"box.{suffix}", "box")
+    assert closed
+    assert vertices.min(axis=0) == pytest.approx([9.5, 19.0, 28.5], abs=1e-5)
+    assert vertices.max(axis=0) == pytest.approx([10.5, 21.0, 31.5], abs=1e-5)
+    assert (outward(vertices, triangles) == triangles).all()
 
 
 def test_a_body_that_is_inside_out_is_turned(tmp_path) -> None:

@@ -307,12 +307,26 @@ class Strength:
 
 @dataclass(frozen=True, slots=True)
 class MeshFile:
-    """A mesh file that a design names; two of the same content are the same, wherever they lie."""
+    """A mesh file that a design names; two of the same content are the same, wherever they lie.
+
+    `up` is the axis of the file that points up, y or z.
+    """
 
     name: str
     sha256: str
     path: str = field(compare=False, repr=False)
     where: str = field(default="", compare=False, repr=False)
+    up: str = "z"
+
+    def in_words(self) -> str:
+        """The file as sheets print it: that z is up is not said."""
+        return f"{self.name} (y is up there)" if self.up == "y" else self.name
+
+
+def axis_key(path: str) -> Field:
+    """The key beside that of a mesh file, which says the axis that points up there."""
+    return Field(path, "text", words=("y", "z"), code="E172", label=path, example="y", left_out="y of GLB, else z",
+                 doc="which axis of the mesh file points up")  # fmt: skip
 
 
 def _factor(path: str, doc: str, least: bool = False) -> Any:

@@ -233,7 +233,7 @@ def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
 
 def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:
     """Vertices, triangles and whether they close; one that is inside out is turned, and its name kept."""
-    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where)
+    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where, file.up)
     triangles = outward(vertices, given) if closed else given
     if (triangles != given).any():
         turned.append(file.name)
@@ -533,7 +533,7 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     assert isinstance(geometry, SurfaceGeometry)
     area = size_number(geometry.areas_m2["slip surface"])
     ground = (
-        f"ground mesh {design.ground_mesh.name}"
+        f"ground mesh {design.ground_mesh.in_words()}"
         if design.ground_mesh is not None
         else "ground profile " + " ".join(f"({x:.6g}, {z:.6g})" for x, z in design.profile_m or ())
     )

@@ -1,0 +1,222 @@
+"""OBJ, OFF and PLY files as vertices and faces of any number of corners, which other readers cut as if all were convex.
+
+Texture, normals, colours and lines are passed over. All raise ValueError where a file is none of its format.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.lib.recfunctions import structured_to_unstructured
+
+from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
+
+#: Name, vertices (v, 3), and the vertices of each face in order around it.
+PolygonBody = tuple[str, Floats, list[list[int]]]
+
+
+def obj_bodies(path: Path) -> list[PolygonBody]:
+    """The objects of an OBJ file, or its groups where it has none, but never its materials; in their order."""
+    points: list[list[str]] = []
+    objects: dict[str, list[list[int]]] = {}
+    groups: dict[str, list[list[int]]] = {}
+    object_name, group_name = "", ""
+    text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
+    for line in text.splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            points.append(rest[:3])
+        elif word == "f":
+            face = [_vertex(entry, len(points)) for entry in line.partition("#")[0].split()[1:]]
+            objects.setdefault(object_name, []).append(face)
+            groups.setdefault(group_name, []).append(face)
+        elif word == "o":
+            object_name = " ".join(rest)
+        elif word == "g":
+            group_name = " ".join(rest)
+    vertices = _coordinates(points)
+    named = objects if any(objects) else groups
+    return [_body(name or path.name, vertices, faces) for name, faces in named.items()]
+
+
+def _vertex(entry: str, count: int) -> int:
+    """The index of a vertex from 7, 7/1 or 7//3, counted from 1, or backward from the last where it is negative."""
+    number = int(entry.partition("/")[0])
+    return number - 1 if number > 0 else number + count if number < 0 else -1
+
+
+def off_bodies(path: Path) -> list[PolygonBody]:
+    """The body of an OFF file in text, with or without colours and normals."""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    lines = [words for line in text.splitlines() if (words := line.partition("#")[0].split())]
+    keyword = lines[0][0].upper() if lines else ""
+    if not keyword.endswith("OFF") or "4" in keyword or "BINARY" in (word.upper() for word in lines[0]):
+        raise ValueError("it is no OFF file in text with three coordinates a vertex")
+    lines[0] = lines[0][1:]
+    lines = lines if lines[0] else lines[1:]
+    count, total = (int(word) for word in lines[0][:2])
+    rows = lines[1 + count : 1 + count + total]
+    faces = [[int(word) for word in words[1 : 1 + int(words[0])]] for words in rows]
+    if len(rows) < total or any(len(face) < int(words[0]) for face, words in zip(faces, rows, strict=True)):
+        raise ValueError(f"it ends before the {total} faces that it announces")
+    return [_body(path.name, _coordinates([words[:3] for words in lines[1 : 1 + count]]), faces)]
+
+
+def _coordinates(points: Sequence[Sequence[str]]) -> Floats:
+    if any(len(point) < 3 for point in points):
+        raise ValueError("a vertex has fewer than three coordinates")
+    return np.array(points, dtype=np.float64).reshape(-1, 3)
+
+
+def _body(name: str, vertices: Floats, faces: list[list[int]]) -> PolygonBody:
+    """A body with the vertices alone that its faces name."""
+    corners = np.fromiter(chain.from_iterable(faces), dtype=np.int64)
+    wrong = (corners < 0) | (corners >= len(vertices))
+    if wrong.any():
+        raise ValueError(f"a face names a vertex that is none of the {len(vertices)}")
+    used = np.unique(corners)
+    if len(used) == len(vertices):
+        return name, vertices, faces
+    index = np.searchsorted(used, np.arange(len(vertices))).tolist()
+    return name, vertices[used], [[index[corner] for corner in face] for face in faces]
+
+
+# -- PLY --------------------------------------------------------------------------------------------------------------
+
+#: The letters of numpy for the types of PLY.
+_LETTERS = {
+    "char": "b", "int8": "b", "uchar": "B", "uint8": "B", "short": "h", "int16": "h", "ushort": "H", "uint16": "H",
+    "int": "i", "int32": "i", "uint": "I", "uint32": "I", "int64": "q", "uint64": "Q",
+    "float": "f", "float32": "f", "double": "d", "float64": "d",
+}  # fmt: skip
+_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+_CORNERS = ("vertex_indices", "vertex_index")
+
+
+@dataclass(frozen=True, slots=True)
+class _Property:
+    """A property of a PLY element: the letter of its values and, where it is a list, of their number."""
+
+    name: str
+    letter: str
+    count_letter: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Element:
+    """A table of a PLY file: its name, how many rows, and its columns."""
+
+    name: str
+    count: int
+    properties: list[_Property]
+
+
+class _Numbers:
+    """The numbers of a PLY file, in text or in binary, read from its start on."""
+
+    def __init__(self, data: bytes, form: str) -> None:
+        self.order = _ORDERS.get(form, "")
+        self.data: Any = data if self.order else np.array(data.split(), dtype=np.float64)
+        self.position = 0
+
+    def rows(self, letters: str, count: int) -> Floats:
+        """The next numbers as rows (count, len(letters)), of the types that the letters say."""
+        sizes = [np.dtype(letter).itemsize if self.order else 1 for letter in letters]
+        begin = self.position
+        self.position += sum(sizes) * count
+        if self.position > len(self.data):
+            raise ValueError("it ends before all that its header announces")
+        if not self.order:
+            return np.asarray(self.data[begin : self.position]).reshape(count, -1)
+        if len(set(letters)) == 1:
+            alike = np.frombuffer(self.data, self.order + letters[0], count * len(letters), begin)
+            return alike.reshape(count, -1).astype(np.float64)
+        kind = np.dtype([(str(k), self.order + letter) for k, letter in enumerate(letters)])
+        return structured_to_unstructured(np.frombuffer(self.data, kind, count, begin), dtype=np.float64)
+
+
+def ply_bodies(path: Path) -> list[PolygonBody]:
+    """The body of a PLY file, in text or in binary."""
+    head, mark, rest = path.read_bytes().partition(b"end_header")
+    if not mark or not head.startswith(b"ply"):
+        raise ValueError("it has no header of a PLY file")
+    form, elements = _header(head.decode("ascii", errors="replace"))
+    numbers = _Numbers(rest.partition(b"\n")[2], form)
+    columns = {element.name: _columns(element, numbers) for element in elements if element.count}
+    if "vertex" not in columns or "face" not in columns:
+        raise ValueError("it has no vertices, or no faces")
+    points = np.concatenate([_column(columns["vertex"], axis) for axis in "xyz"], axis=1)
+    return [_body(path.name, points, [row.astype(np.int64).tolist() for row in _column(columns["face"], *_CORNERS)])]
+
+
+def _header(text: str) -> tuple[str, list[_Element]]:
+    """The form of a PLY file and its tables."""
+    form = ""
+    elements: list[_Element] = []
+    for line in text.splitlines():
+        match line.split():
+            case ["format", form, *_] if form != "ascii" and form not in _ORDERS:
+                raise ValueError(f"its format is {form}")
+            case ["element", name, count]:
+                elements.append(_Element(name, int(count), []))
+            case ["property", "list", count_type, kind, name]:
+                elements[-1].properties.append(_Property(name, _letter(kind), _letter(count_type)))
+            case ["property", kind, name]:
+                elements[-1].properties.append(_Property(name, _letter(kind)))
+    return form, elements
+
+
+def _letter(kind: str) -> str:
+    if kind not in _LETTERS:
+        raise ValueError(f"its header has a type {kind}")
+    return _LETTERS[kind]
+
+
+def _column(columns: Mapping[str, Sequence[Floats]], *names: str) -> Sequence[Floats]:
+    """The first of these columns that there is."""
+    found = next((columns[name] for name in names if name in columns), None)
+    if found is None:
+        raise ValueError(f"it has no property {' or '.join(names)}")
+    return found
+
+
+def _columns(element: _Element, numbers: _Numbers) -> Mapping[str, Sequence[Floats]]:
+    """The columns of a table by name, a value or a list a row.
+
+    All rows are taken at once where they are as long as the first, else one after the other.
+    """
+    begin = numbers.position
+    first = _row(element, numbers)
+    sizes = [len(first[one.name]) for one in element.properties]
+    letters = "".join(one.count_letter + one.letter * size for one, size in zip(element.properties, sizes, strict=True))
+    numbers.position = begin
+    try:
+        table = numbers.rows(letters, element.count)
+    except ValueError:
+        table = np.zeros((0, 0))
+    columns: dict[str, Sequence[Floats]] = {}
+    place = 0
+    for one, size in zip(element.properties, sizes, strict=True):
+        if one.count_letter:
+            place += 1
+            if not len(table) or (table[:, place - 1] != size).any():
+                numbers.position = begin
+                rows = [_row(element, numbers) for _ in range(element.count)]
+                return {name: [row[name] for row in rows] for name in first}
+        columns[one.name] = table[:, place : place + size]
+        place += size
+    return columns
+
+
+def _row(element: _Element, numbers: _Numbers) -> dict[str, Floats]:
+    """The values of the next row by the names of their properties."""
+    row = {}
+    for one in element.properties:
+        count = int(numbers.rows(one.count_letter, 1)[0, 0]) if one.count_letter else 1
+        if not 0 <= count <= len(numbers.data):
+            raise ValueError(f"it has a list of {count} entries")
+        row[one.name] = numbers.rows(one.letter * count, 1)[0] if count else np.zeros(0)
+    return row
