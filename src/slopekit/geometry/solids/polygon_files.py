@@ -94,6 +94,8 @@ _LETTERS = {
 }  # fmt: skip
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
+#: The values of a property, a row of them for each row of its table: one, or a list.
+_Column = Floats | list[Floats]
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +177,7 @@ def _letter(kind: str) -> str:
     return _LETTERS[kind]
 
 
-def _column(columns: Mapping[str, Sequence[Floats]], *names: str) -> Sequence[Floats]:
+def _column(columns: Mapping[str, _Column], *names: str) -> _Column:
     """The first of these columns that there is."""
     found = next((columns[name] for name in names if name in columns), None)
     if found is None:
@@ -183,7 +185,7 @@ def _column(columns: Mapping[str, Sequence[Floats]], *names: str) -> Sequence[Fl
     return found
 
 
-def _columns(element: _Element, numbers: _Numbers) -> Mapping[str, Sequence[Floats]]:
+def _columns(element: _Element, numbers: _Numbers) -> Mapping[str, _Column]:
     """The columns of a table by name, a value or a list a row.
 
     All rows are taken at once where they are as long as the first, else one after the other.
@@ -197,7 +199,7 @@ def _columns(element: _Element, numbers: _Numbers) -> Mapping[str, Sequence[Floa
         table = numbers.rows(letters, element.count)
     except ValueError:
         table = np.zeros((0, 0))
-    columns: dict[str, Sequence[Floats]] = {}
+    columns: dict[str, _Column] = {}
     place = 0
     for one, size in zip(element.properties, sizes, strict=True):
         if one.count_letter:
