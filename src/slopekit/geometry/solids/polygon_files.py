@@ -24,7 +24,7 @@ def obj_bodies(path: Path) -> list[PolygonBody]:
     objects: dict[str, list[list[int]]] = {}
     groups: dict[str, list[list[int]]] = {}
     object_name, group_name = "", ""
-    text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
+    text = path.read_text(encoding="utf-8-sig", errors="replace").replace("\\\n", " ")
     for line in text.splitlines():
         word, *rest = line.split() or [""]
         if word == "v":
@@ -50,7 +50,7 @@ def _vertex(entry: str, count: int) -> int:
 
 def off_bodies(path: Path) -> list[PolygonBody]:
     """The body of an OFF file in text, with or without colours and normals."""
-    text = path.read_text(encoding="utf-8", errors="replace")
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
     lines = [words for line in text.splitlines() if (words := line.partition("#")[0].split())]
     keyword = lines[0][0].upper() if lines else ""
     if not keyword.endswith("OFF") or "4" in keyword or "BINARY" in (word.upper() for word in lines[0]):
