@@ -318,8 +318,9 @@ class MeshFile:
     where: str = field(default="", compare=False, repr=False)
     up: str = "z"
 
-    def in_words(self) -> str:
-        """The file as sheets print it: that z is up is not said."""
+    @property
+    def label(self) -> str:
+        """The name, and the axis that points up where it is y."""
         return f"{self.name} (y is up there)" if self.up == "y" else self.name
 
 

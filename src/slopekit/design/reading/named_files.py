@@ -39,4 +39,4 @@ def mesh_file(reader: Reader, holder: Node) -> MeshFile | None:
         reader.fault("E172", f"the mesh {node.text} cannot be read: {fault.message}", node, advice)
         return None
     digest = hashlib.sha256(content).hexdigest()
-    return MeshFile(path.name, digest, str(path), str(node.place), axis or upward_axis(path.suffix))
+    return MeshFile(path.name, digest, str(path), str(node.place), up=axis or upward_axis(path.suffix))
