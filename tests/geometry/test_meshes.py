@@ -1,5 +1,7 @@
 """Mesh files: what is read, what is refused, and in which precision."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,31 @@ def test_nodes_of_gltf_stand_where_their_matrices_put_them(tmp_path, suffix) -> 
     assert vertices.min(axis=0) == pytest.approx([9.5, 19.0, 28.5], abs=1e-5)
     assert vertices.max(axis=0) == pytest.approx([10.5, 21.0, 31.5], abs=1e-5)
     assert (outward(vertices, triangles) == triangles).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"mode": 6}, "it has fans of triangles; save it with triangles"),
+        ({"normalized": True}, "its coordinates are normalized whole numbers; save it with floats"),
+    ],
+)
+def test_gltf_that_the_reader_would_pass_over_is_refused(tmp_path, change, says) -> None:
+    """KHR_mesh_quantization writes 1 as 32767 of a normalized short: the body was 32767 times as large."""
+    path = save_gltf_of(tmp_path / "body.gltf", ellipsoid_mesh(1))
+    document = json.loads(path.read_text())
+    (primitive,) = document["meshes"][0]["primitives"]
+    (primitive if "mode" in change else document["accessors"][primitive["attributes"]["POSITION"]]).update(change)
+    path.write_text(json.dumps(document))
+    with pytest.raises(DesignError, match=f"E172 the mesh body cannot be read .{says}"):
+        read_mesh(path, "body")
+
+
+def save_gltf_of(path, mesh):
+    import trimesh
+
+    save_gltf(trimesh.Scene(trimesh.Trimesh(*mesh, process=False)), path)
+    return path
 
 
 def test_a_body_that_is_inside_out_is_turned(tmp_path) -> None:

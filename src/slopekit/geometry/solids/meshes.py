@@ -1,5 +1,6 @@
 """Mesh files (STL, OBJ, PLY, OFF, GLB, DXF) as closed bodies or open sheets, read in double precision."""
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from slopekit.geometry.solids.polygon_faces import CrossedFaceError, triangulate
 from slopekit.geometry.solids.polygon_files import PolygonBody, obj_bodies, off_bodies, ply_bodies
 
 _METRES = 6  # $INSUNITS
+_TRIANGLE_FAN = 6  # mode of a primitive of glTF
 MeshBody = tuple[str, Floats, Ints]
 _MOST_TRIANGLES = 400_000
 
@@ -41,7 +43,9 @@ def mesh_bodies(path: Path, up: str = "") -> list[MeshBody]:
     else:
         raise ValueError(f"its suffix is {suffix or 'missing'}")
     if (up or upward_axis(suffix)) == "y":
-        bodies = [(name, vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0], triangles) for name, vertices, triangles in bodies]
+        bodies = [
+            (name, vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0] + 0.0, triangles) for name, vertices, triangles in bodies
+        ]
     return [merged(body) for body in bodies]
 
 
@@ -49,6 +53,8 @@ def _of_scene(path: Path) -> list[MeshBody]:
     """The solids of an STL, or the nodes of a glTF scene where its matrices take them, along the file's own axes."""
     import trimesh
 
+    if path.suffix.lower() != ".stl":
+        _refuse_unread_gltf(path)
     scene = trimesh.load_scene(path, process=False)
     rank = {name: k for k, name in enumerate(scene.geometry)}
     bodies = []
@@ -61,6 +67,19 @@ def _of_scene(path: Path) -> list[MeshBody]:
             is_mirrored = np.linalg.det(matrix[:3, :3]) < 0.0
             bodies.append((str(node), points, triangles[:, ::-1] if is_mirrored else triangles))
     return bodies
+
+
+def _refuse_unread_gltf(path: Path) -> None:
+    """ValueError for what trimesh passes over in glTF: whole numbers that stand for -1 to 1, and fans of triangles."""
+    content = path.read_bytes()
+    if content.startswith(b"glTF"):
+        content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
+    document = json.loads(content)
+    for primitive in (part for mesh in document.get("meshes", ()) for part in mesh["primitives"]):
+        if primitive.get("mode") == _TRIANGLE_FAN:
+            raise ValueError("it has fans of triangles; save it with triangles")
+        if document["accessors"][primitive["attributes"]["POSITION"]].get("normalized"):
+            raise ValueError("its coordinates are normalized whole numbers; save it with floats")
 
 
 def one_mesh(bodies: Sequence[MeshBody]) -> tuple[Floats, Ints]:
