@@ -202,6 +202,9 @@ def test_a_face_of_a_dxf_that_crosses_itself_is_refused(tmp_path) -> None:
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n0\n", "has a type half"),
         ("a.ply", _ply_head("binary_little_endian", [0], [0]) + b"\0" * 25 + b"\xff", "it has a list of 255 entries"),
         ("a.ply", _ply_head("ascii", [], []), "it has no vertices, or no faces"),
+        ("a.ply", _ply_head("ascii", [0, 0], [0]) + b"0 0 0 7\n", "it ends before all"),
+        ("a.ply", _ply_head("binary_middle_endian", [0], [0]), "it has no header of a PLY file"),
+        ("a.ply", b"ply\nformat ascii 1.0\nproperty int x\nelement vertex -1\nend_header\n", "it has no vertices"),
         ("a.step", b"ISO-10303-21;", "its suffix is .step"),
     ],
 )  # fmt: skip

@@ -92,15 +92,15 @@ def _from_least_corner(face: Sequence[int], place: Sequence[int]) -> _Outline:
     least = min(places, default=0)
     orders = [
         (corners[k::step] + corners[:k:step] if step > 0 else corners[k::-1] + corners[:k:-1], step < 0)
-        for k, one in enumerate(places) if one == least for step in (1, -1)
+        for k, number in enumerate(places) if number == least for step in (1, -1)
     ]  # fmt: skip
     return min(orders, key=lambda order: [place[corner] for corner in order[0]], default=([], False))
 
 
 def _in_words(corners: Floats) -> str:
     """The first corners (n, 3) of a face, to find it by."""
-    shown = ", ".join("({:.3f}, {:.3f}, {:.3f})".format(*corner) for corner in corners[:4].tolist())
-    return f"{len(corners)} corners, {shown}{', …' if len(corners) > 4 else ''}"
+    coordinates = ", ".join("({:.3f}, {:.3f}, {:.3f})".format(*corner) for corner in corners[:4].tolist())
+    return f"{len(corners)} corners, {coordinates}{', …' if len(corners) > 4 else ''}"
 
 
 def _in_newell_plane(points: Floats) -> Floats:

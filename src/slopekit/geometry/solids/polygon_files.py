@@ -74,8 +74,7 @@ def _coordinates(points: Sequence[Sequence[str]]) -> Floats:
 def _body(name: str, vertices: Floats, faces: list[list[int]]) -> PolygonBody:
     """A body with the vertices alone that its faces name."""
     corners = np.fromiter(chain.from_iterable(faces), dtype=np.int64)
-    wrong = (corners < 0) | (corners >= len(vertices))
-    if wrong.any():
+    if ((corners < 0) | (corners >= len(vertices))).any():
         raise ValueError(f"a face names a vertex that is none of the {len(vertices)}")
     used = np.unique(corners)
     if len(used) == len(vertices):
@@ -94,7 +93,7 @@ _LETTERS = {
 }  # fmt: skip
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
-#: The values of a property, a row of them for each row of its table: one, or a list.
+#: The values of a property, a row of them for each row of its table: a value, or a list.
 _Column = Floats | list[Floats]
 
 
@@ -124,29 +123,32 @@ class _Numbers:
         self.data: Any = data if self.order else np.array(data.split(), dtype=np.float64)
         self.position = 0
 
+    def size(self, letters: str) -> int:
+        """How much of the data a row takes whose types the letters say."""
+        return sum(np.dtype(letter).itemsize for letter in letters) if self.order else len(letters)
+
     def rows(self, letters: str, count: int) -> Floats:
         """The next numbers as rows (count, len(letters)), of the types that the letters say."""
-        sizes = [np.dtype(letter).itemsize if self.order else 1 for letter in letters]
         begin = self.position
-        self.position += sum(sizes) * count
+        self.position += self.size(letters) * count
         if self.position > len(self.data):
             raise ValueError("it ends before all that its header announces")
         if not self.order:
             return np.asarray(self.data[begin : self.position]).reshape(count, -1)
         if len(set(letters)) == 1:
-            alike = np.frombuffer(self.data, self.order + letters[0], count * len(letters), begin)
-            return alike.reshape(count, -1).astype(np.float64)
+            table = np.frombuffer(self.data, self.order + letters[0], count * len(letters), begin)
+            return table.reshape(count, -1).astype(np.float64)
         kind = np.dtype([(str(k), self.order + letter) for k, letter in enumerate(letters)])
         return structured_to_unstructured(np.frombuffer(self.data, kind, count, begin), dtype=np.float64)
 
 
 def ply_bodies(path: Path) -> list[PolygonBody]:
     """The body of a PLY file, in text or in binary."""
-    head, mark, rest = path.read_bytes().partition(b"end_header")
-    if not mark or not head.startswith(b"ply"):
+    header, mark, content = path.read_bytes().partition(b"end_header")
+    form, elements = _header(header.decode("ascii", errors="replace"))
+    if not mark or not header.startswith(b"ply") or form not in ("ascii", *_ORDERS):
         raise ValueError("it has no header of a PLY file")
-    form, elements = _header(head.decode("ascii", errors="replace"))
-    numbers = _Numbers(rest.partition(b"\n")[2], form)
+    numbers = _Numbers(content.partition(b"\n")[2], form)
     columns = {element.name: _columns(element, numbers) for element in elements if element.count}
     if "vertex" not in columns or "face" not in columns:
         raise ValueError("it has no vertices, or no faces")
@@ -160,13 +162,13 @@ def _header(text: str) -> tuple[str, list[_Element]]:
     elements: list[_Element] = []
     for line in text.splitlines():
         match line.split():
-            case ["format", form, *_] if form != "ascii" and form not in _ORDERS:
-                raise ValueError(f"its format is {form}")
+            case ["format", word, *_]:
+                form = word
             case ["element", name, count]:
-                elements.append(_Element(name, int(count), []))
-            case ["property", "list", count_type, kind, name]:
+                elements.append(_Element(name, max(int(count), 0), []))
+            case ["property", "list", count_type, kind, name] if elements:
                 elements[-1].properties.append(_Property(name, _letter(kind), _letter(count_type)))
-            case ["property", kind, name]:
+            case ["property", kind, name] if elements:
                 elements[-1].properties.append(_Property(name, _letter(kind)))
     return form, elements
 
@@ -179,46 +181,41 @@ def _letter(kind: str) -> str:
 
 def _column(columns: Mapping[str, _Column], *names: str) -> _Column:
     """The first of these columns that there is."""
-    found = next((columns[name] for name in names if name in columns), None)
-    if found is None:
-        raise ValueError(f"it has no property {' or '.join(names)}")
-    return found
+    for name in names:
+        if name in columns:
+            return columns[name]
+    raise ValueError(f"it has no property {' or '.join(names)}")
 
 
 def _columns(element: _Element, numbers: _Numbers) -> Mapping[str, _Column]:
     """The columns of a table by name, a value or a list a row.
 
-    All rows are taken at once where they are as long as the first, else one after the other.
+    All rows are taken at once where their lists are as long as those of the first, else row by row.
     """
     begin = numbers.position
     first = _row(element, numbers)
-    sizes = [len(first[one.name]) for one in element.properties]
-    letters = "".join(one.count_letter + one.letter * size for one, size in zip(element.properties, sizes, strict=True))
     numbers.position = begin
-    try:
+    letters = "".join(entry.count_letter + entry.letter * len(first[entry.name]) for entry in element.properties)
+    ends = np.cumsum([len(entry.count_letter) + len(first[entry.name]) for entry in element.properties]).tolist()
+    spans = {
+        entry.name: (end - len(first[entry.name]), end) for entry, end in zip(element.properties, ends, strict=True)
+    }
+    if begin + numbers.size(letters) * element.count <= len(numbers.data):
         table = numbers.rows(letters, element.count)
-    except ValueError:
-        table = np.zeros((0, 0))
-    columns: dict[str, _Column] = {}
-    place = 0
-    for one, size in zip(element.properties, sizes, strict=True):
-        if one.count_letter:
-            place += 1
-            if not len(table) or (table[:, place - 1] != size).any():
-                numbers.position = begin
-                rows = [_row(element, numbers) for _ in range(element.count)]
-                return {name: [row[name] for row in rows] for name in first}
-        columns[one.name] = table[:, place : place + size]
-        place += size
-    return columns
+        lists = [spans[entry.name] for entry in element.properties if entry.count_letter]
+        if all((table[:, start - 1] == end - start).all() for start, end in lists):
+            return {name: table[:, start:end] for name, (start, end) in spans.items()}
+    numbers.position = begin
+    rows = [_row(element, numbers) for _ in range(element.count)]
+    return {name: [row[name] for row in rows] for name in first}
 
 
 def _row(element: _Element, numbers: _Numbers) -> dict[str, Floats]:
     """The values of the next row by the names of their properties."""
     row = {}
-    for one in element.properties:
-        count = int(numbers.rows(one.count_letter, 1)[0, 0]) if one.count_letter else 1
+    for entry in element.properties:
+        count = int(numbers.rows(entry.count_letter, 1)[0, 0]) if entry.count_letter else 1
         if not 0 <= count <= len(numbers.data):
             raise ValueError(f"it has a list of {count} entries")
-        row[one.name] = numbers.rows(one.letter * count, 1)[0] if count else np.zeros(0)
+        row[entry.name] = numbers.rows(entry.letter * count, 1)[0] if count else np.zeros(0)
     return row
