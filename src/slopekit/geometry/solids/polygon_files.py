@@ -30,7 +30,9 @@ def obj_bodies(path: Path) -> list[PolygonBody]:
         if word == "v":
             points.append(rest[:3])
         elif word == "f":
-            face = [_vertex(entry, len(points)) for entry in line.partition("#")[0].split()[1:]]
+            entries = line.partition("#")[0].split()[1:] if "#" in line else rest
+            numbers = [int(entry.partition("/")[0]) for entry in entries]
+            face = [number - 1 if number >= 0 else number + len(points) for number in numbers]  # -1: the last so far
             objects.setdefault(object_name, []).append(face)
             groups.setdefault(group_name, []).append(face)
         elif word == "o":
@@ -40,12 +42,6 @@ def obj_bodies(path: Path) -> list[PolygonBody]:
     vertices = _coordinates(points)
     named = objects if any(objects) else groups
     return [_body(name or path.name, vertices, faces) for name, faces in named.items()]
-
-
-def _vertex(entry: str, count: int) -> int:
-    """The index of a vertex from 7, 7/1 or 7//3, counted from 1, or backward from the last where it is negative."""
-    number = int(entry.partition("/")[0])
-    return number - 1 if number > 0 else number + count if number < 0 else -1
 
 
 def off_bodies(path: Path) -> list[PolygonBody]:
