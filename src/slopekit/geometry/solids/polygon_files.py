@@ -149,7 +149,9 @@ def ply_bodies(path: Path) -> list[PolygonBody]:
     if "vertex" not in columns or "face" not in columns:
         raise ValueError("it has no vertices, or no faces")
     points = np.concatenate([_column(columns["vertex"], axis) for axis in "xyz"], axis=1)
-    return [_body(path.name, points, [row.astype(np.int64).tolist() for row in _column(columns["face"], *_CORNERS)])]
+    corners = _column(columns["face"], *_CORNERS)
+    tables = [corners] if isinstance(corners, np.ndarray) else [row[None] for row in corners]
+    return [_body(path.name, points, [face for rows in tables for face in rows.astype(np.int64).tolist()])]
 
 
 def _header(text: str) -> tuple[str, list[_Element]]:
