@@ -184,7 +184,7 @@ def plane_without_side(strike_deg: float, dip: str) -> Plane | None:
     >>> print(plane_without_side(330.0, "90"), plane_without_side(0.0, "0°"), plane_without_side(0.0, "45"))
     90/060 0/090 None
     """
-    match = re.match(r"^\s*(0+|90)(?:\.0*)?\s*°?\s*$", dip)
+    match = re.match(r"^\s*(0+|90)(?:[.,]0*)?\s*°?\s*$", dip)
     return None if match is None else Plane(float(match.group(1)), (strike_deg + 90.0) % 360.0)
 
 

@@ -33,7 +33,6 @@ _SETTLED = 1e-9
 _SMALLEST = 1e-12  # squared sine of a pole on the mean of a set
 _LARGEST_K = 1e4  # a scatter below 0.8° is rounding of compass readings
 _NO_SET = -1
-_SYMMETRIC = (0, 1, 2, 1, 3, 4, 2, 4, 5)  # the entries of a tensor (3, 3) among those of its upper triangle
 _FITTED = 1e-4  # of ln K, and of the part of joints of no set
 _PART_AT_FIRST = 0.1  # of joints of no set, before they are counted
 
@@ -226,13 +225,12 @@ def _fitted(poles: Floats, weights: Floats, of: Ints, means: Floats) -> _Mixture
     mixture = _Mixture(
         means, np.minimum(math.log(2.0) / np.maximum(half, _SMALLEST), _LARGEST_K), parts, _PART_AT_FIRST
     )
-    products = [poles[:, row] * poles[:, column] for row, column in zip(*np.triu_indices(3), strict=True)]
+    products = (poles[:, :, None] * poles[:, None, :]).reshape(-1, 9)
     for _ in range(_STEPS):
         own = mixture.densities(poles, of)
         sure = weights * own / (own + mixture.none)
         size = np.bincount(of, sure, minlength=sets)
-        upper = np.stack([np.bincount(of, sure * product, minlength=sets) for product in products], axis=-1)
-        tensors = upper[:, _SYMMETRIC]
+        tensors = np.stack([np.bincount(of, sure * column, minlength=sets) for column in products.T], axis=-1)
         means = np.linalg.eigh(tensors.reshape(-1, 3, 3))[1][:, :, -1]
         gaps = 1.0 - np.abs(np.einsum("ni,ni->n", poles, means[of]))
         gap = np.bincount(of, sure * gaps, minlength=sets)
