@@ -238,7 +238,8 @@ def test_planes_in_one_column(tmp_path) -> None:
     path = written(tmp_path, "name;Orientation\nA;45/115\nB;N25W/60,5SW\nC;60,5 / 245\n")
     error = refused(path)  # a comma in a quadrant is none of decimals
     assert error.codes == ("E104",)
-    assert planes(read_joints(path, skip_bad=True)) == [FIRST, SECOND]
+    path.write_text(path.read_text(encoding="utf-8") + "D;45/115\n" * 7, encoding="utf-8")
+    assert planes(read_joints(path, skip_bad=True)) == [FIRST, SECOND, *[FIRST] * 7]
 
 
 def test_german_headers_and_decimal_commas() -> None:
@@ -352,8 +353,8 @@ def test_a_workbook(tmp_path) -> None:
     assert planes(survey) == [FIRST, SECOND]
     assert [(joint.name, joint.line, joint.cohesion_kpa) for joint in survey.joints] == [("A", 4, None), ("B", 6, 5.0)]
     assert survey.left_out == ("sheets Notes, Photos", "column Remark", "row 1 (above the columns)")
-    error = refused(workbook(tmp_path, [*ROWS, ["C", 95, 115]]))
-    assert (error.codes, error.faults[0].where) == (("E101",), "joints.xlsx:7  C; 95; 115")
+    error = refused(workbook(tmp_path, [*ROWS, ["C", 195, 115]]))
+    assert (error.codes, error.faults[0].where) == (("E101",), "joints.xlsx:7  C; 195; 115")
 
 
 def test_workbooks_that_cannot_be_read(tmp_path, monkeypatch) -> None:

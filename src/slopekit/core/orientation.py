@@ -147,14 +147,16 @@ def azimuth_of(point: str) -> float | None:
 
 
 def parse_strike(text: str) -> float | None:
-    """The azimuth of a strike: `N25W` (335), or a number from 0 to 360; None for anything else.
+    """The azimuth of a strike: `N25W` (335), `E-W` (90), or a number from 0 to 360; None for anything else.
 
     >>> parse_strike("N25W"), parse_strike("S10E"), parse_strike("25"), parse_strike("W25N")
     (335.0, 170.0, 25.0, None)
+    >>> parse_strike("N-S"), parse_strike("EW"), parse_strike("NE-SW"), parse_strike("N"), parse_strike("NE")
+    (0.0, 90.0, 45.0, 0.0, None)
     """
     match = re.match(_STRIKE, text)
     if match is None:
-        return None
+        return _strike_by_points(text)
     end, angle, turn, plain = match.groups()
     if plain is not None:
         return float(plain) if float(plain) <= 360.0 else None
@@ -162,6 +164,37 @@ def parse_strike(text: str) -> float | None:
         return None
     clockwise = (end.upper() == "N") == (turn.upper() == "E")
     return ((0.0 if end.upper() == "N" else 180.0) + (float(angle) if clockwise else -float(angle))) % 360.0
+
+
+def _strike_by_points(text: str) -> float | None:
+    """The azimuth of a strike between two opposite compass points, or toward one of N, E, S and W."""
+    letters = re.sub(r"[\s\-–]", "", text.upper())
+    if len(letters) == 1:
+        return azimuth_of(letters)
+    for cut in range(1, len(letters)):
+        first, second = azimuth_of(letters[:cut]), azimuth_of(letters[cut:])
+        if first is not None and second is not None and abs(first - second) == 180.0:
+            return first
+    return None
+
+
+def plane_without_side(strike_deg: float, dip: str) -> Plane | None:
+    """A vertical or horizontal plane by its strike and dip, whose side need not be said; None for any other dip.
+
+    >>> print(plane_without_side(330.0, "90"), plane_without_side(0.0, "0°"), plane_without_side(0.0, "45"))
+    90/060 0/090 None
+    """
+    match = re.match(r"^\s*(0+|90)(?:\.0*)?\s*°?\s*$", dip)
+    return None if match is None else Plane(float(match.group(1)), (strike_deg + 90.0) % 360.0)
+
+
+def overturned_plane(dip_deg: float, dip_direction_deg: float) -> Plane:
+    """The plane of a dip beyond 90°, as overturned beds are written: 95° toward 030 is 85/210.
+
+    >>> print(overturned_plane(95.0, 30.0))
+    85/210
+    """
+    return Plane(180.0 - dip_deg, (dip_direction_deg + 180.0) % 360.0)
 
 
 def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
@@ -188,9 +221,18 @@ def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
 def parse_quadrants(text: str) -> Plane | None:
     """A plane in quadrant notation, `N25E/45SE`, also with a comma or a blank, or `025/45SE`; None for anything else.
 
+    Vertical and horizontal planes need no side where the strike is in letters: `N25E/90`, `E-W/90`.
+
     >>> print(parse_quadrants("N25E/45SE"), parse_quadrants("N 25 W, 60 SW"), parse_quadrants("45/115"))
     45/115 60/245 None
+    >>> print(parse_quadrants("N30W/90"), parse_quadrants("E-W/90"), parse_quadrants("30/90"))
+    90/060 90/180 None
     """
+    vertical = re.match(r"^(.*[NESWnesw])\s*[\s/,;]\s*(\S+)\s*$", text)
+    if vertical is not None and (azimuth := parse_strike(vertical.group(1))) is not None:
+        plane = plane_without_side(azimuth, vertical.group(2))
+        if plane is not None:
+            return plane
     dip = re.search(r"(?:^|[\s/,;°EWew])\s*(\d+(?:\.\d+)?\s*°?\s*[NESWnesw]{1,3})\s*$", text)
     strike = None if dip is None else parse_strike(text[: dip.start(1)].rstrip(" /,;\t"))
     return None if dip is None or strike is None else plane_by_side(strike, dip.group(1))
@@ -228,7 +270,7 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
             numbers.append(float(str(part).rstrip("°")))
         except ValueError:
             raise DesignError([_not_a_plane(value, name, where)]) from None
-    plane = _checked_plane(numbers[0], numbers[1], name, where)
+    plane = _checked_plane(numbers[0], numbers[1], name, where, is_written_as_bearing(str(parts[1])))
     if (
         isinstance(value, str)
         and look_like_radians(*numbers)
@@ -240,21 +282,32 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
     return plane
 
 
-def _checked_plane(dip: float, direction: float, name: str, where: str) -> Plane:
+def is_written_as_bearing(text: str) -> bool:
+    """Whether a text is a direction by its notation, three digits from 000 to 099: no dip is written so.
+
+    >>> is_written_as_bearing("030"), is_written_as_bearing("30"), is_written_as_bearing("115")
+    (True, False, False)
+    """
+    return re.match(r"^\s*0\d\d(?:[.,]\d*)?\s*°?\s*$", text) is not None
+
+
+def _checked_plane(dip: float, direction: float, name: str, where: str, is_bearing: bool) -> Plane:
+    """A plane of two numbers that can be one; `is_bearing` : the second is a direction by its notation."""
     if not (math.isfinite(dip) and math.isfinite(direction)):
         raise DesignError([Fault("E105", f"orientation of {name} is not a finite number", where)])
     if not 0.0 <= dip <= 90.0:
-        if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0:
+        if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0 and not is_bearing:
             struck = Plane(direction, (dip + 90.0) % 360.0)
+            overturned = f"Overturned, it is written {overturned_plane(dip, direction)}. " if dip <= 180.0 else ""
             advice = (
-                f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a strike by "
-                f"the right-hand rule, it is {struck}."
+                f"{overturned}Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a "
+                f"strike by the right-hand rule, it is {struck}."
             )
             message = f"{name} is {number(dip)}/{number(direction)}: dip and dip direction look swapped"
             raise DesignError([Fault("E103", message, where, advice)])
         advice = ""
         if 90.0 < dip <= 180.0:
-            meant = Plane(180.0 - dip, (direction + 180.0) % 360.0)
+            meant = overturned_plane(dip, direction)
             advice = f"A plane that dips {number(dip)}° toward {bearing(direction)} is written {meant}."
         message = f"dip of {name} is {number(dip)}, a dip lies between 0 and 90"
         raise DesignError([Fault("E101", message, where, advice)])
@@ -269,8 +322,8 @@ def _not_a_plane(value: object, name: str, where: str) -> Fault:
     text = str(value)
     message = f"{name} is {text!r}, a plane is written dip/dip direction, for example 45/115"
     advice = ""
-    if re.search(_QUADRANT, text) or "strike" in text.lower():
-        meant = parse_quadrants(text)
+    meant = parse_quadrants(text)
+    if meant is not None or re.search(_QUADRANT, text) or "strike" in text.lower():
         advice = (
             "This looks like a strike: dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."
             if meant is None

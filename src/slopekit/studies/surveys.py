@@ -15,6 +15,7 @@ from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.protocol import Argument, Option
 
+MOST_JOINTS = 100_000  # that studies take which need not look at every pair
 _STRENGTHS: tuple[Literal["c", "phi"], ...] = ("c", "phi")
 
 
@@ -34,6 +35,7 @@ AFace = Annotated[Any, Option("Slope face, D/DD: has to be given.")]
 Convention = Annotated[str | None, Option(
     "What a strike column means: right-hand-rule (RHR) or left-hand-rule (LHR).", completes=_conventions
 )]  # fmt: skip
+Columns = Annotated[Any, Option("What the columns hold, in order, in place of the header: dip_direction,dip.")]
 SkipBad = Annotated[bool, Option("Leave bad rows out, listed, where they would stop the run.")]
 
 
@@ -123,6 +125,12 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
     except DesignError as error:
         told = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
         raise DesignError([*faults, *told]) from None
+
+
+def check_seed(faults: Faults, seed: object) -> None:
+    """Add the fault E307 of a seed that is none."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
+        faults.append(Fault("E307", f"the seed is {seed}, it is a whole number from 0 to {2**63 - 1}"))
 
 
 def left_out(joints: JointList) -> list[Notice]:

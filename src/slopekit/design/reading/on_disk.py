@@ -13,8 +13,8 @@ MAX_BYTES = 5_000_000
 _STDIN = "A file is needed; what a command pipes in is read as /dev/stdin, where the system has that."
 
 
-def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
-    """The bytes of a file that has at most so many.
+def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES, advice: str = "Decimate it.") -> bytes:
+    """The bytes of a file that has at most so many; `advice` : what to do where it is larger.
 
     Raises
     ------
@@ -43,8 +43,8 @@ def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
         message = f"{name} cannot be read: {(error.strerror or 'the system refuses').lower()}"
         raise DesignError([Fault("E148", message, shown)]) from None
     if len(content) > most:
-        what = ", that is no design or joint list" if most == MAX_BYTES else ""
-        advice = "Meshes stand in files of their own: mesh: slip.stl." if what else "Decimate it."
+        what = ", that is no design" if most == MAX_BYTES else ""
+        advice = "Meshes stand in files of their own: mesh: slip.stl." if what else advice
         fail("E149", f"{name} is larger than {most / 1e6:g} MB{what}", shown, advice)
     return content
 

@@ -98,6 +98,8 @@ WAYS: tuple[tuple[str, ...], ...] = (
     ("dip", "dip_direction"), ("strike", "dip"), ("plane",), ("clar",), ("strike/dip",), CORE[:4],
     ("trend", "plunge"),
 )  # fmt: skip
+#: Headings of a dip direction that might be meant for a strike: how they are read is said.
+AMBIGUOUS_DIRECTIONS = ("azimuth", "azi", "azimut", "direction")
 #: A strike, a dip, and the side it dips to where a dip direction would stand.
 STRIKE_WITH_SIDE = ("strike", "dip", "dip_direction")
 WORDS: Mapping[str, str] = {key: key.replace("_", " ") for key in COLUMNS}
@@ -164,7 +166,7 @@ def spelled(heading: str) -> str:
     >>> spelled(" Dip-Direction (°)"), spelled("Family ind."), spelled("DIP / DIP DIRECTION")
     ('dip_direction', 'family_ind', 'dip/dip_direction')
     """
-    bare = _split(heading)[0].strip().lower().rstrip(".")
+    bare = _split(heading)[0].strip().lower().lstrip("#* ").rstrip(".")
     return re.sub(r"_*/_*", "/", re.sub(r"[\s\-]+", "_", bare))
 
 

@@ -28,6 +28,7 @@ class SurveyTable(Protocol):
     Attributes
     ----------
     name : of the list; noun : what a row is called; rows : numbers of those that are neither empty nor comments
+    comments : numbers of the comments above the first of them, which may hold the header
     delimiter : between the cells of a text, `,` where there is none; left_out : parts that are not looked at
     """
 
@@ -37,6 +38,8 @@ class SurveyTable(Protocol):
     def noun(self) -> str: ...
     @property
     def rows(self) -> Sequence[int]: ...
+    @property
+    def comments(self) -> Sequence[int]: ...
     @property
     def delimiter(self) -> str: ...
     @property
@@ -60,9 +63,8 @@ class Text:
     def __init__(self, name: str, content: bytes) -> None:
         self.name, self.delimiter, self.width = name, ",", 0
         self.lines = re.split(r"\r\n|\n|\r", _decoded(content, name))
-        self.rows = [
-            k for k, line in enumerate(self.lines, 1) if line.strip() and not line.lstrip().startswith(_COMMENTS)
-        ]
+        filled = [k for k, line in enumerate(self.lines, 1) if line.strip()]
+        self.rows, self.comments = _rows_and_comments(filled, lambda k: self.lines[k - 1].lstrip())
 
     def start(self, row: int, blanks: bool = False) -> None:
         text = self.lines[row - 1]
@@ -94,10 +96,8 @@ class Grid:
     def __init__(self, name: str, values: Iterable[Sequence[Any]], first: int, left_out: Sequence[str] = ()) -> None:
         self.name, self.left_out, self.first = name, left_out, first
         self.values = [[_text(value) for value in row] for row in values]
-        self.rows = [
-            k for k, row in enumerate(self.values, first)
-            if any(row) and not next(cell for cell in row if cell).startswith(_COMMENTS)
-        ]  # fmt: skip
+        filled = [k for k, row in enumerate(self.values, first) if any(row)]
+        self.rows, self.comments = _rows_and_comments(filled, lambda k: next(cell for cell in self.cells(k) if cell))
 
     def start(self, row: int, blanks: bool = False) -> None:
         """There is nothing between cells that are values."""
@@ -107,6 +107,12 @@ class Grid:
 
     def shown(self, row: int) -> str:
         return "; ".join(self.cells(row)).rstrip("; ")
+
+
+def _rows_and_comments(filled: Sequence[int], begins: Callable[[int], str]) -> tuple[list[int], list[int]]:
+    """The rows that are no comments, and the comments above the first of them."""
+    rows = [k for k in filled if not begins(k).startswith(_COMMENTS)]
+    return rows, [k for k in filled if not rows or k < rows[0]]
 
 
 def table_of(name: str, content: bytes) -> SurveyTable:

@@ -28,7 +28,7 @@ from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
 from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, survey_head
+from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, partners, survey_head
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
@@ -264,6 +264,7 @@ def combos(
     gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
     water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
     convention: Convention = None,
+    columns: Columns = None,
     skip_bad: SkipBad = False,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,

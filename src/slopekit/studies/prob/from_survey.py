@@ -184,7 +184,7 @@ def surveyed(
             message = f"{one} and {other} are correlated, the planes come from a survey"
             faults.append(Fault("E432", message, "correlation", "Leave this correlation out."))
     faults.refuse()
-    listed = joint_list(survey, None, False, 2)
+    listed = joint_list(survey, None, False, 2, "")
     joint_sets: tuple[FoundSet, ...] = ()
     if draw == "sets":
         joint_sets = sets(survey, seed=seed).sets
