@@ -11,6 +11,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
+from slopekit.core.units import decimal_degrees
 
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 # texts: re compiles each when it is first used, and keeps it; a plain wedge uses the first
@@ -256,6 +257,7 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
         value = (value.dip_deg, value.dip_direction_deg)
     where = where or f"{name} = {value}"
     if isinstance(value, str):
+        value = decimal_degrees(value)
         match = re.match(_PAIR, value)
         if match is None:
             raise DesignError([_not_a_plane(value, name, where)])

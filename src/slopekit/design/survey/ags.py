@@ -1,7 +1,8 @@
-"""The table of discontinuities in an AGS 4 file, the exchange of site investigations in the UK, Hong Kong and Singapore.
+"""The discontinuities in an AGS 4 file, the exchange of site investigations in the UK, Hong Kong and Singapore.
 
-A line is a row of quoted cells whose first says what the row is: GROUP, HEADING, UNIT, TYPE or DATA. Discontinuities are
-the group DISC, one a row of DATA. Source: AGS, Electronic transfer of geotechnical and geoenvironmental data, 4.1.1.
+A line is a row of quoted cells whose first says what the row is: GROUP, HEADING, UNIT, TYPE or DATA. Discontinuities
+are the group DISC, one a row of DATA. Source: AGS, Electronic transfer of geotechnical and geoenvironmental data,
+edition 4.1.1.
 """
 
 import csv
@@ -9,6 +10,8 @@ import re
 from collections.abc import Iterator, Sequence
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.units import decimal_degrees
+from slopekit.design.survey.units_row import headings_with_units
 
 _DIP, _DIP_DIRECTION = "DISC_DIP", "DISC_DIR"
 _DESCRIPTORS = ("HEADING", "UNIT", "TYPE", "DATA")
@@ -18,13 +21,14 @@ _FEW = 8  # lines that are listed one by one
 
 
 class AgsTable:
-    """The group DISC as a `SurveyTable`: the row of its headings, then that of its units, then its data."""
+    """The group DISC as a `SurveyTable`: the row of its headings with their units, then its data."""
 
-    noun, delimiter = "line", ","
+    noun, delimiter, comments = "line", ",", ()
 
     def __init__(self, name: str, lines: Sequence[str]) -> None:
         self.name, self.lines = name, lines
         self.rows: list[int] = []
+        self.headings: list[str] = []
         self.left_out: list[str] = []
         self.read_as: list[str] = []
         self.cells_by_row: dict[int, list[str]] = {}
@@ -46,8 +50,9 @@ class AgsTable:
 
 def is_ags(lines: Sequence[str]) -> bool:
     """Whether lines are of AGS: the first names a group, as "GROUP","PROJ" does, or "**PROJ" of AGS 3."""
-    first = next((cells for _row, cells in _rows(lines)), [""])
-    return first[0].startswith("**") or _group_of(first) is not None
+    first = next((line.lstrip() for line in lines if line.strip()), "")
+    begins = first.startswith(('"**', '"GROUP"', "GROUP,"))
+    return begins and (first.startswith('"**') or _group_of(_cells(first)) is not None)
 
 
 def ags_table(name: str, lines: Sequence[str]) -> AgsTable:
@@ -83,34 +88,36 @@ def ags_table(name: str, lines: Sequence[str]) -> AgsTable:
 
 
 def _add(table: AgsTable, row: int, cells: list[str]) -> None:
-    """Add a row of DISC: headings and units once, all data."""
+    """Add a row of DISC: its headings, which its units go into, and its data."""
     kind = cells[0]
-    if kind == "HEADING" and table.rows and cells[1:] != table.cells(table.rows[0]):
-        _refuse(table.name, f"{table.name} has two groups DISC whose headings differ", row, "Leave one of them out.")
-    above = ("HEADING", "UNIT").index(kind) if kind in ("HEADING", "UNIT") else None
-    if above == len(table.rows) or (kind == "DATA" and table.rows):
+    if kind == "HEADING" and not table.rows:
+        table.headings = cells[1:]
         table.add(row, cells[1:])
-    elif kind not in _DESCRIPTORS and table.rows:
-        table.add(row, cells)
+    elif kind == "HEADING" and cells[1:] != table.headings:
+        _refuse(table.name, f"{table.name} has two groups DISC whose headings differ", row, "Leave one of them out.")
+    elif kind == "UNIT" and len(table.rows) == 1:
+        table.cells_by_row[table.rows[0]] = headings_with_units(table.headings, cells[1:]) or table.headings
+    elif table.rows and kind not in ("HEADING", "UNIT", "TYPE"):
+        table.add(row, cells[1:] if kind == "DATA" else cells)
 
 
 def _leave_out_unoriented(table: AgsTable) -> None:
     """Take out rows without an orientation; a flat joint has none to say but its dip."""
-    headings = table.cells(table.rows[0])
+    headings = table.headings
     if _DIP not in headings or _DIP_DIRECTION not in headings:
         return
     dip, direction = headings.index(_DIP), headings.index(_DIP_DIRECTION)
-    unoriented = []
+    unoriented: dict[int, None] = {}
     for row in table.rows[1:]:
         cells = table.cells(row)
         cells += [""] * (len(headings) - len(cells))
         if not cells[direction] and _FLAT.fullmatch(cells[dip]):
             cells[direction] = "0"
         elif not cells[dip] or not cells[direction]:
-            unoriented.append(row)
-    table.rows = [row for row in table.rows if row not in set(unoriented)]
+            unoriented[row] = None
+    table.rows = [row for row in table.rows if row not in unoriented]
     if unoriented:
-        lines = ", ".join(map(str, unoriented[:_FEW])) + (", ..." if len(unoriented) > _FEW else "")
+        lines = ", ".join(map(str, list(unoriented)[:_FEW])) + (", ..." if len(unoriented) > _FEW else "")
         many = "s" if len(unoriented) > 1 else ""
         table.left_out.append(f"{len(unoriented)} row{many} without dip or dip direction (line{many} {lines})")
 
@@ -119,8 +126,15 @@ def _rows(lines: Sequence[str]) -> Iterator[tuple[int, list[str]]]:
     """The lines that are not empty, by their numbers, as cells; no cell goes on in the next line."""
     for row, line in enumerate(lines, 1):
         if line.strip():
-            cells = [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
-            yield row, cells
+            yield row, _cells(line)
+
+
+def _cells(line: str) -> list[str]:
+    try:
+        fields = next(csv.reader([line], skipinitialspace=True))
+    except csv.Error:  # a field longer than csv takes
+        fields = line.split(",")
+    return [decimal_degrees(field.strip()) for field in fields]
 
 
 def _group_of(cells: Sequence[str]) -> str | None:
