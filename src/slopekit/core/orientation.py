@@ -9,9 +9,9 @@ import re
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.degrees import decimal_degrees
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-from slopekit.core.units import decimal_degrees
 
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 # texts: re compiles each when it is first used, and keeps it; a plain wedge uses the first

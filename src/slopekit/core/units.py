@@ -5,6 +5,7 @@ import re
 from collections.abc import Mapping
 from typing import SupportsFloat
 
+from slopekit.core.degrees import decimal_degrees
 from slopekit.core.errors import DesignError, Fault
 
 # factor to the unit that a bare number has; None marks angles in radians, which are refused by name
@@ -39,7 +40,6 @@ _SPELLED = {
     "kn/m2": "kN/m2", "kn/m3": "kN/m3", "n/m3": "N/m3", "mn/m3": "MN/m3",
     "kn": "kN", "n": "N", "mn": "MN", "kpa/m": "kPa/m", "mpa/m": "MPa/m", "gpa/m": "GPa/m",
 }  # fmt: skip
-_MINUTES = r"(\d+)\s*°\s*([0-5]?\d(?:\.\d+)?)\s*['′’´](?:\s*([0-5]?\d(?:\.\d+)?)\s*(?:[\"″”]|''))?"
 _QUANTITY = r"(?i)^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf|nan)\s*(.*?)\s*$"  # compiled when first used
 
 
@@ -76,20 +76,6 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
     if not math.isfinite(result):
         raise DesignError([Fault("E105", f"{name} is {text.strip()}, not a finite number", where)])
     return result
-
-
-def decimal_degrees(text: str) -> str:
-    """A text whose degrees, minutes and seconds are in decimals; minutes from 60 are none, and stay as they are.
-
-    >>> decimal_degrees("45°30'"), decimal_degrees("45°30'/115° 15' 36\\""), decimal_degrees("45°75'")
-    ('45.5', '45.5/115.26', "45°75'")
-    """
-    return re.sub(_MINUTES, _in_decimals, text) if "°" in text else text
-
-
-def _in_decimals(match: re.Match[str]) -> str:
-    degrees, minutes, seconds = (float(part or 0.0) for part in match.groups())
-    return f"{degrees + minutes / 60.0 + seconds / 3600.0:.10g}"
 
 
 def _written(value: object) -> str:

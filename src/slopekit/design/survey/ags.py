@@ -9,8 +9,8 @@ import csv
 import re
 from collections.abc import Iterator, Sequence
 
+from slopekit.core.degrees import decimal_degrees
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.units import decimal_degrees
 from slopekit.design.survey.units_row import headings_with_units
 
 _DIP, _DIP_DIRECTION = "DISC_DIP", "DISC_DIR"

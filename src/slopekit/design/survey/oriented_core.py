@@ -9,7 +9,7 @@ Geosciences 29, 531-537.
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from slopekit.design.survey.columns import (
     SurveyColumn,
     key_of,
     spelled,
+    unit_in_heading,
     way_of,
 )
 
@@ -64,13 +65,18 @@ def plane_on_core(alpha_deg: float, beta_deg: float, hole: Line, is_from_bottom:
 
 
 def core_columns(
-    name: str, columns: Mapping[str, SurveyColumn], rows: Sequence[Sequence[str]], where: str
+    name: str,
+    columns: Mapping[str, SurveyColumn],
+    headings: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    where: str,
 ) -> dict[str, SurveyColumn]:
     """The columns of a list, with those of the hole by their keys where the list is one of core.
 
     Parameters
     ----------
-    name : of the list; columns : by key; rows : the cells below the header; where : the header stands
+    name : of the list; columns : by key; headings : of all columns, used or not
+    rows : the cells below the header; where : the header stands
 
     Raises
     ------
@@ -79,7 +85,7 @@ def core_columns(
     """
     found = dict(columns)
     if "alpha" not in found and "beta" not in found:
-        _refuse_trend_of_hole(name, found, where)
+        _refuse_trend_of_hole(name, found, headings, where)
         return found
     if _gives_planes(found):
         return found
@@ -110,6 +116,7 @@ class CoreLog:
     def __init__(self, columns: Mapping[str, SurveyColumn], headings: Sequence[str]) -> None:
         self.columns = columns
         self.depth = next((k for k, heading in enumerate(headings) if spelled(heading) in DEPTHS), None)
+        self.unit = (unit_in_heading(headings[self.depth]) if self.depth is not None else "") or "m"
         self.stations: dict[str, list[tuple[float, str, str]]] = {}
         self.distances: list[float] = []
 
@@ -149,7 +156,7 @@ class CoreLog:
             stations, joints = sum(map(len, self.stations.values())), len(self.distances)
             said.append(
                 f"{joints} joint{'s have' if joints > 1 else ' has'} the trend and plunge of the nearest of {stations} "
-                f"survey stations, at most {number(round(max(self.distances), 3))} away along the hole"
+                f"survey stations, at most {number(round(max(self.distances), 3))} {self.unit} away along the hole"
             )
         return said
 
@@ -181,12 +188,14 @@ def _are_poles(columns: Mapping[str, SurveyColumn]) -> bool:
     return any("pol" in spelled(columns[key].heading) for key in ("trend", "plunge"))
 
 
-def _refuse_trend_of_hole(name: str, columns: Mapping[str, SurveyColumn], where: str) -> None:
-    """Refuse trend and plunge beside a hole, which may be those of the hole as well as of poles."""
-    hole = columns.get("hole")
-    if hole is None or way_of(columns) != ("trend", "plunge") or "hole_trend" in columns or _are_poles(columns):
+def _refuse_trend_of_hole(name: str, columns: Mapping[str, SurveyColumn], headings: Sequence[str], where: str) -> None:
+    """Refuse trend and plunge beside a hole or a depth: they may be those of the hole as well as of poles."""
+    if way_of(columns) != ("trend", "plunge") or "hole_trend" in columns or _are_poles(columns):
         return
-    message = f"trend and plunge of {name} may be those of the hole (column {hole.heading}) or of poles"
+    sign = next((heading for heading in headings if key_of(heading) == "hole" or spelled(heading) in DEPTHS), None)
+    if sign is None:
+        return
+    message = f"trend and plunge of {name} may be those of the hole (column {sign}) or of poles"
     advice = "Poles are named pole_trend and pole_plunge; core needs alpha, beta and reference (bottom or top) as well."
     raise DesignError([Fault("E191", message, where, advice)])
 
@@ -198,7 +207,7 @@ def _rename(columns: dict[str, SurveyColumn], key: str, others: Sequence[str]) -
         columns[key] = columns.pop(other)
 
 
-def _refuse_signs(name: str, columns: Mapping[str, SurveyColumn], rows: Sequence[Sequence[str]], where: str) -> None:
+def _refuse_signs(name: str, columns: Mapping[str, SurveyColumn], rows: Iterable[Sequence[str]], where: str) -> None:
     """Refuse dips that may be the hole's or the joints': only those that are all negative are a hole's for certain."""
     column = columns["hole_plunge"]
     if "dip" not in spelled(column.heading):

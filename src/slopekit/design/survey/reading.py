@@ -112,7 +112,8 @@ def read_joints(
     case, in English and German, in the header, which may be a comment, or in `columns`; two columns of numbers without
     either are dip and dip direction where the second cannot be a dip. Lines above the header are a preamble as Dips
     writes it. A column of sets serves as the names where no column of names is there and no set stands twice; a column
-    of names most of which are shared is taken as one of sets.
+    of names most of which are shared is taken as one of sets. AGS 4 is read by its group DISC. alpha and beta on
+    oriented core give planes with the trend and plunge of the hole, see `oriented_core`.
 
     Parameters
     ----------
@@ -369,8 +370,9 @@ class _Reader:
         said = self.said
         if said.traverses:
             self.left_out.append(f"{said.traverses} traverses (no joint is weighted by them)")
-        if said.core or said.others:
-            what = "alpha and beta on core" if said.core else f"{said.written} and {', '.join(said.others)}"
+        is_of_core = said.core and self.core is None
+        if is_of_core or said.others:
+            what = "alpha and beta on core" if is_of_core else f"{said.written} and {', '.join(said.others)}"
             advice = "Save the processed file in Dips: one format for all rows."
             self.fault("E192", f"the orientations of {self.name} are {what}: not all mean the same", above[0], advice)
         self.strikes(above[0] if above else self.table.rows[0])
@@ -416,7 +418,7 @@ class _Reader:
             self.left_out.append(f"{len(ignored)} columns ({', '.join(ignored)})")
         else:
             self.left_out += [f"column {cell}" for cell in ignored]
-        self.columns = core_columns(self.name, self.columns, list(map(self.table.cells, below)), self.where(line))
+        self.columns = core_columns(self.name, self.columns, cells, map(self.table.cells, below), self.where(line))
         way = way_of(self.columns)
         if way is None:
             missing = [key for key in WAYS[0] if key not in self.columns]

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 from zipfile import BadZipFile
 from zlib import error as ZlibError
 
+from slopekit.core.degrees import decimal_degrees
 from slopekit.core.orientation import number
-from slopekit.core.units import decimal_degrees
 from slopekit.design.reading.nodes import fail
 from slopekit.design.survey.ags import ags_table, is_ags
 from slopekit.design.survey.blanks import headings_by_blanks, is_row_of_numbers
@@ -75,7 +75,7 @@ class Text:
         self.rows, self.comments = _rows_and_comments(filled, lambda k: self.lines[k - 1].lstrip())
 
     def start(self, row: int, blanks: bool = False) -> None:
-        text = self.lines[row - 1]
+        text = decimal_degrees(self.lines[row - 1])
         self.delimiter, self.width, self.headings = (
             next((mark for mark in (";", "\t", ",") if mark in text), ","),
             0,

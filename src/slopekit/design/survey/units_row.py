@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design.survey.columns import key_of, size_of, unit_in_heading
 
@@ -17,7 +18,10 @@ _TEXTS = ("name", "set", "hole", "reference")  # columns of words, of which any 
 def headings_with_units(headings: Sequence[str], cells: Sequence[str]) -> list[str] | None:
     """The headings, each with the unit in the row below it, or None where that row holds no units.
 
-    A heading that has a unit keeps it where the row says the same, and gets the other behind it where it does not.
+    Raises
+    ------
+    DesignError
+        E191 where a heading has another unit.
 
     >>> headings_with_units(["Dip", "Dip Direction", "c (kPa)", "set"], ["deg", "deg", "kPa", ""])
     ['Dip (deg)', 'Dip Direction (deg)', 'c (kPa)', 'set']
@@ -49,4 +53,7 @@ def _unit(word: str) -> str:
 
 def _with_unit(heading: str, unit: str) -> str:
     written = unit_in_heading(heading)
-    return heading if not unit or (written and _unit(written) in ("", unit)) else f"{heading} ({unit})"
+    if unit and written and _unit(written) not in ("", unit):
+        message = f"the column {heading} is in {unit} by the row of units"
+        raise DesignError([Fault("E191", message, heading, "Leave one of the units out.")])
+    return f"{heading} ({unit})" if unit and not written else heading
