@@ -284,7 +284,11 @@ def test_flat_beds_are_no_radians(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "advice"),
     [
-        ("115/45", "Dip comes first: did you mean 45/115? If 115 is a strike by the right-hand rule, it is 45/205."),
+        (
+            "115/45",
+            "Dip comes first: did you mean 45/115? If 115 is a strike by the right-hand rule, it is 45/205. "
+            "An overturned plane is written 65/225.",
+        ),
         ("N25E/45SE", "This looks like a strike and the side of the dip: write 45/115."),
         ("N25E/45", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
     ],

@@ -185,7 +185,7 @@ def plane_without_side(strike_deg: float, dip: str) -> Plane | None:
     >>> print(plane_without_side(330.0, "90"), plane_without_side(0.0, "0°"), plane_without_side(0.0, "45"))
     90/060 0/090 None
     """
-    match = re.match(r"^\s*(0+|90)(?:\.0*)?\s*°?\s*$", dip)
+    match = re.match(r"^\s*(0+|90)(?:[.,]0*)?\s*°?\s*$", dip)
     return None if match is None else Plane(float(match.group(1)), (strike_deg + 90.0) % 360.0)
 
 
@@ -300,10 +300,10 @@ def _checked_plane(dip: float, direction: float, name: str, where: str, is_beari
     if not 0.0 <= dip <= 90.0:
         if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0 and not is_bearing:
             struck = Plane(direction, (dip + 90.0) % 360.0)
-            overturned = f"Overturned, it is written {overturned_plane(dip, direction)}. " if dip <= 180.0 else ""
+            overturned = f" An overturned plane is written {overturned_plane(dip, direction)}." if dip <= 180.0 else ""
             advice = (
-                f"{overturned}Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a "
-                f"strike by the right-hand rule, it is {struck}."
+                f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a "
+                f"strike by the right-hand rule, it is {struck}.{overturned}"
             )
             message = f"{name} is {number(dip)}/{number(direction)}: dip and dip direction look swapped"
             raise DesignError([Fault("E103", message, where, advice)])

@@ -127,6 +127,11 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
         raise DesignError([*faults, *told]) from None
 
 
+def codes_of(notices: Sequence[Notice]) -> list[str]:
+    """The codes of notices that a line of a study ends with: those that ask for something, each once."""
+    return list(dict.fromkeys(notice.code for notice in notices if not notice.is_harmless))
+
+
 def check_seed(faults: Faults, seed: object) -> None:
     """Add the fault E307 of a seed that is none."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:

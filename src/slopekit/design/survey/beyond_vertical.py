@@ -23,6 +23,7 @@ class BeyondVertical:
     ----------
     rows : with two numbers; swapped : of them with a dip beyond 90° and an azimuth up to 90° as a number
     dips_beyond, azimuths_beyond : rows with a dip, and with an azimuth, beyond 90°
+    beyond_half_turn : rows with a dip beyond 180° and an azimuth that can be a dip
     bearings_count : whether 030 is a direction in this list by its notation
     """
 
@@ -30,6 +31,7 @@ class BeyondVertical:
     swapped: int = 0
     dips_beyond: int = 0
     azimuths_beyond: int = 0
+    beyond_half_turn: int = 0
     bearings_count: bool = False
 
     def is_overturned(self, dip_deg: float, azimuth: str) -> bool:
@@ -44,6 +46,11 @@ class BeyondVertical:
         """Whether so many rows fit only with dip and azimuth exchanged that their columns are."""
         tenth = SHARE_OF_BAD_ROWS * self.rows
         return self.swapped > tenth and self.swapped > 1 and self.azimuths_beyond <= tenth
+
+    @property
+    def order_is_sure(self) -> bool:
+        """Whether azimuths that can be no dip say which column is which, and no row contradicts them."""
+        return self.azimuths_beyond > 0 and not self.beyond_half_turn and not self.columns_are_swapped
 
     @property
     def fits_both_orders(self) -> bool:
@@ -67,15 +74,13 @@ def beyond_vertical(pairs: Iterable[tuple[str, str]]) -> BeyondVertical:
         if (dip_deg := _value(dip)) is not None and (azimuth_deg := _value(azimuth)) is not None
     ]
     suspects = [row for row in rows if row[2] > 90.0 and row[3] <= 90.0]
+    beyond_half_turn = sum(row[2] > 180.0 for row in suspects)
     bearings_count = (
-        len(suspects) < len(rows)
-        and all(row[2] <= 180.0 for row in suspects)
-        and not any(is_written_as_bearing(row[0]) for row in rows)
+        len(suspects) < len(rows) and not beyond_half_turn and not any(is_written_as_bearing(row[0]) for row in rows)
     )
     swapped = [row for row in suspects if not (bearings_count and is_written_as_bearing(row[1]))]
-    return BeyondVertical(
-        len(rows), len(swapped), sum(row[2] > 90.0 for row in rows), sum(row[3] > 90.0 for row in rows), bearings_count
-    )
+    dips_beyond, azimuths_beyond = (sum(row[k] > 90.0 for row in rows) for k in (2, 3))
+    return BeyondVertical(len(rows), len(swapped), dips_beyond, azimuths_beyond, beyond_half_turn, bearings_count)
 
 
 def _value(text: str) -> float | None:

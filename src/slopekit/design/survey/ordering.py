@@ -42,9 +42,9 @@ def columns_advice(option: str, columns: Sequence[str]) -> str:
         return f"name its columns {','.join(columns)}"
     if option.startswith("--"):
         return f"--columns {','.join(columns)}"
-    if option.endswith("="):
-        return f'columns = "{",".join(columns)}"'
-    return f"columns: [{', '.join(columns)}]"
+    if option.endswith(":"):
+        return f"columns: [{', '.join(columns)}]"
+    return f'columns = "{",".join(columns)}"'
 
 
 def swapped_columns(

@@ -181,6 +181,13 @@ class PlaneReader:
         if self.beyond.is_overturned(pair[0], written):
             plane = overturned_plane(*pair)
             self.overturned.append(f"{number(pair[0])}/{bearing(pair[1])} is {plane}")
+        elif self.beyond.order_is_sure and 90.0 < pair[0] <= 180.0 and 0.0 <= pair[1] <= 90.0:
+            advice = (
+                f"A plane that dips {number(pair[0])}° toward {bearing(pair[1])} is written {overturned_plane(*pair)}; "
+                f"with dip and dip direction exchanged it is {number(pair[1])}/{bearing(pair[0])}."
+            )
+            message = f"dip of {name} is {number(pair[0])}, a dip lies between 0 and 90"
+            raise DesignError([Fault("E101", message, where, advice)])
         else:
             plane = parse_plane(pair, name, where)
         azimuth = float(written.replace(",", ".").rstrip("°")) if _NUMBER.match(written) else pair[1]

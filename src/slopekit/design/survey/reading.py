@@ -283,7 +283,7 @@ class _Reader:
         if commented is not None:
             below = list(rows)
             header, cells = commented
-        elif at == 0 and all(_NUMBER.match(cell) for cell in cells if cell):
+        elif at == 0 and self.is_bare(cells):
             if not self.order:
                 self.bare_columns(cells, rows)
                 return list(rows)
@@ -297,6 +297,12 @@ class _Reader:
         self.named_columns(cells, header, below)
         self.preamble(rows[:at])
         return below
+
+    def is_bare(self, cells: Sequence[str]) -> bool:
+        """Whether the first row holds a joint in place of a header: numbers alone, or in the columns that are named."""
+        if self.order:
+            return any(_NUMBER.match(cell) or _PLANE.match(cell) for cell in cells[: len(self.order)])
+        return all(_NUMBER.match(cell) for cell in cells if cell)
 
     def ordered(self, cells: Sequence[str], line: int) -> list[str]:
         """The headings with those that the user gives in their place."""
@@ -490,6 +496,8 @@ class _Reader:
         near = [(cell, matches[0]) for cell in free if (matches := get_close_matches(cell.lower(), known, n=1))]
         if near:
             return f"Did you mean {near[0][1]} by {near[0][0]}?"
+        if any(map(_NUMBER.match, cells)):
+            return f"{_NAME_THE_COLUMNS} Or {columns_advice(self.option, ('name', *WAYS[0]))}."
         if len(cells) == 1:
             return "Columns are separated by a comma, a semicolon or a tab: dip,dip_direction."
         return _NAME_THE_COLUMNS

@@ -14,7 +14,7 @@ from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, OfCohesion
 from slopekit.studies.bench_design.run import BenchDesigns
 from slopekit.studies.bench_design.strengths import in_words
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.surveys import head, survey_entry
+from slopekit.studies.surveys import codes_of, head, survey_entry
 
 
 def sheet_of(study: BenchDesigns) -> Sheet:
@@ -43,12 +43,15 @@ def line_of(study: BenchDesigns) -> str:
     checked = study.checked
     agree = "" if checked is None else f"  PRE-IE agrees on {checked.said.agree} of {checked.said.samples}"
     steepest = study.steepest_accepted
-    if steepest is not None:
-        return f"steepest accepted: {_in_words(steepest)}{agree}{said}"
-    return (
-        f"steepest: {number(best.height_m)} m at {number(best.face_dip_deg)}°, berm {best.berm_needed_m:.1f} m for "
-        f"{number(100.0 * wanted)} %, inter-ramp {best.inter_ramp_deg:.1f}°{agree}{said}"
+    line = (
+        f"steepest accepted: {_in_words(steepest)}{agree}{said}"
+        if steepest is not None
+        else (
+            f"steepest: {number(best.height_m)} m at {number(best.face_dip_deg)}°, berm {best.berm_needed_m:.1f} m for "
+            f"{number(100.0 * wanted)} %, inter-ramp {best.inter_ramp_deg:.1f}°{agree}{said}"
+        )
     )
+    return "  ".join([line, *codes_of(study.warnings)])
 
 
 # -- what was given ---------------------------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from slopekit.studies.kinematic.criteria import (
     SLIDING_BASE,
 )
 from slopekit.studies.kinematic.run import Kinematic, mean_plane
-from slopekit.studies.surveys import head, partners_entry, survey_entry
+from slopekit.studies.surveys import codes_of, head, partners_entry, survey_entry
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set
@@ -63,10 +63,11 @@ def line_of(analysis: Kinematic) -> str:
     counts = analysis.counts
     direct, oblique = analysis.toppling
     toppling = "direct toppling" if direct else "oblique toppling" if oblique else "no direct toppling"
-    return (
+    line = (
         f"planar {counts['planar']}  wedge {counts['wedge_primary']}+{counts['wedge_secondary']} "
         f"({counts['wedge_by_friction']} by friction)  flexural {counts['flexural']}  {toppling}"
     )
+    return "  ".join([line, *codes_of(analysis.warnings)])
 
 
 def _drawn(analysis: Kinematic) -> list[str]:
