@@ -47,7 +47,7 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "c": ("c", "cohesion", "c_kpa", "cohesion_kpa", "kohäsion"),
     "phi": ("phi", "φ", "friction", "friction_angle", "phi_deg", "reibungswinkel"),
     "quantity": ("quantity", "qty", "count", "anzahl", "häufigkeit", "weight", "terzaghi_weight", "disc_weight"),
-    "alpha": ("alpha", "alpha_angle", "alpha_deg", "α"),
+    "alpha": ("alpha", "alpha_angle", "alpha_deg", "α", "core_angle", "angle_to_core_axis", "tca"),
     "beta": ("beta", "beta_angle", "beta_deg", "β", "beta_bottom", "beta_top"),
     "hole_trend": (
         "hole_trend", "trend_of_hole", "borehole_trend", "drillhole_trend", "core_trend", "hole_azimuth",
