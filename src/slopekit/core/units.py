@@ -5,7 +5,6 @@ import re
 from collections.abc import Mapping
 from typing import SupportsFloat
 
-from slopekit.core.degrees import decimal_degrees
 from slopekit.core.errors import DesignError, Fault
 
 # factor to the unit that a bare number has; None marks angles in radians, which are refused by name
@@ -64,7 +63,10 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
     if isinstance(value, bool) or value is None:
         raise DesignError([Fault("E106", f"{name} is {value!r}, a number is needed", where)])
     text = value if isinstance(value, str) else _written(value)
-    text = decimal_degrees(text) if kind == "angle" else text
+    if kind == "angle" and "°" in text:
+        from slopekit.core.degrees import decimal_degrees  # few angles are in minutes
+
+        text = decimal_degrees(text)
     match = re.match(_QUANTITY, text)
     if match is None or re.match(r"^,\d", match.group(2)):
         comma = re.match(r"^\s*[+-]?\d+,\d+", text)
