@@ -368,3 +368,42 @@ def test_the_command(tmp_path) -> None:
     assert wrong.returncode == 2
     assert [fault["code"] for fault in json.loads(wrong.stdout)["errors"]] == ["E143", "E337"]
     assert "--lateral 99" in wrong.stderr
+
+
+# -- many joints --------------------------------------------------------------------------------------------------
+
+
+def test_of_many_joints_pairs_are_drawn_and_said(monkeypatch) -> None:
+    """The shares among the pairs drawn lie within four standard errors of those among all pairs."""
+    from slopekit.studies.kinematic import criteria
+
+    every = sk.kinematic(survey(1, 400), face="70/180", phi=30, faces=[50, 80])
+    monkeypatch.setattr(criteria, "MOST_PAIRS", 1000)
+    monkeypatch.setattr(criteria, "DRAWN_PAIRS", 20_000)
+    found, again, other = (sk.kinematic(survey(1, 400), face="70/180", phi=30, seed=seed) for seed in (1, 1, 2))
+    assert (found.pairs, len(found.lines.first), every.is_sample) == (20_000, 20_000, False)
+    assert len(set(zip(found.lines.first.tolist(), found.lines.second.tolist(), strict=True))) == 20_000
+    for kind in ("wedge_primary", "wedge_by_friction", "direct", "oblique"):
+        share = every.percent[kind] / 100.0
+        error = 4.0 * math.sqrt(share * (1.0 - share) / found.pairs)
+        assert found.percent[kind] / 100.0 == pytest.approx(share, abs=error)
+    assert found.counts["planar"] == every.counts["planar"]
+    assert (again.input_hash(), other.input_hash() == found.input_hash()) == (found.input_hash(), False)
+    assert again.counts == found.counts != other.counts
+    document = found.to_dict()
+    assert (document["pairs"], document["drawn_pairs"], document["inputs"]["seed"]) == (79_800, 20_000, 1)
+    assert "79800 pairs, 20000 of them drawn at random (seed 1)" in " ".join(str(found).split())
+    assert "drawn_pairs" not in every.to_dict()
+
+
+def test_a_hundred_thousand_joints(tmp_path) -> None:
+    """A list of a pit: more than 5 MB, every joint tested, a million pairs drawn."""
+    rows = (f"{k},BH{k % 40},a remark of the geologist who took it,{40 + k % 50},{k % 360}" for k in range(100_000))
+    path = tmp_path / "pit.csv"
+    path.write_text("id,hole,remark,dip,dip_direction\n" + "\n".join(rows), encoding="utf-8")
+    assert path.stat().st_size > 5_000_000
+    found = sk.kinematic(path, face="75/180", phi=30)
+    assert (len(found.joints), found.pairs) == (100_000, 1_000_000)
+    with pytest.raises(DesignError) as caught:
+        sk.combos(path, face="75/180", c=0, phi=30)
+    assert caught.value.codes == ("E330",)

@@ -79,7 +79,8 @@ def beyond_vertical(pairs: Iterable[tuple[str, str]]) -> BeyondVertical:
         len(suspects) < len(rows) and not beyond_half_turn and not any(is_written_as_bearing(row[0]) for row in rows)
     )
     swapped = [row for row in suspects if not (bearings_count and is_written_as_bearing(row[1]))]
-    dips_beyond, azimuths_beyond = (sum(row[k] > 90.0 for row in rows) for k in (2, 3))
+    dips_beyond = sum(row[2] > 90.0 for row in rows)
+    azimuths_beyond = sum(row[3] > 90.0 for row in rows)
     return BeyondVertical(len(rows), len(swapped), dips_beyond, azimuths_beyond, beyond_half_turn, bearings_count)
 
 

@@ -136,8 +136,8 @@ class SurveySource:
         first, second, rng = self.pairs(len(possible), seed)
         probabilities, even = [], np.full(len(self.listed), 1.0 / len(self.listed))
         for _ in range(_RESAMPLED):
-            one = rng.multinomial(len(self.listed), even)
-            weights = (one[first] * one[second]).astype(float)
+            times = rng.multinomial(len(self.listed), even)
+            weights = (times[first] * times[second]).astype(float)
             whole, formed, failed = (float(weights[some].sum()) for some in (possible, forms, fails))
             if whole > 0.0:
                 probabilities.append((formed / whole, failed / formed if formed else math.nan, failed / whole))
