@@ -115,7 +115,7 @@ BAD = [
     ("E190", "# nothing\n\n", "joints.csv holds no joints", None),
     ("E190", "dip,dd\n", "joints.csv has a header and no joints", None),
     ("E191", "dip,direktion\n45,115\n", "joints.csv has no column for dip direction", 1),
-    ("E191", "45 115\n60 245\n", "joints.csv has no column for dip and dip direction", 1),
+    ("E191", "45 115 3\n60 245 3\n", "joints.csv has no header, and 3 columns of numbers", 1),
     ("E191", "45,115,3\n", "joints.csv has no header, and 3 columns of numbers", 1),
     ("E191", "dip,dd,dipdir\n45,115,3\n", "joints.csv has two columns for dip direction: dd and dipdir", 1),
     ("E191", "dip (rad),dd\n1,2\n", "the column dip (rad) is in rad, an orientation is in degrees", 1),

@@ -265,6 +265,10 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
         value = (value.dip_deg, value.dip_direction_deg)
     where = where or f"{name} = {value}"
     if isinstance(value, str):
+        if "°" in value:
+            from slopekit.core.degrees import decimal_degrees  # few planes are in minutes
+
+            value = decimal_degrees(value)
         match = re.match(_PAIR, value)
         if match is None:
             raise DesignError([_not_a_plane(value, name, where)])

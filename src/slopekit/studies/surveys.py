@@ -29,7 +29,7 @@ def _conventions(incomplete: str) -> list[str]:
 #: A survey: a file on a command line; in Python also a pandas or polars frame with such columns, planes ("45/115",
 #: (45, 115)), an (n, 2) array or {name: plane}.
 AJointList = Annotated[
-    Any, Argument("A joint list (CSV, .xlsx, Dips, CloudCompare): dip and dip direction, strikes, poles.", "JOINTS")
+    Any, Argument("A joint list (CSV, .xlsx, AGS 4, Dips, CloudCompare): dips, strikes, poles, drill core.", "JOINTS")
 ]  # fmt: skip
 AFace = Annotated[Any, Option("Slope face, D/DD: has to be given.")]
 Convention = Annotated[str | None, Option(

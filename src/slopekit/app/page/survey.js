@@ -70,8 +70,8 @@ function show(found) {
 }
 
 export function start() {
-  const input = el("input", { type: "file", accept: ".csv,.txt,text/csv", id: "survey-file", onchange: () => taken(input.files[0]) });
-  const drop = el("div", { class: "drop" }, el("p", {}, el("strong", {}, "Drop a joint survey here"), " (CSV with dip and dip direction, or strike)"),
+  const input = el("input", { type: "file", accept: ".csv,.txt,.ags,text/csv", id: "survey-file", onchange: () => taken(input.files[0]) });
+  const drop = el("div", { class: "drop" }, el("p", {}, el("strong", {}, "Drop a joint survey here"), " (CSV or AGS 4: dip and dip direction, strike, or alpha and beta on core)"),
     el("label", { class: "filed" }, "or choose a file ", input));
   for (const name of ["dragenter", "dragover"]) { drop.addEventListener(name, (event) => { event.preventDefault(); drop.classList.add("over"); }); }
   drop.addEventListener("dragleave", () => drop.classList.remove("over"));

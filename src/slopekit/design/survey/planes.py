@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import (
+    Line,
     Plane,
     bearing,
     look_like_radians,
@@ -19,12 +20,14 @@ from slopekit.core.orientation import (
 from slopekit.core.sheet import counted
 from slopekit.core.units import quantity
 from slopekit.design.survey.beyond_vertical import BeyondVertical
-from slopekit.design.survey.columns import STRIKE_TO_DIP_DIRECTION, STRIKE_WITH_SIDE
+from slopekit.design.survey.columns import CORE, STRIKE_TO_DIP_DIRECTION, STRIKE_WITH_SIDE, WORDS
+from slopekit.design.survey.oriented_core import STEEPEST_PLUNGE_DEG, is_from_bottom, plane_on_core
 
 #: The order in which missing cells are named.
-DIP_FIRST = ("dip", "dip_direction", "strike", "plane", "clar", "strike/dip", "trend", "plunge").index
+DIP_FIRST = ("dip", "dip_direction", "strike", "plane", "clar", "strike/dip", "trend", "plunge", *CORE).index
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _SHOWN = 3  # overturned planes that are named
+_CORE_DECIMALS = 4  # of a degree (rounding): alpha and beta are measured to whole degrees
 _NO_SIDE = "the side it dips to is not said"
 _BESIDE = "Write the side it dips to, beside the strike: N25E/45SE is 45/115."
 
@@ -136,6 +139,33 @@ class PlaneReader:
         self.angles.append((plunge, trend))
         return Plane(90.0 - plunge, (trend + 180.0) % 360.0)
 
+    def by_core(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        """A plane by alpha, beta, trend and plunge of the hole, and the line on the core that beta is measured from."""
+        alpha, beta, trend, plunge = (
+            quantity(text, "angle", f"{WORDS[key]} of {name}", where)
+            for key, text in zip(CORE, texts[:4], strict=False)
+        )
+        bottom = is_from_bottom(texts[4])
+        if not 0.0 <= alpha <= 90.0:
+            message = f"alpha of {name} is {number(alpha)}, an angle to the core axis lies between 0 and 90"
+            raise DesignError([Fault("E101", message, where)])
+        if not 0.0 <= plunge <= 90.0:
+            message = f"the hole of {name} plunges {number(plunge)}, a hole points down by 0 to 90"
+            raise DesignError([Fault("E101", message, where)])
+        for key, value in (("beta", beta), ("trend of the hole", trend)):
+            if not 0.0 <= value <= 360.0:
+                message = f"{key} of {name} is {number(value)}, a direction lies between 0 and 360"
+                raise DesignError([Fault("E102", message, where)])
+        if bottom is None:
+            message = f"beta of {name} is measured from {texts[4]!r}, it is the bottom or the top of the core"
+            raise DesignError([Fault("E192", message, where)])
+        if plunge > STEEPEST_PLUNGE_DEG:
+            message = f"the hole of {name} is vertical: its core has neither bottom nor top"
+            raise DesignError([Fault("E101", message, where)])
+        self.angles.append((alpha, beta))
+        plane = plane_on_core(alpha, beta, Line(trend, plunge), bottom)
+        return Plane(round(plane.dip_deg, _CORE_DECIMALS), round(plane.dip_direction_deg, _CORE_DECIMALS) % 360.0)
+
     def checked(self, dip: str, direction: str, name: str, where: str, strike: str = "") -> Plane:
         """A plane of two texts; the angles as they are written are kept, to be looked at for radians.
 
@@ -212,4 +242,5 @@ _PLANE_BY: Mapping[tuple[str, ...], Callable[[PlaneReader, str, Sequence[str], s
     ("clar",): PlaneReader.by_clar,
     ("strike/dip",): PlaneReader.by_strike_word,
     ("trend", "plunge"): PlaneReader.by_pole,
+    CORE: PlaneReader.by_core,
 }

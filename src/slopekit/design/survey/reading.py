@@ -27,6 +27,7 @@ from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVert
 from slopekit.design.survey.columns import (
     AMBIGUOUS_DIRECTIONS,
     COLUMNS,
+    CORE,
     COUNTERS,
     ORIENTATIONS,
     RANKED,
@@ -44,9 +45,11 @@ from slopekit.design.survey.columns import (
     way_of,
 )
 from slopekit.design.survey.ordering import columns_advice, named_in_order, swapped_columns
+from slopekit.design.survey.oriented_core import CoreLog, core_columns
 from slopekit.design.survey.planes import DIP_FIRST, PlaneReader, dip_and_azimuth, is_horizontal
 from slopekit.design.survey.preamble import Preamble, preamble_of
 from slopekit.design.survey.tables import SurveyTable, frame_table, table_of
+from slopekit.design.survey.units_row import headings_with_units
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _PLANE = re.compile(r"^\d+([.,]\d+)?°?\s*/\s*\d+([.,]\d+)?°?$")
@@ -109,7 +112,8 @@ def read_joints(
     case, in English and German, in the header, which may be a comment, or in `columns`; two columns of numbers without
     either are dip and dip direction where the second cannot be a dip. Lines above the header are a preamble as Dips
     writes it. A column of sets serves as the names where no column of names is there and no set stands twice; a column
-    of names most of which are shared is taken as one of sets.
+    of names most of which are shared is taken as one of sets. AGS 4 is read by its group DISC. alpha and beta on
+    oriented core give planes with the trend and plunge of the hole, see `oriented_core`.
 
     Parameters
     ----------
@@ -171,11 +175,12 @@ class _Reader:
         self.columns: dict[str, SurveyColumn] = {}
         self.headings: list[str] = list(WAYS[0])
         self.way: tuple[str, ...] = ("dip", "dip_direction")
+        self.core: CoreLog | None = None
         self.may_repeat = False
         self.said = Preamble()
         self.faults = Faults()
         self.left_out: list[str] = list(table.left_out)
-        self.read_as: list[str] = []
+        self.read_as: list[str] = list(table.read_as)
         self.taken_names = set[str]()
         self.shared_names = Counter[str]()
         self.next_number: dict[str, int] = {}
@@ -191,7 +196,7 @@ class _Reader:
         if not self.table.rows:
             advice = "The first line names the columns: name,dip,dip_direction."
             fail("E190", f"{self.name} holds no joints", self.name, advice)
-        rows = self.header()
+        rows = self.along_holes(self.header())
         beyond = self.beyond_vertical(rows)
         self.planes = PlaneReader(self.way, self.convention, self.conventions(), self.said.declination_deg, beyond)
         self.names_of_rows(rows)
@@ -212,6 +217,7 @@ class _Reader:
         self.faults += self.planes.radians(self.name)
         self.faults.refuse()
         self.read_as += self.planes.read_as()
+        self.read_as += self.core.read_as() if self.core is not None else []
         if self.repeated:
             many = self.repeated > 1
             names, them = ("names that stand", "them") if many else ("name that stands", "it")
@@ -239,7 +245,7 @@ class _Reader:
 
     def beyond_vertical(self, rows: Sequence[int]) -> BeyondVertical:
         """What the dips and azimuths of the rows say of dips beyond 90°."""
-        if self.way == STRIKE_WITH_SIDE:
+        if self.way in (STRIKE_WITH_SIDE, CORE):
             return BeyondVertical()
         places = [self.columns[key].index for key in self.way]
         cells = [row for row in map(self.table.cells, rows) if len(row) > max(places)]
@@ -284,6 +290,10 @@ class _Reader:
             below, cells = list(rows), [""] * self.width
         if self.order:
             cells = self.ordered(cells, header)
+        with_units = headings_with_units(cells, self.table.cells(below[0])) if below else None
+        if with_units is not None:
+            self.read_as.append(f"{self.table.noun} {below[0]} holds units")
+            cells, below = with_units, below[1:]
         self.named_columns(cells, header, below)
         self.preamble(rows[:at])
         return below
@@ -366,8 +376,9 @@ class _Reader:
         said = self.said
         if said.traverses:
             self.left_out.append(f"{said.traverses} traverses (no joint is weighted by them)")
-        if said.core or said.others:
-            what = "alpha and beta on core" if said.core else f"{said.written} and {', '.join(said.others)}"
+        is_of_core = said.core and self.core is None
+        if is_of_core or said.others:
+            what = "alpha and beta on core" if is_of_core else f"{said.written} and {', '.join(said.others)}"
             advice = "Save the processed file in Dips: one format for all rows."
             self.fault("E192", f"the orientations of {self.name} are {what}: not all mean the same", above[0], advice)
         self.strikes(above[0] if above else self.table.rows[0])
@@ -413,6 +424,7 @@ class _Reader:
             self.left_out.append(f"{len(ignored)} columns ({', '.join(ignored)})")
         else:
             self.left_out += [f"column {cell}" for cell in ignored]
+        self.columns = core_columns(self.name, self.columns, cells, map(self.table.cells, below), self.where(line))
         way = way_of(self.columns)
         if way is None:
             missing = [key for key in WAYS[0] if key not in self.columns]
@@ -427,6 +439,8 @@ class _Reader:
                 del self.columns["dip_direction"]
             elif all(azimuth_of(side) is not None for side in sides):
                 self.way = STRIKE_WITH_SIDE
+        if way == CORE[:4]:
+            way, self.core = CORE, CoreLog(self.columns, cells)
         self.way = self.way if self.way == STRIKE_WITH_SIDE else way
         self.headings = [key if (key := key_of(cell)) in self.way else cell for cell in cells]
         for key in [key for key in self.columns if key not in self.way and any(key in way for way in WAYS)]:
@@ -509,6 +523,27 @@ class _Reader:
             self.read_as.append(f"column {column.heading} is taken as the set: its names stand more than once")
         self.may_repeat = alike > 0
 
+    def along_holes(self, rows: list[int]) -> list[int]:
+        """The rows of joints, without survey stations; depths in several holes are no positions along one line."""
+        hole, position = self.columns.get("hole"), self.columns.get("position")
+        holes = (
+            set()
+            if hole is None
+            else {cells[hole.index] for cells in map(self.table.cells, rows) if cells[hole.index :]}
+        )
+        if position is not None and len(holes) > 1:
+            del self.columns["position"]
+            self.left_out.append(f"column {position.heading} (it runs along {len(holes)} holes)")
+        joints = rows if self.core is None else [row for row in rows if not self.core.is_station(self.table.cells(row))]
+        used = {"reference"} if self.core is not None else set()
+        used |= {"hole"} if len(joints) < len(rows) else set()
+        self.left_out += [
+            f"column {self.columns[key].heading}"
+            for key in ("hole", "reference")
+            if key in self.columns and key not in used
+        ]
+        return joints
+
     def once(self, column: SurveyColumn, rows: Sequence[int]) -> bool:
         entries = [cells[column.index] for cells in map(self.table.cells, rows) if len(cells) > column.index]
         return len(set(entries)) == len(rows)
@@ -586,6 +621,7 @@ class _Reader:
 
     def plane(self, name: str, cells: Sequence[str], line: int) -> Plane | None:
         texts = {key: self.cell(key, cells) for key in self.way}
+        texts = texts if self.core is None else self.core.completed(texts, cells)
         empty = [key for key in sorted(texts, key=DIP_FIRST) if not texts[key]]
         if empty == ["dip_direction"] and (self.way == STRIKE_WITH_SIDE or is_horizontal(texts["dip"])):
             empty.clear()
