@@ -307,12 +307,22 @@ class Strength:
 
 @dataclass(frozen=True, slots=True)
 class MeshFile:
-    """A mesh file that a design names; two of the same content are the same, wherever they lie."""
+    """A mesh file that a design names; two of the same content are the same, wherever they lie.
+
+    `length_unit` (m) and its name are those of a DXF that is not in metres.
+    """
 
     name: str
     sha256: str
     path: str = field(compare=False, repr=False)
     where: str = field(default="", compare=False, repr=False)
+    length_unit: float = field(default=1.0, compare=False, repr=False)
+    unit_name: str = field(default="", compare=False, repr=False)
+
+    @property
+    def label(self) -> str:
+        """The name, and the unit from which its lengths are scaled."""
+        return f"{self.name} ($INSUNITS {self.unit_name}, scaled to m)" if self.unit_name else self.name
 
 
 def _factor(path: str, doc: str, least: bool = False) -> Any:

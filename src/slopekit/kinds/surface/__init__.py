@@ -533,7 +533,7 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     assert isinstance(geometry, SurfaceGeometry)
     area = size_number(geometry.areas_m2["slip surface"])
     ground = (
-        f"ground mesh {design.ground_mesh.name}"
+        f"ground mesh {design.ground_mesh.label}"
         if design.ground_mesh is not None
         else "ground profile " + " ".join(f"({x:.6g}, {z:.6g})" for x, z in design.profile_m or ())
     )

@@ -107,7 +107,7 @@ class Slip:
     def in_words(self) -> str:
         """The surface as the sheet prints it."""
         if self.mesh is not None:
-            return f"mesh {self.mesh.name}"
+            return f"mesh {self.mesh.label}"
         x, y, z = self.centre_m
         at = f"about ({x:.6g}, {y:.6g}, {z:.6g})"
         if self.shape == "ellipsoid":
