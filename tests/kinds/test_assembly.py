@@ -144,7 +144,9 @@ def test_seismic_forces_bolts_and_water() -> None:
 
 
 def test_gaps_overlaps_corners_and_names_that_do_not_touch() -> None:
-    gap = on_incline({"A": box(0, 0, 1, 1), "B": box(1.002, 0, 1, 1), "C": box(2.002, 1, 1, 1), "D": box(2.002, 0, 1, 1)}, 0, 30)
+    gap = on_incline(
+        {"A": box(0, 0, 1, 1), "B": box(1.002, 0, 1, 1), "C": box(2.002, 1, 1, 1), "D": box(2.002, 0, 1, 1)}, 0, 30
+    )
     gap["strength"]["smooth"] = {"c": 0, "phi": 5}
     gap["interfaces"] = {"default": "joint", "A/C": "smooth"}
     said = {notice.code: notice.message for notice in sk.run(gap).warnings}

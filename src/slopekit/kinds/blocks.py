@@ -457,7 +457,9 @@ def _refuse_floating(names: Sequence[str], fixed: Bools, patches: Patches, gaps:
         for (a, b), most in zip(gaps.pairs[ends.any(axis=1)].tolist(), gaps.most[ends.any(axis=1)], strict=True)
     ]
     advice = "Move their corners until faces meet, or give contact_tolerance" + (f": {_some(near)}." if near else ".")
-    verb = "has no contact and" if len(floating) == 1 else "have no contact with bedrock, their own or through others, and"
+    verb = (
+        "has no contact and" if len(floating) == 1 else "have no contact with bedrock, their own or through others, and"
+    )
     fault = Fault("E257", f"{_listed(names, floating)} {verb} would fall whatever the strength", "", advice)
     raise GeometryError([fault])
 
@@ -480,9 +482,7 @@ def _fit(names: Sequence[str], cut: "SectionCut | SolidCut", along: str, amount:
     if len(gaps):
         apart_or_over = [
             f"{names[a]} and {names[b]} are {1e3 * apart:.3g} mm apart over {size:.3g} {along}"
-            for (a, b), apart, size in zip(
-                gaps.pairs.tolist(), gaps.most.tolist(), gaps.amounts.tolist(), strict=True
-            )
+            for (a, b), apart, size in zip(gaps.pairs.tolist(), gaps.most.tolist(), gaps.amounts.tolist(), strict=True)
         ]
         yield Notice("W334", f"faces that do not touch: {_some(apart_or_over)}; they carry nothing "
                      "(contact_tolerance closes such gaps)")  # fmt: skip

@@ -9,10 +9,11 @@ from slopekit.geometry.fit import corner_unit
 
 _STL_HEADER, _STL_TRIANGLE = 84, 50  # bytes of a binary STL file
 _MOST_PLY_HEADER = 10_000  # bytes
+_MILLIMETRE = 1e-3  # coarser ones may be quarters of a metre that somebody wrote
 
 
-def file_rounding(path: Path, vertices: Floats, length_unit: float = 1.0) -> tuple[float, bool]:
-    """Return the unit (m) to which a file's vertices are rounded, 0 for none, and whether by single precision.
+def file_rounding(path: Path, vertices: Floats, length_unit: float = 1.0) -> tuple[float, float]:
+    """Return the unit (m) to which a file's vertices are rounded, and the resolution of its single precision; or 0.
 
     Parameters
     ----------
@@ -20,10 +21,15 @@ def file_rounding(path: Path, vertices: Floats, length_unit: float = 1.0) -> tup
     """
     suffix = path.suffix.lower()
     if suffix == ".glb":
-        return _of_nodes(path), True
+        return _of_nodes(path)
     written = vertices / length_unit
     is_single = _is_single(path, suffix) or _passed_through_single(written)
-    return length_unit * corner_unit(written, is_single), is_single
+    return length_unit * corner_unit(written, is_single), length_unit * _resolution(written) if is_single else 0.0
+
+
+def _resolution(coordinates: Floats) -> float:
+    """Return the distance of neighbouring numbers of single precision at the largest coordinate."""
+    return float(np.spacing(np.float32(np.abs(coordinates).max())))
 
 
 def _is_single(path: Path, suffix: str) -> bool:
@@ -43,20 +49,24 @@ def _is_single(path: Path, suffix: str) -> bool:
 
 
 def _passed_through_single(vertices: Floats) -> bool:
-    """Whether coordinates that are written in text with more decimals than six are all numbers of single precision."""
-    return bool((vertices.astype(np.float32) == vertices).all()) and corner_unit(vertices) < 1e-6
+    """Whether some coordinate in a text has more digits than single precision, and all of them are numbers of it."""
+    for along in vertices.T:
+        if (along.astype(np.float32) == along).all() and corner_unit(along) <= min(_MILLIMETRE, _resolution(along)):
+            return True
+    return False
 
 
-def _of_nodes(path: Path) -> float:
-    """Return the coarsest unit (m) of the meshes of a GLB file, as its nodes scale them."""
+def _of_nodes(path: Path) -> tuple[float, float]:
+    """Return the coarsest unit and resolution (m) of the meshes of a GLB file, as its nodes scale them."""
     import trimesh
 
     scene = trimesh.load_scene(path, process=False)
-    units = [0.0]
+    found = [(0.0, 0.0)]
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]
         vertices = np.asarray(getattr(scene.geometry[name], "vertices", ()), dtype=np.float64)
         if vertices.size:
             scale = float(np.sqrt((matrix[:3, :3] ** 2).sum(axis=0)).max())
-            units.append(scale * corner_unit(vertices, is_single=True))
-    return max(units)
+            found.append((scale * corner_unit(vertices, is_single=True), scale * _resolution(vertices)))
+    units, resolutions = zip(*found, strict=True)
+    return max(units), max(resolutions)

@@ -9,6 +9,8 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Fault
+from slopekit.geometry.solids.mesh_rounding import file_rounding
+from slopekit.geometry.tolerances import COARSEST_SINGLE
 
 #: The node of slopekit's own GLB files that turns z upward into glTF's y upward; below it are the user's axes.
 Z_UP = "slopekit: z is up"
@@ -141,7 +143,8 @@ def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, boo
     Raises
     ------
     DesignError
-        E172 the file is no mesh that can be read; E140 a DXF without the extra `cad`.
+        E172 the file is no mesh that can be read, or in single precision too far from the origin; E140 a DXF without
+        the extra `cad`.
     """
     import trimesh
 
@@ -160,9 +163,28 @@ def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, boo
     if len(triangles) > _MOST_TRIANGLES:
         message = f"the mesh {name} has {len(triangles)} triangles, more than {_MOST_TRIANGLES}"
         raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
+    _refuse_coarse(path, name, where, vertices)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
     return vertices, np.ascontiguousarray(triangles), closed
+
+
+def _refuse_coarse(path: Path, name: str, where: str, vertices: Floats) -> None:
+    """E172 for a body whose corners single precision has moved by more than a thousandth of it: map coordinates."""
+    largest, size = float(np.abs(vertices).max()), float(np.ptp(vertices, axis=0).max())
+    if np.spacing(np.float32(largest)) <= COARSEST_SINGLE * size:
+        return
+    resolution = file_rounding(path, vertices)[1]
+    if resolution > COARSEST_SINGLE * size:
+        message = (
+            f"the mesh {name} has coordinates up to {largest:.0f} m in single precision (float32), which rounds them "
+            f"to {resolution:.2g} m: too coarse for a body of {size:.3g} m"
+        )
+        advice = (
+            "Shift the origin in the program that wrote it (the same whole kilometres off every file), or write text "
+            "or doubles: OBJ, ASCII STL or PLY, DXF."
+        )
+        raise DesignError([Fault("E172", message, where or name, advice)])
 
 
 def outward(vertices: Floats, triangles: Ints) -> Ints:
