@@ -135,7 +135,7 @@ def test_map_coordinates_in_single_precision_are_refused(tmp_path, suffix, shift
 def test_map_coordinates_of_single_precision_in_a_text_are_refused(tmp_path) -> None:
     """A program of single precision writes 512303.906250: the digits after the fifth are none."""
     vertices = np.array(trimesh.creation.box((3, 2, 1)).vertices) @ [[0.8, 0.1, 0.6], [0, 1, 0.1], [-0.6, 0, 0.8]]
-    vertices = (vertices + [512300.0, 4187650.0, 120.0]).astype(np.float32).astype(np.float64)
+    vertices = (vertices + np.array([512300.0, 4187650.0, 120.0])).astype(np.float32).astype(np.float64)
     save_mesh(tmp_path / "B.obj", vertices, 6)
     (tmp_path / "base.obj").write_text((tmp_path / "B.obj").read_text(encoding="utf-8"), encoding="utf-8")
     blocks = {name: {"mesh": str(tmp_path / f"{name}.obj")} for name in ("base", "B")}

@@ -99,7 +99,8 @@ class BlocksDesign(NamedDesign):
     default_strength : of every interface that is not named
     interfaces : (block, block, strength) of those that are
     pressures_kpa : (block, block, mean water pressure) where there is water
-    contact_tolerance_m : faces nearer than this touch; None: 1e-5 of the mean size of the blocks
+    contact_tolerance_m : faces nearer than this touch; None: 1e-5 of the mean size of the blocks, or what their corners
+        are rounded to
     """
 
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
@@ -130,7 +131,7 @@ class BlocksDesign(NamedDesign):
         "contact_tolerance",
         "length",
         default=None,
-        left_out="1e-5 of the mean block",
+        left_out="1e-5 of the mean block, or as the corners are rounded",
         doc="faces nearer than this touch",
         above=0.0,
         code="E254",

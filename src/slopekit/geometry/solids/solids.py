@@ -103,8 +103,8 @@ def mesh_assembly(
         frozen(solids.vertices + solids.origin), solids.triangles, solids.block,
     )  # fmt: skip
     return SolidCut(
-        assembly, contact, contact_area, float(surfaces.sum()) - 2.0 * contact_area, overlaps, gaps, np.flatnonzero(~touched),
-        solids.turned, solids.shells, unchecked,
+        assembly, contact, contact_area, float(surfaces.sum()) - 2.0 * contact_area, overlaps, gaps,
+        np.flatnonzero(~touched), solids.turned, solids.shells, unchecked,
     )  # fmt: skip
 
 
