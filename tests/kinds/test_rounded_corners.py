@@ -132,6 +132,22 @@ def test_map_coordinates_in_single_precision_are_refused(tmp_path, suffix, shift
     assert "Shift the origin" in error.value.faults[0].advice
 
 
+def test_map_coordinates_in_the_nodes_of_a_glb_lose_nothing(tmp_path) -> None:
+    """The vertices lie near the origin, and the matrix of their node, in doubles, moves them."""
+    blocks = {}
+    slope = trimesh.transformations.rotation_matrix(math.radians(-33.0), [1, 0, 0])
+    place = trimesh.transformations.translation_matrix([512300.0, 4187650.0, 120.0])
+    for name, size, up in (("base", (30.0, 30.0, 4.0), -2.0), ("B", (3.0, 2.0, 1.0), 0.5)):
+        body = trimesh.creation.box(size, trimesh.transformations.translation_matrix([0, 0, up])).apply_transform(slope)
+        scene = trimesh.Scene()
+        scene.add_geometry(body, transform=place)
+        scene.export(tmp_path / f"{name}.glb")
+        blocks[name] = {"mesh": str(tmp_path / f"{name}.glb"), "fixed": name == "base"}
+    design = {"slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "blocks": blocks}
+    result = sk.run(design | {"strength": {"joint": {"c": 0, "phi": PHI}}})
+    assert result.fos.limit == pytest.approx(factor(33.0), rel=1e-6)
+
+
 def test_map_coordinates_of_single_precision_in_a_text_are_refused(tmp_path) -> None:
     """A program of single precision writes 512303.906250: the digits after the fifth are none."""
     vertices = np.array(trimesh.creation.box((3, 2, 1)).vertices) @ [[0.8, 0.1, 0.6], [0, 1, 0.1], [-0.6, 0, 0.8]]
