@@ -95,7 +95,7 @@ def run_meshes(folder, suffix: str, dip: float, shift, decimals: int | None = No
         corners = [[x, y, z] for z in (z0, z1) for x, y in ((x0, deep[0]), (x1, deep[0]), (x1, deep[1]), (x0, deep[1]))]
         files[name] = folder / f"{name}{suffix}"
         save_mesh(files[name], np.array(corners) @ turn.T + shift, decimals)
-    blocks = {name: {"mesh": str(file)} for name, file in files.items()}
+    blocks = {name: {"mesh": str(file), "up": "z"} for name, file in files.items()}
     blocks["base"]["fixed"] = True
     return sk.run({
         "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "blocks": blocks,
@@ -142,7 +142,7 @@ def test_map_coordinates_in_the_nodes_of_a_glb_lose_nothing(tmp_path) -> None:
         scene = trimesh.Scene()
         scene.add_geometry(body, transform=place)
         scene.export(tmp_path / f"{name}.glb")
-        blocks[name] = {"mesh": str(tmp_path / f"{name}.glb"), "fixed": name == "base"}
+        blocks[name] = {"mesh": str(tmp_path / f"{name}.glb"), "up": "z", "fixed": name == "base"}
     design = {"slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "blocks": blocks}
     result = sk.run(design | {"strength": {"joint": {"c": 0, "phi": PHI}}})
     assert result.fos.limit == pytest.approx(factor(33.0), rel=1e-6)
@@ -150,7 +150,8 @@ def test_map_coordinates_in_the_nodes_of_a_glb_lose_nothing(tmp_path) -> None:
 
 def test_map_coordinates_of_single_precision_in_a_text_are_refused(tmp_path) -> None:
     """A program of single precision writes 512303.906250: the digits after the fifth are none."""
-    vertices = np.array(trimesh.creation.box((3, 2, 1)).vertices) @ [[0.8, 0.1, 0.6], [0, 1, 0.1], [-0.6, 0, 0.8]]
+    corners = [[x, y, z] for z in (0.0, 1.0) for x, y in ((0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0))]
+    vertices = np.array(corners) @ [[0.8, 0.1, 0.6], [0, 1, 0.1], [-0.6, 0, 0.8]]
     vertices = (vertices + np.array([512300.0, 4187650.0, 120.0])).astype(np.float32).astype(np.float64)
     save_mesh(tmp_path / "B.obj", vertices, 6)
     (tmp_path / "base.obj").write_text((tmp_path / "B.obj").read_text(encoding="utf-8"), encoding="utf-8")

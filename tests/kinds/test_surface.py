@@ -5,11 +5,13 @@ import re
 
 import numpy as np
 import pytest
+import trimesh
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
+from slopekit.exchange.solids import save_gltf
 from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, run, save, sheet, slab
 
 CAP = {**PAPER, **COARSE}
@@ -161,6 +163,28 @@ def test_map_coordinates_that_single_precision_spoils_are_refused(tmp_path, suff
         slip_at(np.array([5e5, 4e6, 1e3]), tmp_path, suffix)
     assert error.value.faults[0].code == "E172"
     assert error.value.faults[0].advice.startswith("Shift the origin")
+
+
+@pytest.mark.parametrize(("slip_suffix", "slope_suffix"), [("glb", "obj"), ("obj", "glb"), ("gltf", "glb")])
+def test_slip_and_ground_of_gltf_are_y_up(tmp_path, slip_suffix, slope_suffix) -> None:
+    """The factor of the same files as OBJ, with float32; read as z-up the mass was another one, or none."""
+    cap, ground = ellipsoid_mesh(3), slab(SLOPE, 60.0, -20.0, (-60.0, 100.0))
+    plain = run({"mesh": str(save(tmp_path / "a.obj", cap))}, save(tmp_path / "b.obj", ground))
+    paths = []
+    for name, suffix, (vertices, triangles) in (("slip", slip_suffix, cap), ("slope", slope_suffix, ground)):
+        x, y, z = vertices.T
+        body = (vertices if suffix == "obj" else np.stack([x, z, -y], axis=1), triangles)
+        path = tmp_path / f"{name}.{suffix}"
+        if suffix == "gltf":
+            save_gltf(trimesh.Scene(trimesh.Trimesh(*body, process=False)), path)
+        else:
+            save(path, body)
+        paths.append(path)
+    result = run({"mesh": str(paths[0])}, paths[1])
+    assert result.fos.limit == pytest.approx(plain.fos.limit, rel=1e-3)
+    assert result.geometry.centroid_m == pytest.approx(plain.geometry.centroid_m, abs=1e-3)
+    assert (f"mesh slip.{slip_suffix} (y is up there)" in str(result.sheet)) == (slip_suffix != "obj")
+    assert (f"ground mesh slope.{slope_suffix} (y is up there)" in str(result.sheet)) == (slope_suffix != "obj")
 
 
 @pytest.mark.parametrize("length", [0.5, 1.0, 30.0])

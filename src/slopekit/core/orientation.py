@@ -71,6 +71,15 @@ class Line:
         return f"{bearing(self.trend_deg)}/{self.plunge_deg:.1f}"
 
 
+def upward_axis(suffix: str) -> str:
+    """The axis that points up in mesh files of a format: y in glTF by its standard (2.0, 3.4), z in every other.
+
+    >>> upward_axis(".glb"), upward_axis(".obj")
+    ('y', 'z')
+    """
+    return "y" if suffix.lower() in (".glb", ".gltf") else "z"
+
+
 def normals(dip_deg: Floats, dip_direction_deg: Floats) -> Floats:
     """Upward unit normals of planes.
 

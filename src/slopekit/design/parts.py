@@ -309,20 +309,30 @@ class Strength:
 class MeshFile:
     """A mesh file that a design names; two of the same content are the same, wherever they lie.
 
-    `length_unit` (m) and its name are those of a DXF that is not in metres.
+    `up` is the axis of the file that points up, y or z; `length_unit` (m) and its name are those of a DXF that is not
+    in metres.
     """
 
     name: str
     sha256: str
     path: str = field(compare=False, repr=False)
     where: str = field(default="", compare=False, repr=False)
+    up: str = "z"
     length_unit: float = field(default=1.0, compare=False, repr=False)
     unit_name: str = field(default="", compare=False, repr=False)
 
     @property
     def label(self) -> str:
-        """The name, and the unit from which its lengths are scaled."""
-        return f"{self.name} ($INSUNITS {self.unit_name}, scaled to m)" if self.unit_name else self.name
+        """The name, the axis that points up where it is y, and the unit from which its lengths are scaled."""
+        axis = " (y is up there)" if self.up == "y" else ""
+        unit = f" ($INSUNITS {self.unit_name}, scaled to m)" if self.unit_name else ""
+        return f"{self.name}{axis}{unit}"
+
+
+def axis_key(path: str) -> Field:
+    """The key beside that of a mesh file, which says the axis that points up there."""
+    return Field(path, "text", words=("y", "z"), code="E172", label=path, example="y", left_out="y of GLB, else z",
+                 doc="which axis of the mesh file points up")  # fmt: skip
 
 
 def _factor(path: str, doc: str, least: bool = False) -> Any:

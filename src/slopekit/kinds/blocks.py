@@ -15,7 +15,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.ground_water import read_ground_water
-from slopekit.design.parts import Action, MeshFile, Water
+from slopekit.design.parts import Action, MeshFile, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -55,7 +55,7 @@ _MOST_INTERFACES = 3
 
 
 _COORDINATE = Field("polygon", "length")
-_KEYS = ("polygon", "mesh", "unit_weight", "fixed")
+_KEYS = ("polygon", "mesh", "up", "unit_weight", "fixed")
 _TRUTH = {"true": True, "false": False}
 _UNTRUTHS = ("no", "off", "n", "0")  # YAML 1.1, said to be a fault; what it means is clear
 
@@ -68,6 +68,7 @@ class BlockInput:
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"unit_weight_kn_m3": "weight"}
+    ALSO: ClassVar[tuple[Field, ...]] = (axis_key("up"),)
 
     name: str
     polygon_m: tuple[Point2, ...] | None = text(
@@ -224,12 +225,10 @@ def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
 def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput | None:
     """One block; None where a fault stands for it."""
     weight = reader.field(fields_of(BlockInput)["unit_weight_kn_m3"], node.get("unit_weight"))
-    points, mesh = None, None
-    polygon, file = node.get("polygon"), node.get("mesh")
+    points, polygon = None, node.get("polygon")
     if polygon is not None and len(polygon.elements) >= 3 and reader.is_sound(polygon):
         points = _polygon(reader, name, polygon)
-    if file is not None and file.text is not None:
-        mesh = mesh_file(reader, file)
+    mesh = mesh_file(reader, node)
     return None if points is None and mesh is None else BlockInput(name, points, mesh, weight, is_fixed)
 
 
@@ -408,7 +407,7 @@ def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Assem
     for block in design.blocks:
         assert block.mesh is not None
         with faults.kept():
-            vertices, triangles, _ = read_mesh(Path(block.mesh.path), block.mesh.name, block.mesh.where)
+            vertices, triangles, _ = read_mesh(Path(block.mesh.path), block.mesh.name, block.mesh.where, block.mesh.up)
             meshes.append((vertices, triangles))
             units.append(file_rounding(Path(block.mesh.path), vertices, block.mesh.length_unit)[0])
     faults.refuse()
@@ -513,6 +512,8 @@ def _slope(design: BlocksDesign, _result: Result) -> Section:
     scaled = [block.mesh.label for block in design.blocks if block.mesh is not None and block.mesh.unit_name]
     if scaled:
         shape += f"; {_some(list(dict.fromkeys(scaled)))}"
+    y_up = [block.name for block in design.blocks if block.mesh is not None and block.mesh.up == "y"]
+    shape += f", y is up in the files of {names_in_runs(y_up)}" if y_up else ""
     within = design.contact_tolerance_m
     touch = "" if within is None else f"; faces nearer than {within * 1e3:.6g} mm touch"
     entries = [

@@ -5,7 +5,8 @@ import re
 from pathlib import Path
 
 from slopekit.core.errors import DesignError
-from slopekit.design.parts import MeshFile
+from slopekit.core.orientation import upward_axis
+from slopekit.design.parts import MeshFile, axis_key
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.on_disk import read_bytes
 from slopekit.design.reading.reader import Reader
@@ -21,8 +22,17 @@ def beside(reader: Reader, node: Node) -> Path:
     return named if named.is_absolute() or reader.document.path is None else reader.document.path.parent / named
 
 
-def mesh_file(reader: Reader, node: Node) -> MeshFile | None:
-    """A mesh that the design names, known by its content; None with the fault E172 where it cannot be read."""
+def mesh_file(reader: Reader, holder: Node) -> MeshFile | None:
+    """The mesh that a group of keys names, known by its content, and the axis that points up in it.
+
+    None where it names none, or with the fault E172 where it cannot be read.
+    """
+    node, up = holder.get("mesh"), holder.get("up")
+    axis: str | None = None if up is None else reader.field(axis_key(up.path), up)
+    if node is None or node.text is None:
+        if up is not None:
+            reader.fault("E172", f"{up.path} says nothing without a mesh", up, "Leave it out.")
+        return None
     path = beside(reader, node)
     try:
         content = read_bytes(path, _MOST_MESH_BYTES)
@@ -31,8 +41,17 @@ def mesh_file(reader: Reader, node: Node) -> MeshFile | None:
         advice = fault.advice or "It is looked for beside the design file."
         reader.fault("E172", f"the mesh {node.text} cannot be read: {fault.message}", node, advice)
         return None
-    unit = _dxf_unit(content) if path.suffix.lower() == ".dxf" else _METRES
-    return MeshFile(path.name, hashlib.sha256(content).hexdigest(), str(path), str(node.place), *unit)
+    digest = hashlib.sha256(content).hexdigest()
+    length, unit = _dxf_unit(content) if path.suffix.lower() == ".dxf" else _METRES
+    return MeshFile(
+        path.name,
+        digest,
+        str(path),
+        str(node.place),
+        axis or upward_axis(path.suffix),
+        length_unit=length,
+        unit_name=unit,
+    )
 
 
 def _dxf_unit(content: bytes) -> tuple[float, str]:

@@ -20,7 +20,7 @@ def file_rounding(path: Path, vertices: Floats, length_unit: float = 1.0) -> tup
     vertices : (v, 3) m, as they were read from it; length_unit : m, of the file's own coordinates
     """
     suffix = path.suffix.lower()
-    if suffix == ".glb":
+    if suffix in (".glb", ".gltf"):
         return _of_nodes(path)
     written = vertices / length_unit
     is_single = _is_single(path, suffix) or _passed_through_single(written)

@@ -233,7 +233,7 @@ def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
 
 def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:
     """Vertices, triangles and whether they close; one that is inside out is turned, and its name kept."""
-    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where)
+    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where, file.up)
     triangles = outward(vertices, given) if closed else given
     if (triangles != given).any():
         turned.append(file.name)
