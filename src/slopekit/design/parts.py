@@ -309,7 +309,8 @@ class Strength:
 class MeshFile:
     """A mesh file that a design names; two of the same content are the same, wherever they lie.
 
-    `up` is the axis of the file that points up, y or z.
+    `up` is the axis of the file that points up, y or z; `length_unit` (m) and its name are those of a DXF that is not
+    in metres.
     """
 
     name: str
@@ -317,11 +318,15 @@ class MeshFile:
     path: str = field(compare=False, repr=False)
     where: str = field(default="", compare=False, repr=False)
     up: str = "z"
+    length_unit: float = field(default=1.0, compare=False, repr=False)
+    unit_name: str = field(default="", compare=False, repr=False)
 
     @property
     def label(self) -> str:
-        """The name, and the axis that points up where it is y."""
-        return f"{self.name} (y is up there)" if self.up == "y" else self.name
+        """The name, the axis that points up where it is y, and the unit from which its lengths are scaled."""
+        axis = " (y is up there)" if self.up == "y" else ""
+        unit = f" ($INSUNITS {self.unit_name}, scaled to m)" if self.unit_name else ""
+        return f"{self.name}{axis}{unit}"
 
 
 def axis_key(path: str) -> Field:

@@ -1,6 +1,7 @@
 """Files that a design names, looked for beside it."""
 
 import hashlib
+import re
 from pathlib import Path
 
 from slopekit.core.errors import DesignError
@@ -11,6 +12,8 @@ from slopekit.design.reading.on_disk import read_bytes
 from slopekit.design.reading.reader import Reader
 
 _MOST_MESH_BYTES = 200_000_000
+_METRES = (1.0, "")
+_INSUNITS = re.compile(rb"\$INSUNITS(?:\s+70\s+(\d+)|\0\x46\0?(.)\0)", re.DOTALL)  # of text and of binary files
 
 
 def beside(reader: Reader, node: Node) -> Path:
@@ -39,4 +42,26 @@ def mesh_file(reader: Reader, holder: Node) -> MeshFile | None:
         reader.fault("E172", f"the mesh {node.text} cannot be read: {fault.message}", node, advice)
         return None
     digest = hashlib.sha256(content).hexdigest()
-    return MeshFile(path.name, digest, str(path), str(node.place), up=axis or upward_axis(path.suffix))
+    length, unit = _dxf_unit(content) if path.suffix.lower() == ".dxf" else _METRES
+    return MeshFile(
+        path.name,
+        digest,
+        str(path),
+        str(node.place),
+        axis or upward_axis(path.suffix),
+        length_unit=length,
+        unit_name=unit,
+    )
+
+
+def _dxf_unit(content: bytes) -> tuple[float, str]:
+    """Return the unit (m) that a DXF names for its lengths, and its name where that is not the metre."""
+    try:
+        from ezdxf.units import InsertUnits, conversion_factor
+    except ImportError:  # which is a fault where the mesh is read
+        return _METRES
+    found = _INSUNITS.search(content)
+    number = int(found[1] or found[2][0]) if found else 0
+    if number in (0, InsertUnits.Meters) or number not in InsertUnits.__members__.values():
+        return _METRES
+    return conversion_factor(InsertUnits(number), InsertUnits.Meters), InsertUnits(number).name.lower()

@@ -11,8 +11,10 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import upward_axis
+from slopekit.geometry.solids.mesh_rounding import file_rounding
 from slopekit.geometry.solids.polygon_faces import CrossedFaceError, triangulated
 from slopekit.geometry.solids.polygon_files import PolygonBody, obj_bodies, off_bodies, ply_bodies
+from slopekit.geometry.tolerances import COARSEST_SINGLE
 
 _METRES = 6  # $INSUNITS
 _TRIANGLE_FAN = 6  # mode of a primitive of glTF
@@ -165,7 +167,8 @@ def read_mesh(path: Path, name: str, where: str = "", up: str = "") -> tuple[Flo
     Raises
     ------
     DesignError
-        E172 the file is no mesh that can be read, or a face of it crosses itself; E140 a DXF without the extra `cad`.
+        E172 the file is no mesh that can be read, a face of it crosses itself, or it is in single precision too far
+        from the origin; E140 a DXF without the extra `cad`.
     """
     import trimesh
 
@@ -188,9 +191,28 @@ def read_mesh(path: Path, name: str, where: str = "", up: str = "") -> tuple[Flo
     if len(triangles) > _MOST_TRIANGLES:
         message = f"the mesh {name} has {len(triangles)} triangles, more than {_MOST_TRIANGLES}"
         raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
+    _refuse_coarse(path, name, where, vertices)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
     return vertices, np.ascontiguousarray(triangles), closed
+
+
+def _refuse_coarse(path: Path, name: str, where: str, vertices: Floats) -> None:
+    """E172 for a body whose corners single precision has moved by more than a thousandth of it: map coordinates."""
+    largest, size = float(np.abs(vertices).max()), float(np.ptp(vertices, axis=0).max())
+    if np.spacing(np.float32(largest)) <= COARSEST_SINGLE * size:
+        return
+    resolution = file_rounding(path, vertices)[1]
+    if resolution > COARSEST_SINGLE * size:
+        message = (
+            f"the mesh {name} has coordinates up to {largest:.0f} m in single precision (float32), which rounds them "
+            f"to {resolution:.2g} m: too coarse for a body of {size:.3g} m"
+        )
+        advice = (
+            "Shift the origin in the program that wrote it (the same whole kilometres off every file), or write text "
+            "or doubles: OBJ, ASCII STL or PLY, DXF."
+        )
+        raise DesignError([Fault("E172", message, where or name, advice)])
 
 
 def outward(vertices: Floats, triangles: Ints) -> Ints:
