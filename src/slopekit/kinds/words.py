@@ -167,10 +167,15 @@ def more_of(rest: int, what: str) -> str:
     return f"... and {rest} more {what}s"
 
 
-def water_in_words(design: Design) -> list[str]:
-    """Water as one block has it."""
-    is_wet = design.water.mode != "dry" or design.water.crack_fill
-    return [f"water {design.water.in_words()}"] if is_wet else []
+def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
+    """Water as one block has it, a part of full with its highest pressure: so many times the mean of an interface."""
+    water, areas = result.design.water, result.geometry.areas_m2
+    if water.mode == "dry" and not water.crack_fill:
+        return []
+    if water.mode == "pressures" and water.crack_fill is None:
+        return [f"water {water.in_words()}"]
+    means = [push / areas[name] for name, push in result.forces.water.items() if areas.get(name)]
+    return [f"water {water.in_words()}, highest {size_number(float(f'{highest_of_mean * max(means):.4g}'))} kPa"]
 
 
 def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:

@@ -548,13 +548,13 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     return (
         Section("SURFACE", entries),
         size_part(result, heights),
-        loads_part(_water_in_words(design), result, x_is_east=True),
+        loads_part(_water_in_words(design, result), result, x_is_east=True),
     )
 
 
-def _water_in_words(design: SurfaceDesign) -> list[str]:
+def _water_in_words(design: SurfaceDesign, result: Result) -> list[str]:
     if not design.is_cut_for_loads:
-        return water_in_words(design)
+        return water_in_words(result)
     return list(ground_in_words(design, " (x)"))
 
 
