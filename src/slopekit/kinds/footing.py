@@ -31,7 +31,7 @@ NAME = "weak plane"
 
 @dataclass(frozen=True, slots=True)
 class Uplift:
-    """Water on the weak plane: pressure at both ends (kPa), linear between, or part of full pressure; less by drains."""
+    """Water on the weak plane: kPa at both ends, linear between, or a part of full pressure; less by drains."""
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"toe_kpa": "water", "heel_kpa": "water"}
 

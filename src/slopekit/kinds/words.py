@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
 from slopekit.block_scene import BlockSizes, Sizes
-from slopekit.core.orientation import Line
+from slopekit.core.orientation import Line, coordinates
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force, Strength
@@ -191,7 +191,7 @@ def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:
 def force_text(force: Force) -> str:
     """A force by its components, and where it acts."""
     on = "" if force.block is None else f" on {force.block}"
-    at = "" if force.at_m is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*force.at_m)
+    at = "" if force.at_m is None else f" at {coordinates(force.at_m)}"
     size = max(abs(part) for part in force.components_kn)
     parts = [0.0 if abs(part) < 1e-12 * size else part for part in force.components_kn]
     return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*parts) + on + at
@@ -201,7 +201,7 @@ def bolt_text(bolt: Bolt) -> str:
     """A bolt by its force, its direction, and how it acts."""
     role = "a load" if bolt.acts == "active" else "capacity divided by F"
     on = "" if bolt.block is None else f" on {bolt.block}"
-    at = "" if bolt.head_m is None else " from ({:.6g}, {:.6g}, {:.6g})".format(*bolt.head_m)
+    at = "" if bolt.head_m is None else f" from {coordinates(bolt.head_m)}"
     return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts} ({role})"
 
 

@@ -68,6 +68,8 @@ def _swing_by(method: Method) -> Callable[[TornadoBar], float]:
 
 def _number(bar: TornadoBar, value: float) -> str:
     unit = bar.key.unit.replace("kN/m³", "").replace("kg/m³", "")
+    if bar.key.is_place:
+        return bar.key.shown(value)
     text = f"{bar.key.reduced(value):.5g}"
     return f"{text}°" if unit == "°" else f"{text} {unit}".strip()
 
