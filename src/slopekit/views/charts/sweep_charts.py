@@ -251,9 +251,9 @@ class _TornadoBar:
     ends: Sequence[Point]
     swings: Document
 
-    def swing(self, method: Method) -> float:
-        """How far the factor moves; infinite where an end has none."""
-        return math.inf if self.swings[method] is None else float(self.swings[method])
+    def moves(self, method: Method) -> bool:
+        """Whether the factor changes, or an end has none."""
+        return bool(self.swings[method] != 0.0)
 
 
 @needs({
@@ -276,7 +276,7 @@ def draw_tornado(figure: Any, document: Document) -> None:
         )
         for bar in document["bars"]
     ]  # fmt: skip
-    moving = [bar for bar in every if bar.swing(method)]
+    moving = [bar for bar in every if bar.moves(method)]
     bars = moving[:_MOST_BARS]
     ends = [f for bar in bars for point in bar.ends if (f := factor_at(point, method)) is not None]
     finite = [f for f in ends if math.isfinite(f)]
