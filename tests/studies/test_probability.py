@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -310,6 +311,21 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
                                          "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
     assert prob(load(away), 50).exit_code == 3
+
+
+def test_the_line_on_acceptance_says_what_the_exit_code_says() -> None:
+    """No limit is met where the methods disagree (exit code 4), nor where no sample forms a block (3)."""
+    study = prob(load(default_wedge()), 300, fos=1.0, accept=0.99)
+    assert (study.accepted, study.exit_code) == (True, 0)
+    apart = replace(study, disagree=2)
+    assert (apart.accepted, apart.exit_code) == (False, 4)
+    assert "99 %: NOT MET, the methods disagree" in " ".join(str(apart).split())
+    assert "not met" in apart.line
+    away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
+                                         "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
+    none = prob(load(away), 50, accept=0.99)
+    assert (none.accepted, none.exit_code) == (False, 3)
+    assert "NOT MET, no sample forms a block" in " ".join(str(none).split())
 
 
 def test_pre_ies_estimate_has_the_same_denominator_and_its_limits_hold() -> None:

@@ -226,8 +226,8 @@ def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
     """A mass that lies wholly where the profile says nothing is no slope: a centre in other coordinates, as a rule."""
     low, high, first, last = float(across.min()), float(across.max()), min(profile), max(profile)
     if low >= last or high <= first:
-        ends = map(millimetre, (low, high, first, last))
-        message = "the mass lies at x {} to {} m, the profile goes from {} to {} m".format(*ends)
+        mass, ground = f"{millimetre(low)} to {millimetre(high)}", f"{millimetre(first)} to {millimetre(last)}"
+        message = f"the mass lies at x {mass} m, the profile goes from {ground} m"
         advice = "Are slip and profile in the same coordinates? Beyond its ends the ground is taken as level."
         raise GeometryError([Fault("E551", message, "", advice)])
 

@@ -383,17 +383,4 @@ def _accept(study: Probability) -> list[str]:
         return []
     met = "met" if study.accepted else "NOT MET"
     high = study.all_samples.high
-    doubts = [] if study.accepted or high > study.asked.accept else _doubts(study)
-    return [f"upper limit {_percent(high)} <= {_percent(study.asked.accept)}: {', '.join([met, *doubts])}"]
-
-
-def _doubts(study: Probability) -> list[str]:
-    """Why it is not accepted though the limit is low enough."""
-    checked, doubts = study.confirmation, []
-    if study.unjudged:
-        doubts.append(f"{counted(study.unjudged, 'sample')} not judged")
-    if checked is not None and checked.unsafe:
-        doubts.append(f"{checked.unsafe} fail by PRE-IE only")
-    if checked is not None and checked.settled < checked.samples:
-        doubts.append(f"PRE-IE answers for {checked.settled} of the {checked.samples} samples it was asked of")
-    return doubts
+    return [f"upper limit {_percent(high)} <= {_percent(study.asked.accept)}: {', '.join([met, *study.doubts])}"]
