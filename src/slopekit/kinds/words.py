@@ -25,6 +25,7 @@ WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
 _NUMBERS = r"([0-9]+)"
 _FEW_BOLTS = 6
 _FEW_TRACES = 6
+_HUGE = 1e9  # strengths from here on stand for joints that never fail
 _SAME_HEIGHT = 1e-6  # of a height, which files give in as many digits
 
 T = TypeVar("T")
@@ -217,20 +218,27 @@ def weight_in_words(result: Result) -> str:
 def strength_in_words(strength: Strength, digits: str = ".1f") -> str:
     """Cohesion and friction, and what else there is, angles with so many digits.
 
-    >>> strength_in_words(Strength(24.0, 20.0)), strength_in_words(Strength(1e12, 20.0))
-    ('c 24.0 kPa  φ 20.0°', 'c 1e+12 kPa  φ 20.0°')
+    >>> strength_in_words(Strength(24.0, 20.0)), strength_in_words(Strength(0.04, 20.0))
+    ('c 24.0 kPa  φ 20.0°', 'c 0.04 kPa  φ 20.0°')
     """
-    cohesion = strength.cohesion_kpa
-    words = f"c {cohesion:{digits if cohesion < 1e9 else '.6g'}} kPa  φ {strength.friction_angle_deg:{digits}}°"
+    cohesion, friction = strength.cohesion_kpa, strength.friction_angle_deg
+    words = f"c {_in_digits(cohesion, digits)} kPa  φ {_in_digits(friction, digits)}°"
     if (law := strength.named_law) is not None:
         words = law.in_words()
     if strength.dilation_deg:
-        words += f"  ψ {strength.dilation_deg:{digits}}°"
+        words += f"  ψ {_in_digits(strength.dilation_deg, digits)}°"
     if strength.tension_kpa:
         words += f"  σt {strength.tension_kpa:.4g} kPa"
     if strength.residual is not None:
         words += f"  {strength.residual.in_words()}"
     return words
+
+
+def _in_digits(value: float, digits: str) -> str:
+    """A number in fixed digits; a small one, which they would round to nothing, and a huge one in significant ones."""
+    if value == 0.0 or 1.0 <= abs(value) < _HUGE:
+        return f"{value:{digits}}"
+    return f"{value:.3g}" if abs(value) < 1.0 else f"{value:.6g}"
 
 
 def line_in_words(line: Line) -> str:

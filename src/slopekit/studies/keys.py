@@ -209,7 +209,7 @@ def _scattering(design: Design, node: Node) -> Iterator[Key]:
     field = _field(design, node.path)
     if field is None:
         return
-    distribution = read_distribution(node, field.measures, node.path)
+    distribution = read_distribution(node, field.measures, node.path, field.period)
     own = _key(node.path, field, distribution.centre)
     yield replace(own, scatters=distribution)
     for name, value in distribution.parameters.items():

@@ -306,7 +306,8 @@ def _quantiles(key: Key) -> tuple[float, float]:
         from slopekit.studies.marginals import marginal
 
         of_tail, tail = marginal(distribution).of_tail, np.array([TAIL])
-        return float(of_tail(tail.copy(), -1.0)[0]), float(of_tail(tail.copy(), 1.0)[0])
+        low, high = float(of_tail(tail.copy(), -1.0)[0]), float(of_tail(tail.copy(), 1.0)[0])
+        return (low, high) if key.period is not None else (max(low, key.low), min(high, key.high))
     assert distribution is not None
     assert key.value is not None
     # of a Fisher distribution about its mean each angle scatters by 1/√k radians across the pole (Fisher 1953)
