@@ -465,3 +465,24 @@ def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:
     assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]
     study.done()
     assert not list(tmp_path.iterdir())
+
+
+def test_dips_beyond_the_vertical_are_planes_that_dip_the_other_way_and_that_is_said() -> None:
+    """92/115 is 88/295: what is drawn beyond 90° is judged so; the tornado ends at the vertical."""
+    joints = {"J1": {"plane": {"dip": {"dist": "normal", "mean": 86, "sd": 5}, "dip_direction": 115}},
+              "J2": {"plane": "50/245"}}  # fmt: skip
+    design = load({"slopekit": 1, "kind": "wedge", "slope": {"face": "88/185", "upper": "12/195"}, "joints": joints})
+    study = prob(design, 400, confirm=0)
+    names = study.samples.names
+    dips, directions = (study.samples.values[:, names.index(f"joints.J1.plane.{name}")]
+                        for name in ("dip", "dip_direction"))  # fmt: skip
+    over = directions == 295.0
+    assert 0.1 < over.mean() < 0.35
+    assert dips.max() <= 90.0
+    assert set(directions.tolist()) == {115.0, 295.0}
+    assert "joints.J1.plane: 21.19 % of the dips lie beyond 0 to 90°" in " ".join(str(study).split())
+    one = int(np.flatnonzero(over & np.isfinite(study.factor))[0])
+    there = point_of(design, {"joints.J1.plane": f"{float(dips[one])!r}/295"}, pre_ie=False)
+    assert study.factor[one] == pytest.approx(there.factors.closed_form, rel=1e-9)
+    bar = next(bar for bar in sk.tornado(design, methods="closed-form").bars if bar.key.path == "joints.J1.plane.dip")
+    assert (bar.high, bar.at_high.code) == (90.0, "")
