@@ -325,7 +325,7 @@ def test_the_sheet_and_the_json_carry_the_rules() -> None:
     line = " ".join(str(result).split("COHESION")[1].split("MODEL")[0].split())
     assert line.startswith("cracked base 3.764, by mechanism 1.625, bond gone 1.279; used: bond gone;")
     assert "bond gone 1.279; used: bond gone; J1 93 % pressed, force at (" in line
-    assert "opens from (-6.299, -4.52, 6.533); J2 100 % pressed" in line
+    assert "opens from (-6.299, -4.520, 6.533); J2 100 % pressed" in line
 
 
 def test_a_block_that_moves_and_rests_again_says_so(opened) -> None:

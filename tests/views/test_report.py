@@ -367,7 +367,7 @@ def test_inputs_of_many_values_are_counted() -> None:
     assert value_text("heights_m", [1.5] * 30).endswith("... and 6 more (in the JSON) m")
     tables = {table.title: table for table in input_tables(document("blocks")["inputs"])}
     assert ("B1/B2", "smooth") not in tables["Shape"].rows
-    assert any("polygon (0, 0) (0, 5) (-5, 5) m" in row[1] for row in tables["Shape"].rows)
+    assert any("polygon (0.000, 0.000) (0.000, 5.000) (-5.000, 5.000) m" in row[1] for row in tables["Shape"].rows)
 
 
 @pytest.fixture

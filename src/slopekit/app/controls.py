@@ -148,6 +148,7 @@ def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Itera
             "changed": is_changed(key, old),
             "opened": None if old is None else shown(old, text_at(opened.source, path)),
             "scatter": _scatter(scatter.get(path) or scatter.get(path.removesuffix(".mean"))), "period": key.period,
+            "place": key.is_place,
         }  # fmt: skip
 
 
@@ -181,7 +182,7 @@ def reach(key: Key) -> tuple[float, float]:
     if key.role == "coordinate" or key.low < 0.0:
         if key.high - key.low <= 2.0 * usual + 60.0:
             return key.low, key.high
-        about, far = value or 0.0, max(usual, abs(value or 0.0))
+        about, far = value or 0.0, usual if key.is_place else max(usual, abs(value or 0.0))
         return max(key.low, about - far), min(key.high, about + far)
     if key.whole:
         return key.low, min(key.high, _FARTHEST.get(key.path, max(10.0, _TIMES * (value or 0.0))))
@@ -212,9 +213,11 @@ def _step(low: float, high: float, kind: str) -> float:
 
 
 def shown(key: Key, written: str | None) -> str:
-    """As it is written, with its unit."""
+    """As it is written, with its unit; what is edited keeps every digit of a coordinate."""
     if key.value is None:
         return ""
+    if key.is_place and round(key.value, 3) != key.value and not (written and unit_of(written)):
+        return f"{key.value:.12g} {key.unit}"
     return written if written and unit_of(written) else key.shown(key.value)
 
 
@@ -299,6 +302,7 @@ def _words(design: Design, opened: Design) -> Iterator[Control]:
             "text": value or "", "low": None, "high": None,
             "step": None, "log": False, "words": list(told), "given": value is not None, "is_default": value is None,
             "changed": value != before, "opened": before, "scatter": None, "period": None,
+            "place": False,
         }  # fmt: skip
 
 

@@ -5,6 +5,7 @@ Frame: x east, y north, z up. Angles are degrees, dips below the horizontal, dir
 
 import math
 import re
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -124,6 +125,24 @@ def number(value: float) -> str:
     ('45', '12.5')
     """
     return f"{value:.10g}"
+
+
+def millimetre(value: float) -> str:
+    """A length or coordinate in m, fixed to the millimetre, without a minus before zero.
+
+    >>> millimetre(4000123.4567), millimetre(-0.0001)
+    ('4000123.457', '0.000')
+    """
+    return f"{round(value, 3) + 0.0:.3f}"
+
+
+def coordinates(point: Iterable[float]) -> str:
+    """The coordinates of a point in m, each fixed to the millimetre as a survey has them.
+
+    >>> coordinates((512300.0, 4187650.25, 1234.5))
+    '(512300.000, 4187650.250, 1234.500)'
+    """
+    return f"({', '.join(map(millimetre, point))})"
 
 
 def bearing(degrees: float) -> str:

@@ -46,7 +46,7 @@ class Project:
 
 @dataclass(frozen=True, slots=True)
 class Water:
-    """Water on the joints: dry, full (scaled by `fill`) or mean pressures in kPa, one for each interface.
+    """Water on the joints: dry, full (its pressure times `fill`) or mean pressures in kPa, one for each interface.
 
     `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
     """
@@ -63,7 +63,7 @@ class Water:
         example="50 %",
         left_out="dry",
         axis="part of full water",
-        doc="part of full; one of mode, fill, pressures (E198)",
+        doc="part of full pressure; one of mode, fill, pressures (E198)",
     )
     pressures_kpa: tuple[float, ...] = number(
         "pressures",
@@ -79,11 +79,12 @@ class Water:
     def in_words(self) -> str:
         """The water as the sheet prints it."""
         if self.crack_fill is not None:
-            return f"{replace(self, crack_fill=None).in_words()}, the crack {self.crack_fill * 100:g} % full"
+            crack = f"the crack {self.crack_fill * 100:g} % of full pressure"
+            return f"{replace(self, crack_fill=None).in_words()}, {crack}"
         if self.mode in ("dry", "table"):
             return self.mode
         if self.mode == "full":
-            return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full"
+            return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full pressure"
         return "u = " + ", ".join(f"{pressure:g}" for pressure in self.pressures_kpa) + " kPa"
 
 

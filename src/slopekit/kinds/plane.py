@@ -72,8 +72,8 @@ class VerticalCrack:
                                       "where the closed form is lowest")  # fmt: skip
     water_m: float | None = number(
         "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures=("pressure",),
-        doc="depth of it (`dry`, `full`, `50 %` of its depth; a mean pressure, `5 kPa`); triangular there, "
-        "falling to nothing at the toe",
+        doc="depth of it (or `dry`, `full`, `50 %` of the pressure of a full crack; a mean pressure, `5 kPa`); "
+        "triangular there, falling to nothing at the toe",
     )  # fmt: skip
 
 
@@ -279,24 +279,17 @@ def _water_of_fill(design: PlaneDesign, section: PlaneSection) -> dict[str, Poin
         peak = water.fill * weight * float(np.ptp(section.outline[:, 1])) / 2.0
         push = PointForce(0.5 * peak * section.length * up, section.bottom / 2.0)
         return {f"water {J1}": push} if peak else {}
-    deep = _water_depth(design, depth)
-    if not deep:
-        return {}
-    thrust = PointForce(
-        np.array([0.5 * weight * deep * deep, 0.0, 0.0]), section.bottom + np.array([0.0, 0.0, deep / 3.0])
-    )
-    uplift = PointForce(0.5 * weight * deep * section.length * up, section.bottom * (2.0 / 3.0))
-    return {f"water {J1}": uplift, f"water {CRACK}": thrust}
-
-
-def _water_depth(design: PlaneDesign, depth: float) -> float:
-    given = design.crack.water_m if design.crack else None
-    if given is None:
-        return design.water.fill * depth
-    if given > depth * (1.0 + 1e-9):
-        message = f"the water stands {given:.6g} m deep in a crack of {depth:.6g} m"
+    level = design.crack.water_m if design.crack else None
+    deep, part = (depth, water.fill) if level is None else (level, 1.0)
+    if deep > depth * (1.0 + 1e-9):
+        message = f"the water stands {deep:.6g} m deep in a crack of {depth:.6g} m"
         raise MisfitError([Fault("E207", message, "", "Give at most the depth of the crack.")])
-    return given
+    mean = 0.5 * part * weight * deep
+    if not mean:
+        return {}
+    thrust = PointForce(np.array([mean * deep, 0.0, 0.0]), section.bottom + np.array([0.0, 0.0, deep / 3.0]))
+    uplift = PointForce(mean * section.length * up, section.bottom * (2.0 / 3.0))
+    return {f"water {J1}": uplift, f"water {CRACK}": thrust}
 
 
 def _in_section(design: PlaneDesign) -> float:
@@ -516,9 +509,10 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     yield sheet.Section("PLANES", entries)
     yield size_part(result, heights_in_words(design.height_m, geometry.total_height_m), " per metre")
     crack = design.crack.water_m if design.crack is not None else None
-    in_crack = [f"water {crack:.4g} m deep in the crack, falling to nothing at the toe"] if crack else []
+    highest = f"{(crack or 0.0) * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
+    in_crack = [f"water {crack:.4g} m deep in the crack, {highest}, falling to nothing at the toe"] if crack else []
     own = design.ground_in_words()
-    yield loads_part([*([] if design.water.mode == TABLE else water_in_words(design) or in_crack), *own], result)
+    yield loads_part([*([] if design.water.mode == TABLE else water_in_words(result, 2.0) or in_crack), *own], result)
 
 
 KIND = replace(kind_of_one_block(

@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.orientation import Plane
+from slopekit.core.orientation import Plane, millimetre
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
@@ -64,6 +64,16 @@ class Key:
     with_unit: str = ""
 
     @property
+    def is_place(self) -> bool:
+        """Whether it is a coordinate of a place, which is read to the millimetre."""
+        return self.role == "coordinate" and self.kind == "length"
+
+    @property
+    def in_csv(self) -> str:
+        """How its values are written in CSV: a coordinate to the millimetre, others with every digit."""
+        return ".3f" if self.is_place else ""
+
+    @property
     def unit(self) -> str:
         """The unit of bare numbers, empty where there is none."""
         return UNITS[self.kind]
@@ -83,8 +93,8 @@ class Key:
         return value % self.period if self.period is not None and not 0.0 <= value <= self.period else value
 
     def shown(self, value: float, digits: int = 10) -> str:
-        """The value with its unit, as the sheet prints it."""
-        text = f"{self.reduced(value):.{digits}g}"
+        """The value with its unit, as the sheet prints it; a coordinate to the millimetre."""
+        text = millimetre(value) if self.is_place else f"{self.reduced(value):.{digits}g}"
         return f"{text}°" if self.unit == "°" else f"{text} {self.unit}".strip()
 
     def apart(self, a: float, b: float) -> float:
@@ -199,7 +209,7 @@ def _scattering(design: Design, node: Node) -> Iterator[Key]:
     field = _field(design, node.path)
     if field is None:
         return
-    distribution = read_distribution(node, field.measures, node.path)
+    distribution = read_distribution(node, field.measures, node.path, field.period)
     own = _key(node.path, field, distribution.centre)
     yield replace(own, scatters=distribution)
     for name, value in distribution.parameters.items():

@@ -21,6 +21,7 @@ from slopekit.views.charts.drawing import (
     need_of_drawing,
     new_figure,
     no_window,
+    plain_numbers,
     save,
 )
 from slopekit.views.charts.kinematic_charts import TESTS
@@ -247,7 +248,7 @@ def draw(
                         step=options.step)  # fmt: skip
             return
         figure = new_figure(path or name)
-        with warnings.catch_warnings():
+        with plain_numbers(), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
             more = (options.net, options.test) if _is_kinematic(document) else (options.net,)
             _chart(what, document).draw(figure, document, *(more if what == "stereonet" else ()))

@@ -122,7 +122,9 @@ class Reader:
             if of is None:
                 field = field_at(self.record, node.path)
                 measures = "ratio" if field is None else field.measures
-                scatter = distributions.read_distribution(node, measures, node.path)
+                scatter = distributions.read_distribution(
+                    node, measures, node.path, None if field is None else field.period
+                )
             elif is_distribution(node):
                 scatter = distributions.read_orientation(node, node.path, of)
             else:

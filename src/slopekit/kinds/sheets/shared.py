@@ -3,9 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from operator import attrgetter, itemgetter
 
-import numpy as np
-
-from slopekit.core.arrays import Floats
+from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
@@ -18,8 +16,6 @@ RULES = {
     "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
     "forces_alone": "forces only",
 }  # fmt: skip
-
-_ROUNDING = 1e-12  # of the greatest of three coordinates: what a balance leaves of 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -385,9 +381,9 @@ def cohesion(result: Result) -> list[str]:
     for name, contact in under_moments.evidence.items():
         said += f"; {name} {_share(contact.pressed_share)} pressed"
         if contact.resultant_m is not None:
-            said += f", force at {_place(contact.resultant_m)}"
+            said += f", force at {coordinates(contact.resultant_m.tolist())}"
         if contact.opens_at_m is not None:
-            said += f", opens from {_place(contact.opens_at_m)}"
+            said += f", opens from {coordinates(contact.opens_at_m.tolist())}"
     return [said]
 
 
@@ -413,16 +409,6 @@ def curved_strength(result: Result) -> list[str]:
 
 def _share(part: float) -> str:
     return f"{part * 100:.3g} %"
-
-
-def _place(point: Floats) -> str:
-    """A point of a balance: what is nothing but its rounding error beside the others is 0.
-
-    >>> _place(np.array([-4.441e-16, 2.5, 0.0]))
-    '(0, 2.5, 0)'
-    """
-    rounding = _ROUNDING * float(np.abs(point).max(initial=0.0))
-    return "(" + ", ".join(f"{0.0 if abs(value) <= rounding else value:.4g}" for value in point.tolist()) + ")"
 
 
 def governs(result: Result) -> list[Entry]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
+from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
@@ -109,8 +110,7 @@ class Slip:
         """The surface as the sheet prints it."""
         if self.mesh is not None:
             return f"mesh {self.mesh.label}"
-        x, y, z = self.centre_m
-        at = f"about ({x:.6g}, {y:.6g}, {z:.6g})"
+        at = f"about {coordinates(self.centre_m)}"
         if self.shape == "ellipsoid":
             return "ellipsoid {:.6g} x {:.6g} x {:.6g} m ".format(*self.radii_m) + at
         if self.shape == "sphere":

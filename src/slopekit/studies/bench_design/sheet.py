@@ -69,7 +69,7 @@ def _strength(study: BenchDesigns) -> str:
         friction = _scatters("φ", asked.drawn["phi"], "°", asked.own[1])
     water = asked.slope.water
     wet = "dry" if water.mode == "dry" or (not water.fill and not water.pressures_kpa) else (
-        f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {number(100.0 * water.fill)} %"
+        f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {water.in_words()}"
     )  # fmt: skip
     quake = asked.slope.seismic.coefficient
     return f"{cohesion}, {friction}, {number(asked.slope.unit_weight_kn_m3)} kN/m³, {wet}" + (

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
@@ -40,6 +41,13 @@ def new_figure(path: Path | str) -> Any:
     figure = Figure(figsize=(9.0, 6.0), dpi=_DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def plain_numbers() -> AbstractContextManager[Any]:
+    """The setting under which axes are made: ticks in full, map coordinates without an offset or an exponent."""
+    import matplotlib as mpl
+
+    return mpl.rc_context({"axes.formatter.useoffset": False, "axes.formatter.limits": (-5, 9)})
 
 
 def save(figure: Any, path: Path) -> None:
