@@ -13,7 +13,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of
 from slopekit.studies.cases import InCase, in_each_case
-from slopekit.studies.support.records import FORCE_STEP_KN, Acts, BoltCase, Support, enough, snippet, written
+from slopekit.studies.support.records import Acts, BoltCase, Support, built_force, enough, snippet, written
 from slopekit.studies.support.search import closed_form_answer, limit_answer
 
 _RAISED, _LEAST, _MOST = 16, 1.001, 1.5  # rounds in which forces are raised; by so much at least, at most
@@ -200,9 +200,10 @@ def _tried(acts: Acts, governing: str, case: BoltCase, supports: Mapping[str, Su
 
 def _with_more(first: Tried, factor: float, supports: Mapping[str, Support]) -> Tried:
     """Every load case with bolts of so much more force, up to full steps as they are built."""
-    step = FORCE_STEP_KN / first.slice_m
+    slice_m = first.slice_m
     bolts = tuple(
-        written(replace(bolt, force_kn=math.ceil(bolt.force_kn * factor / step - 1e-6) * step)) for bolt in first.bolts
+        written(replace(bolt, force_kn=built_force(slice_m * bolt.force_kn * factor, first.capacity) / slice_m))
+        for bolt in first.bolts
     )
     return replace(first, bolts=bolts, raised=factor, inside=_in_cases(bolts, supports))
 
