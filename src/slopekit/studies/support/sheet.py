@@ -271,7 +271,7 @@ def _crest(support: Support) -> list[str]:
         lines.append(f"{head} {line_in_words(row.toward)}: {_needed_by_both(row, support.unit)}")
         lines += _of_both(row)
         if row.which == "best" and row.toward.plunge_deg <= low + 0.05:
-            lines.append("the flattest that crosses it: flatter ones would need less, but end in front of the plane")
+            lines.append("the flattest that crosses it: flatter ones would need less, but come out of the ground")
         if row.spacing is not None and row.each is not None and row.crosses is not None and row.length is not None:
             lines.append(
                 f"an anchor of {size_number(row.each)} kN every {row.spacing:.4g} m, {row.length:.4g} m long: "
