@@ -268,8 +268,8 @@ def forces_only_limit(model: Model) -> Limit:
     which = which.ravel()
     share = held.control_area / np.bincount(which, held.control_area)[which]
     # bolts that pull one way are one of all their capacity
-    pulling, bolt = np.unique(held.bolt_rows.round(12), axis=0, return_inverse=True)
-    bolt = bolt.ravel()
+    _, alike, bolt = np.unique(held.bolt_rows.round(12), axis=0, return_index=True, return_inverse=True)
+    pulling, bolt = held.bolt_rows[alike], bolt.ravel()
     capacity = np.bincount(bolt, held.bolt_capacity, minlength=len(pulling)).astype(np.float64)
     bolt_share = held.bolt_capacity / np.maximum(capacity[bolt], TINY)
     columns = np.concatenate([normals, pulling]).T
