@@ -440,3 +440,14 @@ def test_from_python(tmp_path) -> None:
 @pytest.mark.parametrize("code", ["E371", "E372", "E373", "W372"])
 def test_every_code_is_explained(code) -> None:
     assert len(explanations()[code]) > 40
+
+
+@pytest.mark.parametrize("fault", [lambda: {}.itmes(), lambda: re.serach("a", "b")], ids=["dict", "module"])
+def test_a_fault_of_the_program_is_not_put_on_the_file(fault, monkeypatch) -> None:
+    """An attribute that nothing has is a bug of ours: it goes through (exit code 5), where E372 blamed the user."""
+    monkeypatch.setattr(room, "meaning", lambda document: fault())
+    with pytest.raises(AttributeError):
+        report_of(document("wedge"), with_pictures=False)
+    monkeypatch.setattr(room, "meaning", lambda document: document["title"].items())
+    with pytest.raises(DesignError, match="E372"):
+        report_of(document("wedge"), with_pictures=False)

@@ -61,7 +61,7 @@ def edited(opened: Opened, document: Document) -> str:
         edits = list(_edits(_Text(opened.text), top, opened.document.root, document.root))
         text = _applied(opened.text, edits)
         again, faults = read_text(text, opened.name, opened.path)
-    except (YAMLError, DesignError, LookupError, ValueError, TypeError, AttributeError) as error:
+    except (YAMLError, DesignError, LookupError, ValueError, TypeError) as error:
         raise _unsaved(cut(str(error).partition("\n")[0])) from None
     root = {key: node.plain() for key, node in again.root.items() if key != "cases"}
     if faults or root != document.root.plain():

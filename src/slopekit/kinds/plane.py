@@ -25,6 +25,7 @@ from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
+from slopekit.geometry.rock.cutting import Block
 from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block import ground_water, worst_crack
@@ -183,7 +184,7 @@ def cut(design: PlaneDesign) -> Cut:
         [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes, _crest_x(design)),
         left_out_of_slope(left_out, is_cracked, [design.strength]),
         {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | design.ponded(FACE, UPPER), FACE,
-        design.refine, axes=axes,
+        lambda: hull_of(design, section.block), design.refine, axes=axes,
     )  # fmt: skip
 
 
@@ -300,10 +301,10 @@ def _in_section(design: PlaneDesign) -> float:
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
-    hull = cache(lambda: Hull.of(section.block))  # which a block without bolts does not need
+    hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(
         design, origin,
-        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, (J1,), where), axes,
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, where), axes,
     )  # fmt: skip
     k = design.seismic.coefficient * _in_section(design)
     return block_loads(
@@ -312,6 +313,15 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * _strongest(design)],
         _water(design, section),
     )  # fmt: skip
+
+
+def hull_of(design: PlaneDesign, block: Block) -> Hull:
+    """The planes that bolts through the block meet; behind a crack in the face the ground is that behind the crest."""
+    hull = Hull.of(block, (J1,), CRACK)
+    if UPPER in block.faces:
+        return hull
+    dip = math.radians(float(_signed_dip(design.upper, design.face)))
+    return hull.below(np.array([math.sin(dip), 0.0, math.cos(dip)]), crest_point(design))
 
 
 def _strongest(design: PlaneDesign) -> float:

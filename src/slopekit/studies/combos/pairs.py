@@ -300,8 +300,9 @@ class JointPairs:
 
     def fails(self, target: float) -> Bools:
         """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
-        slides = np.isin(self.outcome, _SLIDES)
-        failing: Bools = self.is_removable & ((slides & (self.factor < target)) | (~slides & (self.outcome != _STANDS)))
+        with np.errstate(invalid="ignore"):
+            reaches = np.isin(self.outcome, _SLIDES) & (self.factor >= target)  # what has no factor does not
+        failing: Bools = self.is_removable & ~reaches & (self.outcome != _STANDS)
         return failing
 
 

@@ -65,10 +65,10 @@ class PairCheck(Factors):
         return self.status in _NOTHING_HOLDS or (self.limit is not None and self.limit < target)
 
     def severity(self) -> tuple[int, float, float]:
-        """Where it stands among others by PRE-IE: what nothing holds, then by factor, then what stands."""
-        if self.status in _NOTHING_HOLDS:
-            return 0, 0.0, -self.volume_m3
-        return (2, 0.0, -self.volume_m3) if self.factor is None else (1, self.factor, -self.volume_m3)
+        """Where it stands among others by PRE-IE: what has no factor, then by factor, then what stands."""
+        if self.status == "no_driving_force":
+            return 2, 0.0, -self.volume_m3
+        return (0, 0.0, -self.volume_m3) if self.factor is None else (1, self.factor, -self.volume_m3)
 
     def to_dict(self) -> dict[str, Any]:
         """The pair as JSON values."""
