@@ -14,7 +14,7 @@ from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
 
 from slopekit.core.errors import DesignError, Fault, Faults
-from slopekit.core.options import Argument, Option, as_it_is, given_by
+from slopekit.core.options import DESIGN, Argument, Option, as_it_is, given_by
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -132,6 +132,8 @@ def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: An
         return value
     if type(None) in kinds and value is None:
         return value
+    if how == DESIGN and isinstance(value, str | os.PathLike | Mapping):
+        return value  # the function reads it
     for kind in kinds:
         if kind in (int, float):
             if isinstance(value, bool) or not isinstance(value, Real):
@@ -146,5 +148,5 @@ def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: An
         return how.reads(value, parameter.name)
     said = [_PLAIN.get(kind, f"a {kind.__name__.lower()}") for kind in kinds if kind is not type(None)]
     takes = f"{', '.join(said[:-1])} or {said[-1]}" if len(said) > 1 else said[0]
-    advice = how.advice if isinstance(how, Argument) else ""
-    raise wrong_kind(function.__name__, parameter.name, f"{takes} for {parameter.name}", value, advice)
+    takes = (isinstance(how, Argument) and how.takes) or takes
+    raise wrong_kind(function.__name__, parameter.name, f"{takes} for {parameter.name}", value)

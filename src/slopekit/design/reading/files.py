@@ -6,9 +6,11 @@ Every value keeps its place, so that each fault names its line and column, whate
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
+from slopekit.core.options import DESIGN
+from slopekit.core.taken import wrong_kind
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at, in_degrees, structure_of
 from slopekit.design.parts import PartialFactors
@@ -20,6 +22,8 @@ from slopekit.design.reading.structure import KeyGroup, check_structure
 from slopekit.design.registry import KINDS, kind_named, record_of
 
 Overrides = Sequence[tuple[str, object]]
+#: What a call takes for a design: the path of its file, the same as a dict, or the design itself.
+Source: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Design
 VERSION = 1
 
 
@@ -58,6 +62,21 @@ def load(
 
         return cases.case_named(design, case).design
     return design
+
+
+def design_from(source: Source, function: str, name: str = "design") -> Design:
+    """The design that a function is given as its parameter `name`, read where it is a path or a dict.
+
+    Raises
+    ------
+    DesignError
+        E405 for anything else, and what `load` raises.
+    """
+    if isinstance(source, Design):
+        return source
+    if not isinstance(source, str | os.PathLike | Mapping):
+        raise wrong_kind(function, name, DESIGN.takes, source)
+    return load(source)
 
 
 def _set_over(
