@@ -148,5 +148,5 @@ def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: An
         return how.reads(value, parameter.name)
     said = [_PLAIN.get(kind, f"a {kind.__name__.lower()}") for kind in kinds if kind is not type(None)]
     takes = f"{', '.join(said[:-1])} or {said[-1]}" if len(said) > 1 else said[0]
-    takes = (isinstance(how, Argument) and how.takes) or takes
-    raise wrong_kind(function.__name__, parameter.name, f"{takes} for {parameter.name}", value)
+    takes = (isinstance(how, Argument) and how.takes) or f"{takes} for {parameter.name}"
+    raise wrong_kind(function.__name__, parameter.name, takes, value)
