@@ -82,7 +82,7 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: sk.report(None), "E405 report takes results, studies, or paths of their JSON, not None"),
     (lambda: sk.prob("x"), "E147 x does not exist"),
     (lambda: sk.prob(5), "E405 prob takes the path of a design file, the same as a dict, or a design, not 5"),
-    (lambda: sk.prob(sk.run(DESIGN)), "E405 prob takes the path of a design file, the same as a dict, or a design, not"),
+    (lambda: sk.prob(sk.run(DESIGN)), "E405 prob takes the path of a design file, the same as a dict, or a design"),
     (lambda: sk.sweep(sk.load(DESIGN), 3), "E405 sweep takes a mapping for keys, not 3"),
     (lambda: sk.sweep(sk.load(DESIGN), {"strength.weak.phi": [20]}, fos=[1]), "E405 sweep takes a number for fos"),
     (lambda: sk.solve(sk.load(DESIGN), "strength.weak.c", 1.3), "E406 solve takes 2 without a name, design, key; 3"),

@@ -10,16 +10,17 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, replace
-from difflib import get_close_matches
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
+from slopekit.core.synonyms import nearest
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
 from slopekit.design.fields import UNITS, Field, Role, field_at, fields_of
 from slopekit.design.parts import Strength
+from slopekit.design.reading.canonical import canonical_path
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.overrides import spread
@@ -29,8 +30,6 @@ from slopekit.design.scatter.distributions import Distribution, Fisher, read_dis
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")
 _MOST_LISTED = 12
 _FISHER_K = Field("k", "ratio", 0.1, 1e6, role="scatter")
-#: What users call some of them.
-_CALLED = {"cohesion": "c", "friction": "phi", "friction_angle": "phi", "weight": "unit_weight", "kh": "k"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +110,7 @@ def key_of(design: Design, path: str) -> Key:
     DesignError
         E280 a design without a file, E310 no such key, with the nearest one, E311 a key that names no number.
     """
-    path = path.strip()
+    path = path.strip() if design.source is None else canonical_path(design.source.root, path.strip())
     known = {key.path: key for key in keys_of(design)}
     path = "loads.seismic.k" if path == "loads.seismic" else path
     if path in known:
@@ -343,17 +342,18 @@ def listed(names: Sequence[str]) -> str:
 def _nearest(path: str, known: Mapping[str, Key]) -> str:
     """The keys that may have been meant: those that end so, are written nearly so, or stand beside it."""
     above, _, last = path.rpartition(".")
-    last = _CALLED.get(last, last)
+    keys = {name.rpartition(".")[2] for name in known if not above or name.startswith(f"{above}.")}
+    last = next(iter(nearest(last, keys, cutoff=0.99)), last)
     path = f"{above}.{last}" if above else last
     if path in known:
         return f"Did you mean {path}?"
     ends = [name for name in known if path and (name.endswith(f".{path}") or f".{path}." in f".{name}.")]
     if not ends:
-        ends = get_close_matches(path, known, n=1, cutoff=0.8)
+        ends = nearest(path, known, cutoff=0.8)
     if not ends and above:
         ends = [name for name in known if name.startswith(f"{above}.")]
     if not ends:
-        near = get_close_matches(last, {name.rpartition(".")[2] for name in known}, n=1, cutoff=0.7)
+        near = nearest(last, {name.rpartition(".")[2] for name in known}, cutoff=0.7)
         ends = [name for name in known if near and name.endswith(f".{near[0]}")]
     if not ends:
         top = path.partition(".")[0]

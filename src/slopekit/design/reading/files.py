@@ -14,6 +14,7 @@ from slopekit.core.taken import wrong_kind
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at, in_degrees, structure_of
 from slopekit.design.parts import PartialFactors
+from slopekit.design.reading.canonical import with_canonical_keys
 from slopekit.design.reading.document import read_document
 from slopekit.design.reading.nodes import Document, Node, document_from
 from slopekit.design.reading.overrides import with_overrides
@@ -44,7 +45,10 @@ def load(
     """
     faults = Faults()
     if isinstance(source, Mapping):
-        document = with_overrides(document_from(source), overrides)
+        document = document_from(source)
+        root, wrong = with_canonical_keys(document.root)
+        faults += wrong
+        document = with_overrides(replace(document, root=root), overrides)
     else:
         document, wrong = read_document(source, overrides)
         faults += wrong
