@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping
 
+_ABBREVIATION = 3  # letters of a word that may be the beginning of the one that was meant
 #: Words that are read as a key, the first of these that is known where the word stands.
 SYNONYMS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("cohesion", "coh", "cohesive_strength"), ("c",)),
@@ -20,6 +21,10 @@ SYNONYMS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("poisson_ratio", "poissons_ratio"), ("poisson",)),
     **dict.fromkeys(("fs", "factor_of_safety", "safety_factor"), ("fos",)),
 }
+#: What is the tangent of a friction angle, and no angle.
+TANGENTS = ("tan_phi", "friction_coefficient", "coefficient_of_friction", "friction_factor")
+#: What is near to a key in letters, and something else: nothing is proposed for it.
+_OTHERWISE = ("phi_b", "phi_basic", "basic_friction_angle", "ru", "r_u", "kv", "k_v", "strike")
 #: Words that may mean more than one thing, or need another value: a key is proposed for them, none is taken.
 _LIKELY: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("azimuth", "dd"), ("dip_direction", "trend")),
@@ -27,24 +32,30 @@ _LIKELY: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("weight", "specific_weight"), ("unit_weight",)),
     **dict.fromkeys(
         ("factor", "fos", "fs", "sf", "safety", "factor_of_safety", "safety_factor", "min_fos"),
-        ("fos", "accept_fos", "accept", "rules"),
+        ("fos", "accept_fos", "rules", "accept"),
     ),
     **dict.fromkeys(("slope", "slope_face", "face_dip", "bench_face"), ("face",)),
     **dict.fromkeys(("crest", "upper_slope", "top", "bench"), ("upper",)),
     **dict.fromkeys(("h", "slope_height", "bench_height"), ("height",)),
-    **dict.fromkeys(("joints", "planes", "j1"), ("dips", "joints")),
-    **dict.fromkeys(("ru", "r_u", "pore_pressure", "water_pressure"), ("pressures", "water")),
+    **dict.fromkeys(("joints", "planes", "j1", "dips", "discontinuities", "discontinuity"), ("dips", "joints")),
+    **dict.fromkeys(("material", "materials", "strengths"), ("strength",)),
+    **dict.fromkeys(("pore_pressure", "water_pressure"), ("pressures", "water")),
     **dict.fromkeys(("earthquake", "quake", "pga"), ("seismic", "k")),
     **dict.fromkeys(("anchor", "anchors", "bolt", "rockbolts"), ("bolts", "bolt")),
     **dict.fromkeys(("force", "load", "loads", "external_force"), ("forces", "force")),
     **dict.fromkeys(("tension_crack", "tc"), ("crack",)),
     **dict.fromkeys(("e", "e_modulus", "young"), ("modulus",)),
-    **dict.fromkeys(("nu", "v"), ("poisson",)),
+    **dict.fromkeys(("nu",), ("poisson",)),
     **dict.fromkeys(("kn", "k_n"), ("normal", "normal_stiffness")),
     **dict.fromkeys(("ks", "k_s", "kt", "k_t"), ("shear", "shear_stiffness")),
     **dict.fromkeys(("std", "stdev", "sigma", "standard_deviation"), ("sd",)),
     **dict.fromkeys(("distribution", "type"), ("dist",)),
     **dict.fromkeys(("average", "mu"), ("mean",)),
+    **dict.fromkeys(("gaussian", "gauss"), ("normal",)),
+    **dict.fromkeys(("direction", "dir"), ("dip_direction", "toward", "trend")),
+    **dict.fromkeys(("capacity", "tension_force"), ("force",)),
+    **dict.fromkeys(("psi", "i_angle"), ("dilation",)),
+    **dict.fromkeys(TANGENTS, ("phi",)),
     **dict.fromkeys(("samples", "n_samples", "number", "runs"), ("n",)),
     **dict.fromkeys(("out", "output", "folder"), ("o",)),
     **dict.fromkeys(("orientation", "attitude"), ("plane",)),
@@ -82,7 +93,17 @@ def nearest(word: str, known: Iterable[str], n: int = 1, cutoff: float = 0.6) ->
     if likely is not None:
         return [likely]
     by_fold = {folded(name): name for name in reversed(known)}
+    if folded(word) in _OTHERWISE and folded(word) not in by_fold:
+        return []
+    longer = [name for name in by_fold if name.startswith(folded(word))]
+    if len(longer) == 1 and len(word) >= _ABBREVIATION:
+        return [by_fold[longer[0]]]
     return [by_fold[name] for name in get_close_matches(folded(word), by_fold, n=n, cutoff=cutoff)]
+
+
+def is_likely(word: str, known: str) -> bool:
+    """Whether a word is what the trade calls a known one: no slip of letters."""
+    return _of(word, [known], SYNONYMS) is not None or _of(word, [known], _LIKELY) is not None
 
 
 def _of(word: str, known: Iterable[str], table: Mapping[str, tuple[str, ...]]) -> str | None:

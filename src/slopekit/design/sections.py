@@ -220,7 +220,7 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
         return [None] * len(users)
     named = {wanted.text for _, wanted, _ in users if wanted is not None}
     slips = [name for name, node in strengths.items() if str(node.key_place).startswith("--set") and name not in named]
-    names = [name for name, _ in strengths.items() if name not in slips] or slips
+    names = [name for name, node in strengths.items() if name not in slips and node.text is None] or slips
     if names is not slips:  # no strengths of the file: names that were typed beside its own
         for name, node in strengths.items():
             if name in slips:

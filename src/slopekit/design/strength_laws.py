@@ -97,4 +97,8 @@ def refuse_keys(reader: Reader, node: Node) -> None:
     """E142 for keys of a law that is not named."""
     for key, below in node.items():
         if key in KEYS and key not in BESIDE:
-            reader.fault("E142", f"{key} is a key of a curved law, and none is named", below, "Add law: barton-bandis.")
+            laws = [
+                name for name, law in LAWS.items() if any(field.path == key for field in fields_of_law(law).values())
+            ]
+            advice = f"Add law: {' or '.join(laws)}."
+            reader.fault("E142", f"{key} is a key of a curved law, and none is named", below, advice)
