@@ -285,7 +285,8 @@ def test_flat_beds_are_no_radians(tmp_path) -> None:
     [
         ("115/45", "Dip comes first: did you mean 45/115? If 115 is a strike by the right-hand rule, it is 45/205."),
         ("N25E/45SE", "This looks like a strike and the side of the dip: write 45/115."),
-        ("N25E/45", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
+        ("N25E/45", "write 45/025; where it is the strike, 45/115 or 45/295, by the side it dips to."),
+        ("N25E", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
     ],
 )
 def test_hints_hold_for_those_who_write_strikes(text, advice) -> None:

@@ -231,7 +231,7 @@ def _nearest_option(error: "typer.TyperException") -> str | None:
     word, context = getattr(error, "option_name", None), getattr(error, "ctx", None)
     if type(error).__name__ != "NoSuchOption" or word is None or context is None:
         return None
-    known = [name for option in context.command.params for name in option.opts if name.startswith("--")]
+    known = [name for option in context.command.params for name in option.opts if name.startswith("-")]
     near = nearest(word, known, cutoff=0.7 if len(word.lstrip("-")) > 1 else 1.0)
     return f"Did you mean {near[0]}?" if near else ""
 

@@ -289,7 +289,7 @@ def _ready_answer(text: str) -> str:
     """
     if parse_quadrants(text) is not None:
         return ""
-    plain = re.sub(r"(?i)°|\bdeg(?:rees?)?\b", " ", text)
+    plain = re.sub(r"(?i)°|\bdeg(?:rees?)?\b|^\s*\w+\s*=", " ", text)
     pair = re.match(
         r"(?i)^\s*(?:dip\s*[:=]?)?\s*(\d+(?:\.\d+)?)(?:\s*[-–,;:/|@>→]\s*|\s+(?:to|towards?)\s+|\s+)"
         r"(?:(?:dd|dip[ _]?dir(?:ection)?|azimuth)\s*[:=]?\s*)?(\d+(?:\.\d+)?)\s*$", plain,
@@ -354,7 +354,6 @@ def _of_a_face(fault: Fault, value: object, name: str) -> Fault:
         return fault
     overhang = "A slope whose face overhangs is given by meshes, kind: blocks."
     if fault.code == "E103":
-        swapped = Plane(direction, dip)
-        return Fault("E103", fault.message, fault.where, f"Dip comes first: did you mean {swapped}? {overhang}")
+        return Fault("E103", fault.message, fault.where, f"Dip comes first: did you mean {Plane(direction, dip)}?")
     message = f"dip of {name} is {number(dip)}, more than 90: it overhangs"
     return Fault("E101", message, fault.where, overhang)

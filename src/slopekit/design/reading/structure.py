@@ -165,7 +165,7 @@ class _Checker:
                 self.fault("E143", f"{path} is missing", node, f"Add {key}: {example}" if example else "")
 
     def named(self, node: Node, spec: Named) -> None:
-        nameless = _without_name(node, spec.of)
+        nameless = without_name(node, spec.of)
         if nameless:
             message = f"{node.path} has {' and '.join(nameless)} of no name"
             self.fault("E144", message, node, f"Write {node.path}: {{joint: {{{_listed(nameless)}}}}}")
@@ -361,7 +361,7 @@ def _of_distribution(node: Node, is_number: bool) -> str:
     return f"{f'Write dist: instead of {wrong}:. ' if wrong else ''}A distribution is written {example}."
 
 
-def _without_name(node: Node, spec: Spec) -> dict[str, str]:
+def without_name(node: Node, spec: Spec) -> dict[str, str]:
     """The keys of a thing, with their values, that stand where its name should: `strength: {c: 50, phi: 20}`."""
     if not isinstance(spec, KeyGroup):
         return {}
