@@ -334,7 +334,7 @@ def _rewritten(node: Node, spec: Spec) -> str:
     if not isinstance(spec, KeyGroup):
         return ""
     if len(spec.keys) == 1 and (node.text is not None or node.elements):
-        texts = [node.text] if node.text is not None else [part.text for part in node.elements]
+        texts = [node.text] if node.text is not None else [part.text or "" for part in node.elements]
         listed = ", ".join(f'"{text}"' for text in texts)
         return f"{{{next(iter(spec.keys))}: [{listed}]}}" if all(texts) else ""
     planes = [
