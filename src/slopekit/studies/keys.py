@@ -18,7 +18,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.synonyms import nearest
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.fields import UNITS, Field, Role, field_at, fields_of
+from slopekit.design.fields import UNITS, Field, Role, field_at, field_in, fields_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.canonical import canonical_path
 from slopekit.design.reading.files import with_values
@@ -139,7 +139,7 @@ def keys_of(design: Design) -> tuple[Key, ...]:
     assert design.source is not None
     by_path = {key.path: key for key in _present(design, design.source.root)}
     for path, value, out in _absent(design):
-        field = field_at(type(design), path)
+        field = field_in(type(design), design.source.root, path)
         if path not in by_path and field is not None:
             by_path[path] = _key(path, field, value, given=False, out=out)
     return tuple(by_path.values())
@@ -166,7 +166,7 @@ def _present(design: Design, node: Node) -> Iterator[Key]:
     elif node.text is not None and (field := _field(design, node.path, node.text)) is not None:
         value = _number(node.text, field.measures)
         if value is not None:
-            own, bare = _key(node.path, field, value), field_at(type(design), node.path)
+            own, bare = _key(node.path, field, value), field_in(type(design), _root(design), node.path)
             yield replace(own, with_unit=own.unit) if bare is not None and bare.measures != own.kind else own
 
 
@@ -290,12 +290,16 @@ def _water(design: Design) -> Iterator[_Absent]:
 
 def _field(design: Design, path: str, text: str = "") -> Field | None:
     """The field of a path, with what it measures where its unit says so: a crack's water, a part of full, kPa or m."""
-    field = field_at(type(design), path.replace(".mean.", "."))
+    field = field_in(type(design), _root(design), path.replace(".mean.", "."))
     unit = unit_of(text)
     if field is None or unit in ("", "%"):
         return field
     other = next((other for other in field.or_measures if is_unit_of(unit, other)), None)
     return field if other is None else replace(field, measures=other, most=math.inf)
+
+
+def _root(design: Design) -> Node | None:
+    return None if design.source is None else design.source.root
 
 
 def _key(

@@ -12,7 +12,7 @@ from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.options import DESIGN
 from slopekit.core.taken import wrong_kind
 from slopekit.design.common import Design
-from slopekit.design.fields import field_at, in_degrees, structure_of
+from slopekit.design.fields import field_in, in_degrees, structure_of
 from slopekit.design.parts import PartialFactors
 from slopekit.design.reading.canonical import with_canonical_keys
 from slopekit.design.reading.document import read_document
@@ -197,7 +197,8 @@ def with_values(design: Design, values: Mapping[str, object]) -> Design:
 
 
 def _with_unit(design: Design, path: str, value: object) -> object:
-    field = field_at(type(design), path) if isinstance(value, float) else None
+    root = None if design.source is None else design.source.root
+    field = field_in(type(design), root, path) if isinstance(value, float) else None
     return f"{value!r} deg" if field is not None and field.check is in_degrees else value
 
 

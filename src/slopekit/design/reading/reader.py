@@ -11,7 +11,7 @@ from slopekit.core.orientation import Plane, parse_face, parse_plane
 from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, every_field, field_at, fields_of
+from slopekit.design.fields import Field, every_field, field_in, fields_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Document, Kept, Node, as_text
 from slopekit.design.reading.structure import has_angles, is_distribution, orientation_kind
@@ -120,7 +120,7 @@ class Reader:
         scatter: distributions.Scatter
         try:
             if of is None:
-                field = field_at(self.record, node.path)
+                field = field_in(self.record, self.root, node.path)
                 measures = "ratio" if field is None else field.measures
                 scatter = distributions.read_distribution(node, measures, node.path)
             elif is_distribution(node):
