@@ -242,7 +242,7 @@ class _Checker:
             if above.path and meant is not None:
                 return f"{meant} belongs under {above.path}.{known}."
         places = [path for path in _paths_of(key, self.spec) if path != above.path]
-        near = nearest(key, spec.keys, cutoff=0.7)
+        near = nearest(key, spec.keys, cutoff=0.65)
         sure = bool(near) and (is_likely(key, near[0]) or SequenceMatcher(None, folded(key), near[0]).ratio() > 0.8)
         is_number = node.text is not None and re.fullmatch(r"\d*\.?\d+", node.text) is not None
         if is_number and near == ["rules"]:
