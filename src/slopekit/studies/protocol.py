@@ -28,10 +28,10 @@ from slopekit.core.options import (
 from slopekit.core.shown import Shown
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
-from slopekit.design.reading.files import Source, design_from
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet
+    from slopekit.design.reading.files import Source
     from slopekit.studies.cases import Cases
 
 #: The functions of studies by the names of their commands, and where they stand.
@@ -65,6 +65,8 @@ def study(
 
     @wraps(function)
     def through_cases(*values: Any, **named: Any) -> "Found | Cases[Found]":
+        from slopekit.design.reading.files import design_from  # which a wedge of options does not need
+
         given = dict(zip(parameters, values, strict=False)) | named
         design = design_from(given.pop(place, None), function.__name__, place)
         if not design.cases:
