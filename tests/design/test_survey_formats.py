@@ -290,7 +290,8 @@ def test_flat_beds_are_no_radians(tmp_path) -> None:
             "An overturned plane is written 65/225.",
         ),
         ("N25E/45SE", "This looks like a strike and the side of the dip: write 45/115."),
-        ("N25E/45", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
+        ("N25E/45", "write 45/025; where it is the strike, 45/115 or 45/295, by the side it dips to."),
+        ("N25E", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
     ],
 )
 def test_hints_hold_for_those_who_write_strikes(text, advice) -> None:

@@ -48,7 +48,8 @@ def test_keys_have_their_units_and_ranges() -> None:
         ("phi", "E310", "Did you mean strength.weak.phi?"),
         ("strength.weka.phi", "E310", "Did you mean strength.weak.phi?"),
         ("slope.hieght", "E310", "Did you mean slope.height?"),
-        ("strength.weak.cohesion", "E310", "Did you mean strength.weak.c?"),
+        ("cohesion", "E310", "Did you mean strength.weak.c?"),
+        ("strength.wek.friction", "E310", "Did you mean strength.weak.phi?"),
         ("dip", "E310", "Did you mean one of slope.face.dip, slope.upper.dip, joints.J1.plane.dip"),
         ("support.bolts.0.force", "E310", "It has no bolts"),
         ("", "E310", "There are slope.face.dip"),
@@ -63,6 +64,15 @@ def test_keys_that_are_none_name_the_nearest(given, code, says) -> None:
         key_of(load(path_of("wedge")), given)
     assert caught.value.codes == (code,)
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(("word", "path"), [
+    ("strength.weak.cohesion", "strength.weak.c"), ("strength.weak.friction_angle", "strength.weak.phi"),
+    ("rock.gamma", "rock.unit_weight"), ("loads.kh", "loads.seismic.k"),
+    ("joints.J1.plane.dipdir", "joints.J1.plane.dip_direction"),
+])  # fmt: skip
+def test_keys_are_read_by_what_engineers_call_them(word, path) -> None:
+    assert key_of(load(path_of("wedge")), word) == key_of(load(path_of("wedge")), path)
 
 
 def test_a_seismic_load_has_one_number_that_is_meant() -> None:

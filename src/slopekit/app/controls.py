@@ -18,7 +18,7 @@ from typing import Any
 from slopekit.core.errors import DesignError
 from slopekit.core.units import quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, every_field, field_at, in_degrees, words_of
+from slopekit.design.fields import Field, every_field, field_in, in_degrees, words_of
 from slopekit.design.reading.nodes import Document, Node
 from slopekit.design.reading.overrides import ALTERNATIVES, spread
 from slopekit.design.reading.structure import WRITTEN, orientation_kind
@@ -131,7 +131,7 @@ def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Itera
     for path, key in values_of(design).items():
         if key.value is None and key.role == "setting":
             continue  # of the elastic blocks, which the app does not ask for
-        field = field_at(type(design), path) or field_at(type(design), path.removesuffix(".mean"))
+        field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
         old = before.get(path)
         low, high = ends(key if old is None or old.value is None else old)
         value = key.value
@@ -264,7 +264,7 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
                 return text
         except DesignError:
             pass
-    field = field_at(type(design), path) or field_at(type(design), path.removesuffix(".mean"))
+    field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
     slip = field is not None and field.check is in_degrees and in_degrees(value, path, "", str) is not None
     return f"{_plain(value)} deg" if slip else _plain(value)
 

@@ -31,6 +31,7 @@ from typing import Any
 from slopekit.app.session import Opened, Session, digest_of, opened_text
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.records import dataclass
+from slopekit.core.synonyms import synonym
 from slopekit.design.reading.document import read_text
 from slopekit.design.reading.nodes import Document, Node, cut
 
@@ -111,7 +112,9 @@ def _edits(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]
 
 
 def _of_mapping(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
-    pairs = {str(key.value): (key, value) for key, value in item.value}
+    keys = [key for key, _ in before.items()]
+    words = [str(key.value) for key, _ in item.value]
+    pairs = {synonym(word, keys) or word: pair for word, pair in zip(words, item.value, strict=True)}
     flow = bool(item.flow_style)
     for key, one in before.items():
         other = after.get(key)

@@ -20,8 +20,9 @@ try:
     from typer.core import TyperGroup
 
     from slopekit._version import __version__
-    from slopekit.cli.common import print_faults, repeats
+    from slopekit.cli.common import canonical_options, print_faults, repeats
     from slopekit.core.errors import DesignError, Fault, SlopekitError
+    from slopekit.core.synonyms import nearest
     from slopekit.studies.protocol import STUDIES
 except ModuleNotFoundError as error:
     from slopekit._needs import said_of
@@ -63,6 +64,7 @@ class _Commands(TyperGroup):
         """A command and what is left for it, once no option stands where the value of another belongs."""
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
+            rest = canonical_options(command.params, rest)
             _refuse_swallowed(command.params, rest)
             if name in _WRITTEN:  # the others say it with what else is wrong, once all is read
                 repeats(rest).refuse()
@@ -153,7 +155,9 @@ def main() -> NoReturn:
         if type(error).__name__ == "NoArgsIsHelpError":  # nothing was asked for: the help, as it is
             typer.echo(_said(error), err=True)
             sys.exit(2)
-        wrong = _with_repeats(DesignError([Fault("E100", _said(error), "", _advice(sys.argv[1:]))]))
+        message, near = _said(error), _nearest_option(error)
+        message = message.partition(" (Possible")[0] if near is not None else message
+        wrong = _with_repeats(DesignError([Fault("E100", message, "", near or _advice(sys.argv[1:]))]))
         print_faults(wrong)
         sys.exit(wrong.exit_code)
     except ModuleNotFoundError as error:
@@ -220,6 +224,16 @@ def _leave_alone(stream: Any) -> None:
     """Let Python not write the rest of what a stream could not take when it ends."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _nearest_option(error: "typer.TyperException") -> str | None:
+    """The option that was likely meant, empty where there is none; None for another error than an unknown option."""
+    word, context = getattr(error, "option_name", None), getattr(error, "ctx", None)
+    if type(error).__name__ != "NoSuchOption" or word is None or context is None:
+        return None
+    known = [name for option in context.command.params for name in option.opts if name.startswith("-")]
+    near = nearest(word, known, cutoff=0.7 if len(word.lstrip("-")) > 1 else 1.0)
+    return f"Did you mean {near[0]}?" if near else ""
 
 
 def _advice(arguments: Sequence[str]) -> str:

@@ -361,4 +361,84 @@ def _not_a_plane(value: object, name: str, where: str) -> Fault:
             if meant is None
             else f"This looks like a strike and the side of the dip: write {meant}."
         )
-    return Fault("E104", message, where, advice)
+    return Fault("E104", message, where, _ready_answer(text) or advice)
+
+
+def _ready_answer(text: str) -> str:
+    """What to type for a plane whose two angles are told apart by something else than a slash; empty where unclear.
+
+    >>> _ready_answer("45-115"), _ready_answer("45,5/115"), _ready_answer("45SE"), _ready_answer("115 45")
+    ('Write 45/115.', 'Write 45.5/115.', 'Write 45/135.', 'Write 45/115: the dip comes first.')
+    >>> _ready_answer("S45E/45")
+    'Where S45E is the dip direction, write 45/135; where it is the strike, 45/045 or 45/225, by the side it dips to.'
+    """
+    if parse_quadrants(text) is not None:
+        return ""
+    plain = re.sub(r"(?i)°|\bdeg(?:rees?)?\b|^\s*\w+\s*=", " ", text)
+    pair = re.match(
+        r"(?i)^\s*(?:dip\s*[:=]?)?\s*(\d+(?:\.\d+)?)(?:\s*[-–,;:/|@>→]\s*|\s+(?:to|towards?)\s+|\s+)"
+        r"(?:(?:dd|dip[ _]?dir(?:ection)?|azimuth)\s*[:=]?\s*)?(\d+(?:\.\d+)?)\s*$", plain,
+    ) or re.match(r"^\s*(\d+,\d+|\d+(?=/\d+,))\s*/\s*(\d+(?:,\d+)?)\s*$", plain)  # fmt: skip
+    if pair is not None:
+        dip, direction = (float(part.replace(",", ".")) for part in pair.groups())
+        is_swapped = dip > 90.0 >= direction
+        dip, direction = (direction, dip) if is_swapped else (dip, direction)
+        if dip > 90.0 or direction > 360.0:
+            return ""
+        return f"Write {Plane(dip, direction)}{': the dip comes first' if is_swapped else ''}."
+    side = re.match(r"(?i)^\s*(\d+(?:\.\d+)?)\s*/?\s*([NESW]{1,3})\s*$", plain)
+    toward = None if side is None else azimuth_of(side.group(2))
+    if side is not None and toward is not None and float(side.group(1)) <= 90.0:
+        return f"Write {Plane(float(side.group(1)), toward)}."
+    return _of_quadrant_and_dip(plain)
+
+
+def _of_quadrant_and_dip(text: str) -> str:
+    """What to type for a bearing in quadrants and a dip of which nothing says to which side: `S45E/45`, `45/S45E`."""
+    quadrant = r"([NSns]\s*\d+(?:\.\d+)?\s*[EWew])"
+    match = re.match(rf"^\s*{quadrant}[\s/,;]+(\d+(?:\.\d+)?)\s*$", text)
+    bearing_text, dip_text = match.groups() if match is not None else ("", "")
+    if match is None and (match := re.match(rf"^\s*(\d+(?:\.\d+)?)[\s/,;]+{quadrant}\s*$", text)) is not None:
+        dip_text, bearing_text = match.groups()
+    azimuth = parse_strike(bearing_text) if match is not None else None
+    if azimuth is None or float(dip_text) > 90.0:
+        return ""
+    dip = float(dip_text)
+    sides = " or ".join(
+        str(Plane(dip, direction)) for direction in sorted(((azimuth + 90) % 360, (azimuth - 90) % 360))
+    )
+    return (
+        f"Where {bearing_text.strip()} is the dip direction, write {Plane(dip, azimuth)}; "
+        f"where it is the strike, {sides}, by the side it dips to."
+    )
+
+
+def parse_face(value: object, name: str, where: str = "") -> Plane:
+    """Read the plane of a slope face or an upper slope as `parse_plane` does; one beyond 90° overhangs.
+
+    The rock lies below a face: 95/180 is an overhang, and no face of 85/000, whose rock lies on the other side.
+
+    Raises
+    ------
+    DesignError
+        E101 a face that overhangs, and what `parse_plane` raises.
+    """
+    try:
+        return parse_plane(value, name, where)
+    except DesignError as error:
+        raise DesignError([_of_a_face(fault, value, name) for fault in error.faults]) from None
+
+
+def _of_a_face(fault: Fault, value: object, name: str) -> Fault:
+    """What is wrong with a face, with an advice that keeps its rock on the same side."""
+    parts = value.split("/") if isinstance(value, str) else list(value) if isinstance(value, list | tuple) else []
+    if fault.code not in ("E101", "E103") or len(parts) != 2:
+        return fault
+    dip, direction = (float(str(part).strip().rstrip("°")) for part in parts)
+    if not 90.0 < dip <= 180.0:
+        return fault
+    overhang = "A slope whose face overhangs is given by meshes, kind: blocks."
+    if fault.code == "E103":
+        return Fault("E103", fault.message, fault.where, f"Dip comes first: did you mean {Plane(direction, dip)}?")
+    message = f"dip of {name} is {number(dip)}, more than 90: it overhangs"
+    return Fault("E101", message, fault.where, overhang)

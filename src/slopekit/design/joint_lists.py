@@ -10,7 +10,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults
-from slopekit.core.orientation import Plane, normals, parse_plane
+from slopekit.core.orientation import Plane, normals, parse_face, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.design.survey import MeasuredJoint, Survey, read_frame, read_joints
 from slopekit.design.survey.tables import is_frame
@@ -171,4 +171,4 @@ def plane_of(value: object, name: str, where: str) -> Plane:
     """A plane of the slope, where it must be given."""
     if value is None:
         raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} as dip/dip direction: 65/180.")])
-    return parse_plane(value, name, f"{where} {value}")
+    return parse_face(value, name, f"{where} {value}")

@@ -8,7 +8,8 @@ from slopekit.block_scene import BlockSizes, Sizes
 from slopekit.core.orientation import Line, coordinates
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design
-from slopekit.design.parts import Bolt, Force, Strength
+from slopekit.design.fields import fields_of
+from slopekit.design.parts import Bolt, Force, Strength, listed
 from slopekit.result import Result
 
 MOST_RUNS = 4
@@ -22,6 +23,7 @@ BLOCKS_STATUSES: Mapping[str, str] = {
     "no_driving_force": "stands: every block stands without any strength",
 }
 WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
+_PUSHES = ("force", "surcharge")  # of what attributes do to a slope
 _NUMBERS = r"([0-9]+)"
 _FEW_BOLTS = 6
 _FEW_TRACES = 6
@@ -126,8 +128,8 @@ def size_in_words(mass_t: float, sizes: Sizes | BlockSizes, per: str = "") -> st
         for name, own in sizes.trace_lengths_m.items() if "face" in own or "upper" in own
     ]  # fmt: skip
     shown, rest, _ = first_and_last(traces, _FEW_TRACES, 0)
-    listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
-    parts += [f"traces on face + upper slope {listed}"] if listed else []
+    lengths = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
+    parts += [f"traces on face + upper slope {lengths}"] if lengths else []
     return "  ".join(parts)
 
 
@@ -160,7 +162,28 @@ def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: in
         few = _FEW_BOLTS if what == "bolt" else len(texts)
         shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
         entries += [*shown, *([more_of(rest, what)] if rest else [])]
-    return Section("LOADS", entries or [WEIGHT_ONLY])
+    entries += _further_loads(design, " ".join(entries))
+    return Section("LOADS", entries or water_in_words(design) or [WEIGHT_ONLY])
+
+
+def _further_loads(design: Design, shown: str) -> list[str]:
+    """Loads of the design that the text does not name: those of a kind whose sheet has no words for them."""
+    acting = {name for part in listed(type(design), "ACTIONS") for name, what in part.items() if what in _PUSHES}
+    entries = []
+    for name, field in fields_of(type(design)).items():
+        is_load = field.is_attribute and (name in acting or field.path.partition(".")[0] in ("loads", "support"))
+        if not is_load or name in ("seismic", "forces", "bolts"):
+            continue
+        value = getattr(design, name)
+        is_there = value not in (None, (), field.default) and bool(value)
+        if is_there and field.key not in shown and field.in_words not in shown and not _is_shown(value, shown):
+            size = f"{value:.6g} {field.unit}".rstrip() if isinstance(value, float) else str(value)
+            entries.append(f"{field.in_words.replace('_', ' ')} {size}")
+    return entries
+
+
+def _is_shown(value: object, text: str) -> bool:
+    return isinstance(value, int | float) and size_number(value) in text
 
 
 def more_of(rest: int, what: str) -> str:

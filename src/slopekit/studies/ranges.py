@@ -41,7 +41,9 @@ def parse_values(key: Key, given: object, most: int = MOST) -> tuple[float, ...]
     else:
         if isinstance(given, str) and _DASHED.fullmatch(given.strip()):
             message = f"{key.path}: {given} is no range, ends are separated by a colon"
-            raise DesignError([Fault("E312", message, f"{key.path}={given}", how_written(key.path))])
+            first, last = re.findall(r"\d+(?:\.\d+)?", given)
+            advice = f"Write {key.path}={first}:{last}:5 (from, to, how many)."
+            raise DesignError([Fault("E312", message, f"{key.path}={given}", advice)])
         parts = _parts(given)
         _one_spelling(key, parts, given)
         values = tuple(key.read(part) for part in parts)

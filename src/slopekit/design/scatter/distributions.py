@@ -5,7 +5,7 @@ from dataclasses import field
 from typing import Literal, TypeAlias, cast
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
-from slopekit.core.orientation import Line, Plane, number, parse_plane
+from slopekit.core.orientation import Line, Plane, number, parse_face, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.reading.nodes import Node
@@ -333,7 +333,8 @@ def _value(node: Node) -> object:
 def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
     where = str(node.key_place)
     if of == "plane":
-        return parse_plane(_value(node), name, where)
+        is_face = {"face", "upper"} & {*node.path.split(".")[-2:]}
+        return (parse_face if is_face else parse_plane)(_value(node), name, where)
     return line_of_words(_value(node), name, "E166", where)
 
 

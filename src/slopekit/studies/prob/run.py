@@ -22,7 +22,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
-from slopekit.design.fields import field_at
+from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import AlsoJudged, WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
@@ -594,8 +594,9 @@ def _holding(samples: Samples, design: Design, fast: Vectorised | None) -> Bools
 def _impossible(design: Design, samples: Samples) -> Bools:
     """Samples with a value that no design can have."""
     impossible = np.zeros(len(samples.values), dtype=bool)
+    root = None if design.source is None else design.source.root
     for column, path in enumerate(samples.names):
-        limits = field_at(type(design), path)
+        limits = field_in(type(design), root, path)
         if limits is not None and not limits.turns:
             impossible |= (samples.values[:, column] < limits.least) | (samples.values[:, column] > limits.most)
     return impossible
