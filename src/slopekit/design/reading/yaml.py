@@ -172,9 +172,8 @@ def _composed(text: str, source: SourceLines, original: str = "") -> Any:
     except MarkedYAMLError as error:
         raise DesignError([_broken(error, source)]) from None
     except (YAMLError, YAMLStreamError, ValueError, OverflowError) as error:  # the last two of an escape: "\U00110000"
-        line = text.count("\n", 0, getattr(error, "position", 0))  # which a ReaderError has
         message = f"broken YAML: {cut(printable(str(error) or type(error).__name__))}"
-        raise DesignError([Fault("E150", message, str(source.place(line, 0)))]) from None
+        raise DesignError([Fault("E150", message, str(source.place(0, 0)))]) from None
 
 
 def _broken(error: Any, source: SourceLines) -> Fault:
