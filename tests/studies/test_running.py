@@ -81,6 +81,34 @@ def test_ctrl_c_as_workers_start_is_for_the_one_who_asked(tmp_path) -> None:
     assert (run.stdout, run.stderr) == ("[1, 2, 3] False\n", "")
 
 
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.parametrize("number", ["SIGKILL", "SIGTERM"])
+@pytest.mark.parametrize("work", ["pool", "app"])
+def test_workers_end_with_the_process_that_started_them(work, number, tmp_path) -> None:
+    """They stayed, 106 MB each, and who read their output waited without end."""
+    script = tmp_path / "script.py"
+    pool = "run_all(late, range(1000), Crew(2), at_once=1)"
+    app = "jobs = Jobs(); jobs.warm('wedge'); print('ready', flush=True); time.sleep(60)"
+    script.write_text(
+        "import time\n"
+        "from slopekit.app.jobs import Jobs\n"
+        "from slopekit.studies.running import Crew, run_all\n"
+        "from tests.studies.workers import late\n"
+        f"if __name__ == '__main__':\n    {pool if work == 'pool' else app}\n"
+    )
+    path = os.pathsep.join([str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])])
+    command = [sys.executable, str(script)]
+    given = os.environ | {"PYTHONPATH": path}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=given, start_new_session=True) as parent:
+        parent.stdout.readline()
+        parent.send_signal(getattr(signal, number))
+        late_end = threading.Timer(20, os.killpg, (parent.pid, signal.SIGKILL))
+        late_end.start()
+        parent.stdout.read()  # until no process has the pipe open
+        assert late_end.is_alive()
+        late_end.cancel()
+
+
 def test_a_journal_of_records_of_another_layout_is_not_taken(tmp_path, monkeypatch) -> None:
     """Points of older ones have no whole wedge above a basal joint: samples that it fails would count as safe."""
     monkeypatch.setattr(running, "_LAYOUT", 1)
