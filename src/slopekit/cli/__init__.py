@@ -112,6 +112,9 @@ app = typer.Typer(
 )
 
 
+_ALLOW_OUTSIDE = "--allow-outside"
+
+
 def _version(show: bool) -> None:
     if show:
         typer.echo(f"slopekit {__version__}")
@@ -121,8 +124,13 @@ def _version(show: bool) -> None:
 @app.callback()
 def _slopekit(
     version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version.")] = False,
+    allow_outside: Annotated[
+        bool, typer.Option(_ALLOW_OUTSIDE, help="Designs may name files outside their own folder; of every command.")
+    ] = False,
 ) -> None:
     """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
+    if allow_outside:
+        os.environ["SLOPEKIT_ALLOW_OUTSIDE"] = "1"  # workers have it too
 
 
 def _refuse_no_output() -> None:
@@ -158,6 +166,9 @@ def main() -> NoReturn:
     atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
         _refuse_no_output()
+        if _ALLOW_OUTSIDE in sys.argv[2:]:  # of every command, wherever it stands
+            sys.argv.remove(_ALLOW_OUTSIDE)
+            sys.argv.insert(1, _ALLOW_OUTSIDE)
         code = app(standalone_mode=False)
     except SlopekitError as error:
         if isinstance(error, DesignError):

@@ -118,7 +118,8 @@ class Crew:
     Attributes
     ----------
     jobs : processes of this machine; 1 works in the process that asks
-    scheduler : address of a Dask scheduler, tcp://host:8786, instead
+    scheduler : address of a Dask scheduler instead, tls://host:8786 or tcp://host:8786; Dask sends pickles, which run
+        code where they are read, and over tcp:// neither encrypted nor signed
     executor : or any executor that is there already
     """
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,9 @@ def mesh_bodies(path: Path) -> list[MeshBody]:
     import trimesh
 
     options, names = _of_objects(path) if suffix == ".obj" else ({}, [])
-    scene = trimesh.load_scene(path, process=False, **options)
+    # of the bytes alone: an OBJ or a glTF may name further files, anywhere
+    content = BytesIO(path.read_bytes())
+    scene = trimesh.load_scene(content, file_type=suffix.lstrip("."), process=False, **options)
     base = Z_UP if Z_UP in scene.graph.nodes else scene.graph.base_frame
     rank = {name: k for k, name in enumerate([*names, *(name for name in scene.geometry if name not in names)])}
     bodies = []
