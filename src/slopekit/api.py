@@ -151,6 +151,8 @@ def load(
     source: str | os.PathLike[str] | Mapping[str, Any],
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
+    *,
+    allow_outside: bool = False,
 ) -> "Design":
     """Read and check a design file, or the same as a dict.
 
@@ -159,6 +161,7 @@ def load(
     source : the path of a YAML file, or a mapping with its keys
     set : dotted paths and values that replace those of the file: {"strength.weak.phi": 25}
     case : one of its load cases by name; a design with cases goes through `analyse` and every study case by case
+    allow_outside : whether the file may name meshes and joint lists outside its own folder
 
     Returns
     -------
@@ -179,8 +182,10 @@ def load(
     ('wedge', 26.487)
     """
     from slopekit.design.reading.files import load as load_design
+    from slopekit.design.reading.named_files import files_outside
 
-    return load_design(source, tuple((set or {}).items()), case)
+    with files_outside(allow_outside):
+        return load_design(source, tuple((set or {}).items()), case)
 
 
 def analyse(design: "Source", elastic: bool = False, elastic_bracket: bool = False) -> "Result | Cases[Result]":

@@ -1,21 +1,38 @@
 """The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
 
-import atexit
-import errno
-import gc
-import os
-import sys
-import threading
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from importlib import import_module
-from typing import Annotated, Any, NoReturn, cast
-
-# how many objects may come before the garbage collector looks at them all: those of starting up are all there to stay,
-# and Python's 700 has them gone through a hundred times (a tenth of a cold wedge)
-gc.set_threshold(50_000, 20, 20)
-
 try:
+    import os
+    import signal
+    import sys
+    import threading
+
+    def _interrupt(_: int, frame: "FrameType | None") -> None:
+        """Ctrl-C: end at once while a library loads, of which some abort on an exception; else KeyboardInterrupt."""
+        while frame is not None:
+            if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+                os._exit(130)
+            frame = frame.f_back
+        raise KeyboardInterrupt
+
+    _is_interruptible = threading.current_thread() is threading.main_thread() and (
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+    if _is_interruptible:
+        signal.signal(signal.SIGINT, _interrupt)
+
+    import atexit
+    import errno
+    import gc
+    from collections.abc import Iterable, Mapping, Sequence
+    from contextlib import suppress
+    from importlib import import_module
+    from types import FrameType
+    from typing import Annotated, Any, NoReturn, cast
+
+    # how many objects may come before the garbage collector looks at them all: those of starting up are all there to
+    # stay, and Python's 700 has them gone through a hundred times (a tenth of a cold wedge)
+    gc.set_threshold(50_000, 20, 20)
+
     import typer
     from typer.core import TyperGroup
 
@@ -31,8 +48,8 @@ except ModuleNotFoundError as error:
         raise
     print(said, file=sys.stderr)
     sys.exit(2)
-except KeyboardInterrupt:  # stopped while the libraries load
-    sys.exit(130)
+except KeyboardInterrupt:  # before the handler above stood
+    raise SystemExit(130) from None
 
 #: The first of the help; the studies follow, and the others.
 _FIRST = ("wedge", "run", "lint")
@@ -97,6 +114,9 @@ app = typer.Typer(
 )
 
 
+_ALLOW_OUTSIDE = "--allow-outside"
+
+
 def _version(show: bool) -> None:
     if show:
         typer.echo(f"slopekit {__version__}")
@@ -106,8 +126,13 @@ def _version(show: bool) -> None:
 @app.callback()
 def _slopekit(
     version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version.")] = False,
+    allow_outside: Annotated[
+        bool, typer.Option(_ALLOW_OUTSIDE, help="Designs may name files outside their own folder; of every command.")
+    ] = False,
 ) -> None:
     """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
+    if allow_outside:
+        os.environ["SLOPEKIT_ALLOW_OUTSIDE"] = "1"  # workers have it too
 
 
 def _refuse_no_output() -> None:
@@ -143,13 +168,16 @@ def main() -> NoReturn:
     atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
         _refuse_no_output()
+        if _ALLOW_OUTSIDE in sys.argv[2:]:  # of every command, wherever it stands
+            sys.argv.remove(_ALLOW_OUTSIDE)
+            sys.argv.insert(1, _ALLOW_OUTSIDE)
         code = app(standalone_mode=False)
     except SlopekitError as error:
         if isinstance(error, DesignError):
             error = _with_repeats(error)
         print_faults(error)
         sys.exit(error.exit_code)
-    except typer.Abort:
+    except (typer.Abort, KeyboardInterrupt):
         sys.exit(130)
     except typer.TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # nothing was asked for: the help, as it is
@@ -194,6 +222,8 @@ def start() -> NoReturn:
     Python would take down every object of NumPy and typer one by one first, for nothing: 4 % of a cold wedge. It does
     where something waits for that end: other threads, a profiler, what `_ENDED_BY_PYTHON` names.
     """
+    if _is_interruptible:
+        signal.signal(signal.SIGINT, _interrupt)
     try:
         main()
     except SystemExit as end:
@@ -256,3 +286,7 @@ def _say_bug(error: Exception) -> NoReturn:
 def _said(error: "typer.TyperException") -> str:  # an older typer has none: `doctor` shall say that it is old
     format_message = getattr(error, "format_message", None)
     return str(format_message() if format_message else error)
+
+
+if _is_interruptible:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -83,18 +83,6 @@ def folder_of(folder: Path) -> Path:
     return folder
 
 
-def write(path: Path, text: str) -> None:
-    """Write a text to a file of the folder asked for.
-
-    Raises
-    ------
-    DesignError
-        E129 where it cannot be written.
-    """
-    with writing(path):
-        path.write_text(text, encoding="utf-8")
-
-
 def image_of(path: Path, endings: tuple[str, ...] = (".png",)) -> Path:
     """The path of a picture, refused before any work is done where it cannot be written."""
     if path.suffix.lower() not in endings:

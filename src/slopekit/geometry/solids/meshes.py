@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,9 @@ def _of_scene(path: Path) -> list[MeshBody]:
 
     if path.suffix.lower() != ".stl":
         _refuse_unread_gltf(path)
-    scene = trimesh.load_scene(path, process=False)
+    # of the bytes alone: a glTF may name further files, anywhere
+    content = BytesIO(path.read_bytes())
+    scene = trimesh.load_scene(content, file_type=path.suffix.lower().lstrip("."), process=False)
     rank = {name: k for k, name in enumerate(scene.geometry)}
     bodies = []
     for node in sorted(scene.graph.nodes_geometry, key=lambda node: (rank[scene.graph[node][1]], str(node))):

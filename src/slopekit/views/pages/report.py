@@ -12,6 +12,7 @@ from slopekit._version import __version__
 from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
+from slopekit.core.whole_files import whole_file
 from slopekit.kinds import words_named
 from slopekit.views.pages import page_together as together
 from slopekit.views.pages import report_tables as tables
@@ -399,6 +400,6 @@ def write_report(
     called = list(names) or ["the document"] * len(documents)
     own = [checked_document(document, name) for document, name in zip(documents, called, strict=True)]
     made = report_of(own, list(names) or [str(path)], with_pictures, project)
-    with writing(path):
-        path.write_text(made.html, encoding="utf-8")
+    with writing(path), whole_file(path) as page:
+        page.write_text(made.html, encoding="utf-8")
     return made
