@@ -57,7 +57,7 @@ def _has_synonyms(node: Node) -> bool:
     while waiting:
         value = waiting.pop().value
         if isinstance(value, dict):
-            keys |= value.keys()
+            keys.update(value)
             waiting += [below for below in value.values() if not isinstance(below.value, str)]
         elif isinstance(value, list):
             waiting += [below for below in value if not isinstance(below.value, str)]
