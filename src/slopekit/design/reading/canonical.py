@@ -53,12 +53,15 @@ def _structure(root: Node) -> KeyGroup | None:
 
 def _has_synonyms(node: Node) -> bool:
     """Whether any key could be a synonym: most designs have none, and are left as they are."""
-    if isinstance(node.value, dict):
-        return any(
-            folded(key.rpartition(".")[2]) in SYNONYMS or "/" in key or _has_synonyms(below)
-            for key, below in node.value.items()
-        )
-    return any(_has_synonyms(part) for part in node.elements)
+    waiting, keys = [node], set[str]()
+    while waiting:
+        value = waiting.pop().value
+        if isinstance(value, dict):
+            keys.update(value)
+            waiting += [below for below in value.values() if not isinstance(below.value, str)]
+        elif isinstance(value, list):
+            waiting += [below for below in value if not isinstance(below.value, str)]
+    return any("/" in key or folded(key.rpartition(".")[2]) in SYNONYMS for key in keys)
 
 
 def _canonical(node: Node, spec: Spec, root: Node, path: str, faults: list[Fault]) -> Node:
