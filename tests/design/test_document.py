@@ -194,6 +194,7 @@ def test_a_file_without_permission(tmp_path, monkeypatch) -> None:
     def refuse(*_args: object) -> None:
         raise PermissionError(13, "Permission denied")
 
+    (tmp_path / "design.yaml").touch()
     monkeypatch.setattr("builtins.open", refuse)
     error = caught(lambda: load_document(tmp_path / "design.yaml"))
     assert str(error.faults[0]).splitlines()[0] == "E148 design.yaml cannot be read: permission denied"
