@@ -117,7 +117,8 @@ def _lines_and_points(body, found: SetPlanes) -> int:
         rate, room = body.normals @ along, body.offsets - body.normals @ start
         low, high = (room[rate < 0] / rate[rate < 0]).max(), (room[rate > 0] / rate[rate > 0]).min()
         if low < high:
-            at = (found.offsets[j + 1 :] - found.normals[j + 1 :] @ start) / (found.normals[j + 1 :] @ along)
+            with np.errstate(divide="ignore"):  # planes of one set meet the line nowhere
+                at = (found.offsets[j + 1 :] - found.normals[j + 1 :] @ start) / (found.normals[j + 1 :] @ along)
             inside += 1 + int(((at > low) & (at < high)).sum())
     return inside
 
