@@ -140,15 +140,8 @@ def _possible(function: Callable[..., Any], name: str, value: Any, depth: int = 
     """
     called = function.__name__
     if isinstance(value, int) and value.bit_length() > _MOST_BITS:
-        raise DesignError(
-            [
-                Fault(
-                    "E105",
-                    f"{name} is a whole number of {value.bit_length()} bits, beyond the largest float",
-                    f"{name}=",
-                )
-            ]
-        )
+        message = f"{name} is a whole number of {value.bit_length()} bits, beyond the largest float"
+        raise DesignError([Fault("E105", message, f"{name}=")])
     is_complex = isinstance(value, Complex) and not isinstance(value, Real)
     if isinstance(value, _BYTES) or is_complex or getattr(getattr(value, "dtype", None), "kind", "") in ("S", "c"):
         raise wrong_kind(called, name, f"numbers and texts for {name}", value)
