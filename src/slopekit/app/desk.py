@@ -129,9 +129,9 @@ class Desk:
 
     def show(self, link: "Link") -> None:
         """Send a page and the others the design with its controls."""
-        self.shape = self.structure()
-        link.send(self.design())
-        self.also_send(link, self.design())
+        self.shape, shown = self.structure(), self.design()
+        link.send(shown)
+        self.also_send(link, shown)
 
     def also_send(self, but: "Link", message: Message) -> None:
         """Tell the other pages that are open."""

@@ -416,7 +416,7 @@ def at(root: Node, path: str) -> Node | None:
     while parts and node is not None:
         if isinstance(node.value, list):
             part = parts.pop(0)
-            node = node.elements[int(part)] if part.isdigit() and int(part) < len(node.elements) else None
+            node = node.value[int(part)] if part.isdigit() and int(part) < len(node.value) else None
             continue
         for count in range(1, len(parts) + 1):
             below = node.get(".".join(parts[:count]))
