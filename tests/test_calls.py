@@ -78,7 +78,7 @@ BORDER: list[tuple[Callable[[], Any], str]] = [
     (lambda: sk.kinematic(JOINTS, face="60/180", faces=b"60"), "E405 kinematic takes numbers and texts for faces"),
     (lambda: sk.combos(JOINTS, face="60/180", c=[None], phi=30), "E405 combos takes a value in each place of c"),
     (lambda: sk.combos(JOINTS, face="60/180", c=5, phi=30, seismic={}), "E143 seismic.k is missing"),
-    (lambda: sk.combos(JOINTS, face="60/180", c=5, phi=30, top=np.array([1, 2])), "E405 combos takes a whole"),
+    (lambda: sk.combos(JOINTS, face="60/180", c=5, phi=30, top=np.array([1, 2])), "E405 combos takes a number"),
     (lambda: sk.combos(JOINTS, face="60/180", c=5, phi=30, convention="x"), "E192 the strike convention 'x'"),
     (lambda: sk.wedge(WEDGE, seismic={"kk": 0.1}), "E142 kk is not a key of seismic"),
     (lambda: sk.wedge(WEDGE, seismic={"toward": 180}), "E143 seismic.k is missing"),
