@@ -103,9 +103,12 @@ def _moments(result: Result) -> list[str]:
         for name, opening in result.openings.items()
         if opening.pressed_share < 1.0 - _WHOLE
     ]
-    less = "" if forces is None else f" (forces alone {forces:.4g}, {(1.0 - fos.limit / forces) * 100:.1f} % more)"
-    said = f"{' and '.join(opened)} open at failure and carry nothing there" if opened else "they do not balance"
-    lines = [f"{said}: FoS {fos.limit:.4g}{less}"]
+    change = "lower the FoS"
+    if opened:
+        verbs = "open at failure and carry" if len(opened) > 1 else "opens at failure and carries"
+        change = f"{' and '.join(opened)} {verbs} no cohesion there: FoS"
+    alone = "" if forces is None else f" (forces alone {forces:.4g})"
+    lines = [f"{change} {fos.limit:.4g}{alone}" if opened else f"moments {change} to {fos.limit:.4g}{alone}"]
     if fos.static_bound is not None and fos.closed_form is not None and fos.static_bound < fos.closed_form:
         lines.append(
             f"no distribution of forces can balance at the closed form's {fos.closed_form:.4g} "
