@@ -113,10 +113,6 @@ def facts(**changes) -> tuple[set[str], str]:
     if "change" in changes:
         governing = replace(analysis.governing, change=changes.pop("change"))
         analysis = replace(analysis, governing=governing)
-    if "idle" in changes:
-        half = np.where(np.arange(len(scene.pairs)) % 2, analysis.governing.normal_force, 0.0)
-        analysis = replace(analysis, governing=replace(analysis.governing, normal_force=half))
-        changes.pop("idle")
     found = Facts("slides_on_both", analysis, scene.pairs, scene.model, True, None, False, "", "wedge")
     interfaces = [Interface(0, "J1", Strength(50, 20)), Interface(1, "J2", Strength(50, 20))]
     said = list(notices(design, interfaces, replace(found, **changes)))
@@ -126,7 +122,6 @@ def facts(**changes) -> tuple[set[str], str]:
 @pytest.mark.parametrize(
     ("code", "changes", "says"),
     [
-        ("W306", {"idle": True}, "carries no normal force"),
         ("W309", {"bound_is_proved": False}, "the static bound was not found"),
         ("W312", {"mesh_change": 0.03}, "still moved the limit by 3.0 %"),
         ("W313", {"unsettled": True}, "no equilibrium was found at full strength"),

@@ -256,13 +256,13 @@ def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
 def solve(design: Design, made: Cut, clock: Clock) -> Solved:
     """Mesh, limit, static bound, range, displacements, and what else the design asks for."""
     found_limit = find_limit(made.scene_at, made.refine, clock, made.limit)
-    model, analysis = found_limit.scene.model, found_limit.analysis
+    model, analysis = found_limit.bounded.model, found_limit.analysis
     limit = analysis.governing
     bound = lowest = at_rest = pairs = None
     with clock("bound"):
         if limit.factor:
-            velocity, is_on_bed = limit.velocity_of(model), found_limit.scene is not found_limit.bounded
-            bound = static_bound(found_limit.bounded.model, velocity, limit.factor, not is_on_bed).factor
+            velocity = limit.velocity_of(model)
+            bound = static_bound(model, velocity, limit.factor, not analysis.moments_govern).factor
     with clock("range"):
         if limit.factor and found_limit.factors is not None:
             lowest = lowest_factor(found_limit.factors)
@@ -318,7 +318,7 @@ def result(
     origin, turn = made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
     size = ModelSize(
-        1, model.unknowns, len(solved.scene.pairs), made.refine, solved.found.change, (*made.left_out, *of_laws),
+        1, model.unknowns, len(solved.found.bounded.pairs), made.refine, solved.found.change, (*made.left_out, *of_laws),
         limit.passes,
         limit.change,
     )  # fmt: skip
@@ -331,7 +331,7 @@ def result(
         static_bound_proved=solved.bound is not None, geometry=made.geometry(), forces=forces, model=size,
         mechanism=turned(mechanism_of(limit, model), turn),
         at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
-            turned_back(movement_of(model, rest.displacement), turn), rest.failed_pairs, rest.residual
+            turned_back(movement_of(solved.found.bounded.model, rest.displacement), turn), rest.failed_pairs, rest.residual
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
         governs=governs, warnings=(*extra, *common_notices(design, made.interfaces, facts)),

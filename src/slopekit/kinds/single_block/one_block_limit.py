@@ -19,7 +19,7 @@ class FoundLimit:
 
     Attributes
     ----------
-    bounded : the scene that the static bound is asked of: finer pairs do not move it, but cost time
+    bounded : the plain node pairs, which static bound and displacements are asked of: finer ones hardly move the bound
     change : what finer points of the bed would do to the limit, None where it is exact or not known
     factors : of forces and bed, None on a curved surface
     openings : interface -> where the joint is pressed, in local axes; empty where the bed did not settle the limit
