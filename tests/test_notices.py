@@ -24,14 +24,13 @@ from tests.commands import slopekit
 from tests.support import result_of
 
 DIPS = ("45/115", "45/245")
-#: cases.json, 9_single-plane: slides on J1 alone, where moments govern
+#: cases.json, 9_single-plane: slides on J1 alone
 ONE_PLANE = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30,
              "unit_weight": 26}  # fmt: skip
 # code, inputs of a wedge, what the notice says
 OF_A_WEDGE = [
     ("W301", {"dips": ("45/178", "45/182")}, "J1 and J2"),
     ("W302", {"unit_weight": 100}, "a unit weight of 100 kN/m³ is not that of rock"),
-    ("W303", ONE_PLANE, "moments govern: use 1.489; the closed form 1.538 knows no moments"),
     ("W305", {"origin": (5e5, 4e6, 1e3)}, "map coordinates"),
     ("W307", ONE_PLANE, "J2 has lost contact"),
     ("W308", {"c": 0, "phi": 0}, "the joints have no strength"),

@@ -18,7 +18,7 @@ from slopekit.kinds.single_block.one_block import Cut
 from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.motion.balance import Balance
-from slopekit.preie.one_block.flat_limit import forces_limit, refined_factor
+from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor
 from slopekit.preie.one_block.limit import LimitAnalysis, passes_limit
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.mechanism import COLD, Stages
@@ -144,7 +144,9 @@ def ladder_of_block(
     if scene.bedding is not None:
         alone, seconds = timed(lambda: forces_limit(model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
-    elif not model.dilates:  # plain passes know no dilation
+    elif model.lines is not None:
+        model = made.limit(model).model or model  # on the lines of its limit
+    if not model.dilates and (model.lines is None or scene.bedding is None):  # plain passes know no dilation
         rungs += _passes(model)
     return Ladder(result, (*rungs, *finer(design, result, made)), tuple(_others(result, made)))
 
@@ -166,15 +168,19 @@ def _passes(model: Model) -> Iterator[Rung]:
 
 
 def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
-    """Flat joints with the pressed parts of their bed split further and further."""
-    found = find_limit(made.scene_at, made.refine, Clock())
-    if found.factors is None:
-        return
-    for level in range(_MOST_REFINED + 1):
+    """Flat joints with their parts, or the pressed parts of their bed, split further and further."""
+    for level in range(made.refine, _MOST_REFINED + 1):
         setting = f"parts split {often(level)}"
         say(f"ladder, {setting}", head=True)
-        factor, seconds = timed(partial(refined_factor, found.factors, level))
-        yield Rung("mesh", setting, len(found.scene.pairs), level, factor, seconds)
+        scene = made.scene_at(level)
+        factor, seconds = timed(partial(_split_factor, scene, level))
+        yield Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
+
+
+def _split_factor(scene: ContactModel, level: int) -> float | None:
+    """Return the limit of a block on flat joints whose parts are split so often."""
+    assert scene.bedding is not None
+    return refined_factor(flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid), level)
 
 
 def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:

@@ -317,8 +317,9 @@ def result(
     facts = facts_of(words, made, solved, status, closed)
     origin, turn = made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
+    plain = solved.found.bounded
     size = ModelSize(
-        1, model.unknowns, len(solved.found.bounded.pairs), made.refine, solved.found.change, (*made.left_out, *of_laws),
+        1, model.unknowns, len(plain.pairs), made.refine, solved.found.change, (*made.left_out, *of_laws),
         limit.passes,
         limit.change,
     )  # fmt: skip
@@ -331,7 +332,7 @@ def result(
         static_bound_proved=solved.bound is not None, geometry=made.geometry(), forces=forces, model=size,
         mechanism=turned(mechanism_of(limit, model), turn),
         at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
-            turned_back(movement_of(solved.found.bounded.model, rest.displacement), turn), rest.failed_pairs, rest.residual
+            turned_back(movement_of(plain.model, rest.displacement), turn), rest.failed_pairs, rest.residual
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
         governs=governs, warnings=(*extra, *common_notices(design, made.interfaces, facts)),
