@@ -50,7 +50,8 @@ def moment_limit(scene: ContactModel) -> MomentLimit:
     factors = flat_limit(model, bedding.polygons, bedding.centroid)
     forces, bed, state = factors.forces, factors.bed, factors.state
     if factors.exact is not None:
-        return MomentLimit(scene, governed(model, forces, factors.exact), factors, {})
+        exact = factors.exact
+        return MomentLimit(scene, LimitAnalysis(exact, exact, exact, False), factors, {})
     if bed is None or state is None:
         return MomentLimit(scene, LimitAnalysis(forces, forces, forces, False), factors, {})
     if state.factor is None:
@@ -58,7 +59,7 @@ def moment_limit(scene: ContactModel) -> MomentLimit:
         limit = Limit(outcome, None, np.zeros(model.unknowns), 0.0 * forces.normal_force, forces.bond, 0, 0.0)
         return MomentLimit(scene, LimitAnalysis(limit, forces, limit, state.is_unstable), factors, {})
     on_bed, limit = _on_bed_points(model, bedding, bed, state)
-    analysis = governed(on_bed.model, forces_limit(on_bed.model), limit)
+    analysis = governed(on_bed.model, replace(forces_limit(on_bed.model), factor=forces.factor), limit)
     return MomentLimit(on_bed, replace(analysis, model=_curved(on_bed.model)), factors, _openings(bed, state, scene))
 
 

@@ -36,7 +36,7 @@ class FlatLimit:
     Attributes
     ----------
     forces : the limit of the forces alone
-    exact : the slide that balances the moments too and presses on the whole of each joint; None where there is none
+    exact : the same slide with its moments balanced, pressed on the whole of each joint; None where there is none
     bed, state : the elastic bed and its limit; None where the forces alone settle the limit
     """
 
@@ -59,12 +59,13 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
         return FlatLimit(forces)
     if model.dilates and (exact := dilating_limit(model)) is not None:
-        return FlatLimit(forces, exact)
+        return FlatLimit(exact, exact)
     bed = bed_of(model, polygons, centroid)
     if model.lines is None and not model.dilates:
         slide = intact_limit_state(model)
         if slide is not None and presses_everywhere(bed, slide):
-            return FlatLimit(forces, exact_limit(slide, np.ones(len(model.control_area)), 0))
+            exact = exact_limit(slide, np.ones(len(model.control_area)), 0)
+            return FlatLimit(exact, exact)
     return FlatLimit(forces, bed=bed, state=cracked_base(bed, forces.factor or 1.0))
 
 
