@@ -14,6 +14,8 @@ from typing import Any
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 _SECONDS = 300
+#: No extra of slopekit brings pandas: a notebook that asks for it fails for who installed what it says.
+_WITHOUT_PANDAS = "__import__('sys').modules['pandas'] = None\n"
 
 
 def notebooks() -> list[Path]:
@@ -40,14 +42,16 @@ def run(path: Path, kernel: Any = None) -> Any:
         for data in EXAMPLES.glob("*.csv"):
             shutil.copy(data, folder)
         notebook = nbformat.read(path, as_version=4)
+        notebook.cells.insert(0, nbformat.v4.new_code_cell(_WITHOUT_PANDAS))
         client = NotebookClient(notebook, timeout=_SECONDS, km=kernel, resources={"metadata": {"path": folder}})
         if kernel is None:
-            return client.execute()
-        notebook.cells.insert(0, nbformat.v4.new_code_cell(f"__import__('os').chdir({folder!r})\n%reset -f"))
-        try:
             made = client.execute()
-        finally:
-            client.kc.stop_channels()
+        else:
+            notebook.cells[0].source += f"__import__('os').chdir({folder!r})\n%reset -f"
+            try:
+                made = client.execute()
+            finally:
+                client.kc.stop_channels()
         del made.cells[0]
         return made
 

@@ -12,9 +12,9 @@ import trimesh
 import slopekit as sk
 from slopekit.block_scene import BlockScene
 from slopekit.bolts import nearest, plates, rods
-from slopekit.core.orientation import parse_plane
+from slopekit.core.orientation import millimetre, parse_plane
 from slopekit.core.sheet import Section
-from slopekit.kinds.sheets.bolts import millimetre, schedule, schedule_entries
+from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from tests.bolted import WEDGE, bolt, bolted
 
 

@@ -80,8 +80,9 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: sk.load(5), "E405 load takes a text, a path or a mapping for source, not 5"),
     (lambda: sk.run(None), "E405 run takes the path of a design file, the same as a dict, or a design, not None"),
     (lambda: sk.report(None), "E405 report takes results, studies, or paths of their JSON, not None"),
-    (lambda: sk.prob("x"), "E405 prob takes a design for design, not 'x'"),
-    (lambda: sk.prob(sk.run(DESIGN)), "E405 prob takes a design for design, not a Result"),
+    (lambda: sk.prob("x"), "E147 x does not exist"),
+    (lambda: sk.prob(5), "E405 prob takes the path of a design file, the same as a dict, or a design, not 5"),
+    (lambda: sk.prob(sk.run(DESIGN)), "E405 prob takes the path of a design file, the same as a dict, or a design"),
     (lambda: sk.sweep(sk.load(DESIGN), 3), "E405 sweep takes a mapping for keys, not 3"),
     (lambda: sk.sweep(sk.load(DESIGN), {"strength.weak.phi": [20]}, fos=[1]), "E405 sweep takes a number for fos"),
     (lambda: sk.solve(sk.load(DESIGN), "strength.weak.c", 1.3), "E406 solve takes 2 without a name, design, key; 3"),
@@ -98,6 +99,29 @@ def test_what_is_said(call, said) -> None:
     with pytest.raises(sk.DesignError) as caught:
         call()
     assert str(caught.value).startswith(said)
+
+
+OF_A_DESIGN: dict[str, Callable[[Any], Any]] = {
+    "run": sk.run, "analyse": sk.analyse, "check": sk.check, "support": lambda design: sk.support(design, 1.6),
+    "sweep": lambda design: sk.sweep(design, {"slope.height": [20]}),
+    "solve": lambda design: sk.solve(design, "slope.height", fos=1.5),
+    "tornado": lambda design: sk.tornado(design, {"slope.height": "20:21"}),
+    "quake": lambda design: sk.quake(design, ["sine:0.5g,1Hz"]),
+    "prob": lambda design: sk.prob(design, 20, confirm=0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OF_A_DESIGN)
+def test_a_design_is_given_by_its_path_as_a_dict_or_loaded(name) -> None:
+    call, path = OF_A_DESIGN[name], Path("mine.yaml")
+    design = {**DESIGN, "strength": {"weak": {"c": {"dist": "normal", "mean": 50, "sd": 5}, "phi": 20}}}
+    path.write_text(json.dumps(design), encoding="utf-8")
+    loaded = call(sk.load(design))
+    assert {call(one).line for one in (path, str(path), design)} == {loaded.line}
+
+
+def test_every_call_of_a_design_is_tested_so() -> None:
+    assert {name for name, one in functions() if "design" in inspect.signature(one).parameters} <= {*OF_A_DESIGN}
 
 
 def test_a_design_that_is_loaded_takes_no_values() -> None:

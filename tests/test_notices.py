@@ -266,3 +266,21 @@ def test_lint_says_the_slips_that_a_run_says() -> None:
     assert [line.split()[0] for line in said.stdout.splitlines()[-2:]] == ["W302", "W492"]
     document = json.loads(slopekit("lint", str(path_of("wedge")), *sets, "--json").stdout)
     assert [one["code"] for one in document["warnings"]] == ["W302", "W492"]
+
+
+@pytest.mark.parametrize(
+    ("toward", "acts", "said"),
+    [
+        ("180/10", "active", True),
+        ("000/10", "active", False),
+        ("180/10", "passive", False),
+        ("000/-20", "active", False),
+    ],
+)
+def test_an_active_bolt_that_pulls_out_of_the_face_is_said(toward, acts, said) -> None:
+    """It drives the block; `toward` is the direction of the force on it, into a face that dips toward 180."""
+    result = sk.wedge(dips=("45/115", "45/245"), bolts=[f"800@{toward},{acts}"])
+    messages = [notice.message for notice in result.warnings if notice.code == "W315"]
+    assert any("bolt 1 pulls out of the face" in message for message in messages) is said
+    bare = sk.wedge(dips=("45/115", "45/245")).fos.limit
+    assert not said or result.fos.limit < bare

@@ -154,9 +154,19 @@ def test_the_conda_recipe_asks_for_what_the_package_asks_for() -> None:
 def test_workflows_run_every_python_that_the_package_names_on_three_systems() -> None:
     matrix = _read(GITHUB / "workflows/test.yml")["jobs"]["test"]["strategy"]["matrix"]
     named = {one.rpartition(" ")[2] for one in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", one)}
-    assert named <= set(matrix["python"])
+    assert named == set(matrix["python"])
     assert {one.partition("-")[0] for one in matrix["os"]} == {"ubuntu", "macos", "windows"}
     assert min(matrix["python"]) == PROJECT["requires-python"].removeprefix(">=")
+
+
+def test_ci_installs_the_lowest_version_of_every_library_of_the_user() -> None:
+    """`.ci/lowest` runs commands on them; every bound of pyproject.toml has to be in its list."""
+    listed = subprocess.run([sys.executable, ".ci/lowest.py"], cwd=ROOT, capture_output=True, text=True, check=True)
+    extras = PROJECT["optional-dependencies"]
+    lines = {*PROJECT["dependencies"], *(one for name in extras.keys() - {"docs", "test"} for one in extras[name])}
+    lowest = {re.match(r"[\w.-]+>=[\d.]+", line)[0].replace(">=", "==") for line in lines}
+    assert set(listed.stdout.split()) == lowest
+    assert ".ci/lowest" in (ROOT / ".ci/run").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("path", sorted((GITHUB / "workflows").glob("*.yml")), ids=lambda path: path.name)

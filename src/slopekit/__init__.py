@@ -6,12 +6,12 @@
 ('slides_on_both', 1.5574, 1.5574)
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
 from slopekit._version import __version__
 
+TYPE_CHECKING = False  # typing's takes 10 ms to load, in which Ctrl-C would end a command with a traceback
 if TYPE_CHECKING:
+    from typing import Any
+
     from slopekit.api import analyse, load, plot, report, run, wedge
     from slopekit.app.notebook import Explorer as Explorer
     from slopekit.app.notebook import explore
@@ -68,7 +68,9 @@ _LATER = {
 }  # fmt: skip
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
+    from importlib import import_module
+
     from slopekit.core.taken import checked
 
     if name in _LATER:

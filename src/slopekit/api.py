@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, Annotated, Any, Literal, overload
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.options import DESIGN, DESK, Option, Workplace, documented
@@ -12,6 +12,7 @@ from slopekit.core.taken import wrong_kind
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
+    from slopekit.design.reading.files import Source
     from slopekit.result import Result
     from slopekit.studies.cases import Cases
     from slopekit.views.notebook import Drawing
@@ -150,6 +151,8 @@ def load(
     source: str | os.PathLike[str] | Mapping[str, Any],
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
+    *,
+    allow_outside: bool = False,
 ) -> "Design":
     """Read and check a design file, or the same as a dict.
 
@@ -158,6 +161,7 @@ def load(
     source : the path of a YAML file, or a mapping with its keys
     set : dotted paths and values that replace those of the file: {"strength.weak.phi": 25}
     case : one of its load cases by name; a design with cases goes through `analyse` and every study case by case
+    allow_outside : whether the file may name meshes and joint lists outside its own folder
 
     Returns
     -------
@@ -178,16 +182,18 @@ def load(
     ('wedge', 26.487)
     """
     from slopekit.design.reading.files import load as load_design
+    from slopekit.design.reading.named_files import files_outside
 
-    return load_design(source, tuple((set or {}).items()), case)
+    with files_outside(allow_outside):
+        return load_design(source, tuple((set or {}).items()), case)
 
 
-def analyse(design: "Design", elastic: bool = False, elastic_bracket: bool = False) -> "Result | Cases[Result]":
-    """Analyse a loaded design of any kind: a `Result`; with load cases `Cases`, whose `.cases` has a `Result` of each.
+def analyse(design: "Source", elastic: bool = False, elastic_bracket: bool = False) -> "Result | Cases[Result]":
+    """Analyse a design of any kind: a `Result`; with load cases `Cases`, whose `.cases` has a `Result` of each.
 
     Parameters
     ----------
-    design : what `load` returns
+    design : what `load` returns, the path of a design file, or the same as a dict
     elastic : elastic blocks beside the rigid ones (extra: elastic)
     elastic_bracket : and the bracket where they no longer come to rest
 
@@ -209,11 +215,10 @@ def analyse(design: "Design", elastic: bool = False, elastic_bracket: bool = Fal
     >>> {name: round(one.fos.limit, 3) for name, one in sk.analyse(cases).cases.items()}
     {'dry': 1.557, 'rain': 1.039}
     """
-    from slopekit.design.common import Design
+    from slopekit.design.reading.files import design_from
     from slopekit.kinds import analyse as analyse_design
 
-    if not isinstance(design, Design):
-        raise wrong_kind("analyse", "design", "a design", design, DESIGN.advice)
+    design = design_from(design, "analyse")
     if design.cases:
         from slopekit.studies.cases import each_case
 
@@ -222,12 +227,9 @@ def analyse(design: "Design", elastic: bool = False, elastic_bracket: bool = Fal
     return analyse_design(design, elastic, elastic_bracket)
 
 
-_Source: TypeAlias = "str | os.PathLike[str] | Mapping[str, Any] | Design"
-
-
 @overload
 def run(
-    source: _Source,
+    source: "Source",
     set: Mapping[str, Any] | None = None,
     *,
     case: str,
@@ -238,7 +240,7 @@ def run(
 
 @overload
 def run(
-    source: _Source,
+    source: "Source",
     set: Mapping[str, Any] | None,
     case: str,
     elastic: bool = False,
@@ -248,7 +250,7 @@ def run(
 
 @overload
 def run(
-    source: _Source,
+    source: "Source",
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
     elastic: bool = False,
@@ -258,7 +260,7 @@ def run(
 
 @documented
 def run(
-    source: Annotated["str | os.PathLike[str] | Mapping[str, Any] | Design", DESIGN],
+    source: Annotated["Source", DESIGN],
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
     elastic: Annotated[bool, ELASTIC] = False,
@@ -293,12 +295,11 @@ def run(
     >>> round(sk.run(design, set={"water": "full"}).fos.limit, 3)
     1.039
     """
-    from slopekit.design.common import Design
+    from slopekit.design.reading.files import design_from
 
-    if not isinstance(source, Design):
-        if not isinstance(source, str | os.PathLike | Mapping):
-            raise wrong_kind("run", "source", "the path of a design file, the same as a dict, or a design", source)
+    if isinstance(source, str | os.PathLike | Mapping):
         return analyse(load(source, set, case), elastic, elastic_bracket)
+    source = design_from(source, "run", "source")
     if set:
         raise DesignError(
             [Fault("E160", "a design that is loaded takes no further values", "set", "Give set to load.")]

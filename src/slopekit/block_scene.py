@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 
@@ -236,7 +237,11 @@ class BlockScene:
                 None if moved is None else unpacked(moved),
                 None if document.get("bolts") is None else _bolts(document["bolts"]),
             )  # fmt: skip
-        except (KeyError, TypeError, ValueError, AttributeError, zlib.error) as error:
+        except zlib.error as error:
+            raise unreadable(f"{type(error).__name__}: {error}") from None
+        except MISREAD as error:
+            if not is_of_document(error):
+                raise
             raise unreadable(f"{type(error).__name__}: {error}") from None
 
 

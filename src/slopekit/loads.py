@@ -144,21 +144,64 @@ class Hull:
 
     Attributes
     ----------
-    planes : (n,) the id of each; outward : (n, 3) unit normals; points : (n, 3) one of each; size : m
+    outward : (n, 3) unit normals; points : (n, 3) a corner on each plane; size : m
+    is_joint : (n,) rock lies behind it; is_crack : (n,) rock lies behind it, in front of the joints drawn on
     """
 
-    planes: list[int]
     outward: Floats
     points: Floats
+    is_joint: Bools
+    is_crack: Bools
     size: float
 
     @classmethod
-    def of(cls, block: Block) -> "Hull":
-        """The planes of a block."""
+    def of(cls, block: Block, joints: Sequence[int], crack: int) -> "Hull":
+        """The planes of a block, of which `joints` and the tension crack are named by their ids."""
         first = np.array([polygon[:3] for polygon in block.faces.values()])
         outward = cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
         outward = outward / np.sqrt((outward**2).sum(axis=1))[:, None]
-        return cls(list(block.faces), outward, first[:, 0], float(np.ptp(block.corners, axis=0).max()))
+        planes = np.array(list(block.faces))
+        size = float(np.ptp(block.corners, axis=0).max())
+        return cls(outward, first[:, 0], np.isin(planes, joints), planes == crack, size)
+
+    def below(self, outward: Floats, point: Floats) -> "Hull":
+        """The planes with those of the ground behind the block: below a plane by its unit normal and a point (3,)."""
+        return Hull(
+            np.append(self.outward, outward[None, :], axis=0),
+            np.append(self.points, point[None, :], axis=0),
+            np.append(self.is_joint, False),
+            np.append(self.is_crack, False),
+            self.size,
+        )
+
+    def passage(self, heads: Floats, direction: Floats) -> "Passage":
+        """How bolts with their heads (n, 3) pass through the block along a direction (3,), of any length."""
+        gap = ((self.points - heads[:, None, :]) * self.outward).sum(axis=2)
+        slope = self.outward @ direction
+        along = np.abs(slope) < 1e-12
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = gap / slope
+        going_out = np.where(~along & (slope > 0.0), at, math.inf)
+        enters = np.where(~along & (slope < 0.0), at, -math.inf).max(axis=1, initial=-math.inf)
+        meets = going_out.min(axis=1) > np.maximum(enters, 0.0) + 1e-9 * self.size
+        meets &= ~(along & (gap < -1e-9 * self.size)).any(axis=1)
+        # rock behind a tension crack hangs on the same joints: it holds a bolt behind them
+        onward = np.where(self.is_crack, math.inf, going_out)
+        sound, last = onward.min(axis=1), onward.argmin(axis=1)
+        return Passage(meets, sound, np.isfinite(sound) & self.is_joint[last])
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """How bolts pass through a block: `meets` (n,) whether they do at all.
+
+    `sound` (n,) is how far from its head each comes out of the block, drawn on behind a tension crack (inf: never), and
+    `is_anchored` (n,) whether it does so through a joint: sound rock begins there.
+    """
+
+    meets: Bools
+    sound: Floats
+    is_anchored: Bools
 
 
 def check_bolt(
@@ -167,7 +210,6 @@ def check_bolt(
     head: Floats,
     direction: Floats,
     length: float | None,
-    joints: Sequence[int],
     where: str = "",
 ) -> None:
     """Refuse a bolt that misses a convex block or ends before it is anchored behind the deepest joint.
@@ -177,38 +219,31 @@ def check_bolt(
     GeometryError
         E211 the bolt misses the block, E212 it is too short.
     """
-    gap, slope = ((hull.points - head) * hull.outward).sum(axis=1), hull.outward @ direction
-    along = np.abs(slope) < 1e-12
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = gap / slope
-    going_out = np.where(~along & (slope > 0.0), at, math.inf)
-    enters = np.where(~along & (slope < 0.0), at, -math.inf).max(initial=-math.inf)
-    leaves = float(going_out.min(initial=math.inf))
-    behind = hull.planes[int(going_out.argmin())] if leaves < math.inf else -1
-    passes = leaves > max(enters, 0.0) + 1e-9 * hull.size and not (along & (gap < -1e-9 * hull.size)).any()
-    judge_bolt(name, leaves if passes else None, behind in joints, length, where)
+    passage = hull.passage(head[None, :], direction)
+    sound = float(passage.sound[0]) if passage.meets[0] else None
+    judge_bolt(name, sound, bool(passage.is_anchored[0]), length, where)
 
 
-def judge_bolt(name: str, leaves: float | None, anchored: bool, length: float | None, where: str) -> None:
+def judge_bolt(name: str, sound: float | None, anchored: bool, length: float | None, where: str) -> None:
     """Refuse a bolt by what it meets.
 
     Parameters
     ----------
-    leaves : how far (m) from its head it leaves the block for good, None where it misses it
-    anchored : whether rock lies behind the face it leaves through; length : m
+    sound : how far (m) from its head it leaves the block for good, None where it misses it
+    anchored : whether sound rock begins there; length : m
 
     Raises
     ------
     GeometryError
         E211 the bolt misses the block or is anchored in nothing, E212 it is too short.
     """
-    if leaves is None:
+    if sound is None:
         raise MisfitError([Fault("E211", f"{name} misses the block", where)])
     if not anchored:
         message = f"{name} leaves the block through a free face: it is anchored in nothing"
         raise MisfitError([Fault("E211", message, where)])
-    if length is not None and length <= leaves:
-        message = f"{name} is {length:.4g} m long and leaves the block after {leaves:.4g} m: it is too short"
+    if length is not None and length <= sound:
+        message = f"{name} is {length:.4g} m long and sound rock begins after {sound:.4g} m: it is too short"
         raise MisfitError([Fault("E212", message, where, "It needs its anchorage behind the joint on top of that.")])
 
 

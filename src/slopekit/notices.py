@@ -31,6 +31,7 @@ _STRONGEST_LAW_KPA = 2000.0  # ... and of a curved law, at ...
 _AT_KPA = 100.0
 _STEEPEST_DEG = 75.0  # of friction: Barton (1976) ends at 70
 _ARTESIAN = 3.0  # columns of water as high as the blocks
+_FEW = 6  # bolts that are named
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
@@ -192,10 +193,23 @@ def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
                                  "as intact rock does: are its numbers in kPa?")  # fmt: skip
 
 
-def headless_notices(design: Design) -> Iterator[Notice]:
-    """Bolts whose moments nobody knows."""
+def bolt_notices(design: Design) -> Iterator[Notice]:
+    """Bolts whose moments nobody knows (W311), and active ones that pull the block out of its face (W315)."""
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+    face = getattr(design, "face", None)
+    if face is None:
+        return
+    outward = [
+        k for k, bolt in enumerate(design.bolts, 1)
+        if bolt.acts == "active" and float(bolt.toward.vector() @ face.normal()) > SQUARE
+    ]  # fmt: skip
+    if outward:
+        named = f"bolts {', '.join(map(str, outward[:_FEW]))}" if len(outward) > 1 else f"bolt {outward[0]}"
+        pull = "pull" if len(outward) > 1 else "pulls"
+        more = f" and {len(outward) - _FEW} more" if len(outward) > _FEW else ""
+        yield Notice("W315", f"active {named}{more} {pull} out of the face: toward is the direction of the force on "
+                     "the block, into the rock")  # fmt: skip
 
 
 def undrawn_notice() -> Notice:
@@ -331,7 +345,7 @@ def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts
         )
     if facts.why_not and any(strength.dilation_deg for strength in strengths):
         yield Notice("W310", facts.why_not)
-    yield from headless_notices(design)
+    yield from bolt_notices(design)
     yield from mesh_notices(facts.mesh_change or 0.0)
 
 

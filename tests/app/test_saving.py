@@ -85,6 +85,15 @@ def test_what_was_not_there_is_a_line_of_its_own():
     assert added == ["  height: 70 m", "  gravity: 9.8", "loads: {seismic: {k: 0.1}}"]
 
 
+def test_keys_that_are_written_as_synonyms_keep_their_words(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(BLOCK.replace("{c: 50 kPa, phi: 20}", "{cohesion: 50 kPa, friction_angle: 20}"), encoding="utf-8")
+    session = Session(opened_file(path))
+    session.set({"strength.weak.c": 40}, final=True)
+    changed = lines_changed(path.read_text(encoding="utf-8"), edited(session.opened, session.now.document))
+    assert [new for _, new in changed] == ["strength: {weak: {cohesion: 40 kPa, friction_angle: 20}}   # both joints\n"]
+
+
 def test_aliases_are_not_torn():
     """A value that two places share cannot change in one of them by its own line: it is said, not guessed."""
     text = BLOCK.replace("  J2:\n    plane:\n      dip: {dist: normal, mean: 45, sd: 3}   # a guess\n"

@@ -482,7 +482,7 @@ def test_no_more_than_a_few_surveys_wait(desk, waits, code):
     assert (code in said) == (code is not None)
 
 
-SURVEY = "name,dip,dip_direction,set\nA,45,115,1\nB,45,245,2\nC,80,350,2\nD,95,1,2\n"
+SURVEY = "name,dip,dip_direction,set\nA,45,115,1\nB,45,245,2\nC,80,350,2\n,,,\n"
 
 
 def test_a_survey_is_read_and_a_pair_opened_as_the_design(desk):
@@ -504,6 +504,30 @@ def test_a_survey_is_read_and_a_pair_opened_as_the_design(desk):
     assert answer["fos"]["limit"] == pytest.approx(found["pairs"][0]["fos"], rel=1e-9)
     assert desk.session.design.title == "A and B of joints.csv"
     assert none["faults"][0]["code"] == "E548"
+
+
+def test_bad_rows_of_a_survey_are_left_out_only_where_that_is_agreed_to(desk):
+    rows = [f"J{k},{70 + k % 9},{k * 15}" for k in range(20)]
+    few = "\n".join(["name,dip,dip_direction", *rows, "X,195,100"])
+    many = "\n".join(["name,dip,dip_direction", *rows, *(f"S{k},{200 + k},60" for k in range(20))])
+    exchanged = "\n".join(["dip,dip_direction", *(f"{100 + 10 * k},{60 + k}" for k in range(20))])
+
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            texts = ((few, False, ""), (few, True, ""), (many, True, ""), (exchanged, True, "dip_direction,dip"))
+            return [
+                await page.ask(do="survey", name="a.csv", text=text, skip_bad=skip, columns=columns)
+                for text, skip, columns in texts
+            ]
+
+    asked, agreed, refused, named = asyncio.run(scene())
+    assert asked["question"] == "Go on with 20 joints, without the bad rows?"
+    assert ("planes" in asked, [fault["code"] for fault in asked["faults"]]) == (False, ["E101"])
+    assert (len(agreed["planes"]), agreed["left_out"][0][:14]) == (20, "line 22 (E101 ")
+    assert refused["faults"][0]["code"] == "E193"
+    assert "question" not in refused
+    assert [one["dip"] for one in named["planes"]] == [60.0 + k for k in range(20)]
 
 
 def test_a_survey_is_drawn_without_a_slope_too(tmp_path):

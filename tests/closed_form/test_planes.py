@@ -42,8 +42,11 @@ def scalar(planes: PlaneArrays, at: int) -> tuple[str, float, ClosedFormPlane | 
             forces.append((of(planes.crack_pressure_kpa) * cut.crack_depth, 0.0))
         elif pressure is None and cut.crack_depth is None:
             peak = of(planes.fill) * weight * float(np.ptp(cut.outline[:, 1])) / 2.0
-        elif pressure is None:
-            deep = of(planes.water_in_crack_m, of(planes.fill) * cut.crack_depth)
+        elif pressure is None and planes.water_in_crack_m is not None:
+            deep = of(planes.water_in_crack_m)
+        elif pressure is None:  # a part of the pressure of a crack full to the top
+            pressure = of(planes.fill) * weight * cut.crack_depth / 2.0
+            forces.append((pressure * cut.crack_depth, 0.0))
         found = plane_failure(
             dips[1], dips[2], dips[0], of(planes.height_m), of(planes.cohesion_kpa), of(planes.friction_deg),
             of(planes.unit_weight_kn_m3), crack_distance_m=cut.crack_distance, water_in_crack_m=deep,

@@ -194,6 +194,7 @@ def test_a_file_without_permission(tmp_path, monkeypatch) -> None:
     def refuse(*_args: object) -> None:
         raise PermissionError(13, "Permission denied")
 
+    (tmp_path / "design.yaml").touch()
     monkeypatch.setattr("builtins.open", refuse)
     error = caught(lambda: load_document(tmp_path / "design.yaml"))
     assert str(error.faults[0]).splitlines()[0] == "E148 design.yaml cannot be read: permission denied"
@@ -359,3 +360,14 @@ def test_mutated_files_give_faults_and_no_traceback(tmp_path) -> None:
             faults += error.faults
     assert all(fault.code.startswith("E1") and fault.where for fault in faults)
     assert 35 < loaded < 465
+
+
+def test_a_library_that_lacks_an_attribute_is_no_fault_of_the_file(tmp_path, monkeypatch) -> None:
+    """ruamel.yaml 0.18, without the attribute that was looked at then, had every file called broken YAML."""
+    from ruamel.yaml.composer import Composer
+
+    path = tmp_path / "sound.yaml"
+    path.write_text("kind: wedge\n", encoding="utf-8")
+    monkeypatch.setattr(Composer, "compose_node", lambda self, parent, index: self.no_such_attribute)
+    with pytest.raises(AttributeError, match="no_such_attribute"):
+        load_document(path)

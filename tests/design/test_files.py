@@ -449,7 +449,7 @@ LIST_FAULTS = [
         "the strike convention 'right' is not known",
         "wall.yaml:4:39",
     ),
-    ("E101", "", "dip,dip_direction\n95,115\n70,235\n", "dip of J1 is 95", "joints.csv:2"),
+    ("E101", "", "dip,dip_direction\n195,115\n70,235\n", "dip of J1 is 195", "joints.csv:2"),
 ]
 
 

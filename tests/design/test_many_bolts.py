@@ -105,4 +105,4 @@ def test_each_has_to_reach_behind_its_joint() -> None:
             with pytest.raises(sk.GeometryError) as caught:
                 sk.run(design)
             assert caught.value.codes == codes
-            assert f"leaves the block after {leaves:.4g} m" in caught.value.faults[0].message
+            assert f"sound rock begins after {leaves:.4g} m" in caught.value.faults[0].message

@@ -138,7 +138,7 @@ def test_advice_says_what_to_type_instead() -> None:
     assert "2.65 t/m3" in advice(unit_weight=2.65)
     assert "unit_weight" in advice(density=26)
     assert "write 45/115" in advice(dips=("N25E 45SE", "45/245"))
-    assert "right-hand rule" in advice(dips=("N25E/45", "45/245"))
+    assert "where it is the strike, 45/115 or 45/295" in advice(dips=("N25E/45", "45/245"))
     assert advice(hieght=1) == "Did you mean height?"
 
 

@@ -238,7 +238,8 @@ def test_planes_in_one_column(tmp_path) -> None:
     path = written(tmp_path, "name;Orientation\nA;45/115\nB;N25W/60,5SW\nC;60,5 / 245\n")
     error = refused(path)  # a comma in a quadrant is none of decimals
     assert error.codes == ("E104",)
-    assert planes(read_joints(path, skip_bad=True)) == [FIRST, SECOND]
+    path.write_text(path.read_text(encoding="utf-8") + "D;45/115\n" * 7, encoding="utf-8")
+    assert planes(read_joints(path, skip_bad=True)) == [FIRST, SECOND, *[FIRST] * 7]
 
 
 def test_german_headers_and_decimal_commas() -> None:
@@ -283,9 +284,14 @@ def test_flat_beds_are_no_radians(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "advice"),
     [
-        ("115/45", "Dip comes first: did you mean 45/115? If 115 is a strike by the right-hand rule, it is 45/205."),
+        (
+            "115/45",
+            "Dip comes first: did you mean 45/115? If 115 is a strike by the right-hand rule, it is 45/205. "
+            "An overturned plane is written 65/225.",
+        ),
         ("N25E/45SE", "This looks like a strike and the side of the dip: write 45/115."),
-        ("N25E/45", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
+        ("N25E/45", "write 45/025; where it is the strike, 45/115 or 45/295, by the side it dips to."),
+        ("N25E", "dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."),
     ],
 )
 def test_hints_hold_for_those_who_write_strikes(text, advice) -> None:
@@ -352,8 +358,8 @@ def test_a_workbook(tmp_path) -> None:
     assert planes(survey) == [FIRST, SECOND]
     assert [(joint.name, joint.line, joint.cohesion_kpa) for joint in survey.joints] == [("A", 4, None), ("B", 6, 5.0)]
     assert survey.left_out == ("sheets Notes, Photos", "column Remark", "row 1 (above the columns)")
-    error = refused(workbook(tmp_path, [*ROWS, ["C", 95, 115]]))
-    assert (error.codes, error.faults[0].where) == (("E101",), "joints.xlsx:7  C; 95; 115")
+    error = refused(workbook(tmp_path, [*ROWS, ["C", 195, 115]]))
+    assert (error.codes, error.faults[0].where) == (("E101",), "joints.xlsx:7  C; 195; 115")
 
 
 def test_workbooks_that_cannot_be_read(tmp_path, monkeypatch) -> None:

@@ -77,10 +77,25 @@ def test_a_second_block_that_touches_nothing_changes_nothing() -> None:
     alone = sk.run(on_incline({"B": box(0, 0, 4, 1)}, 20, 35))
     both = sk.run(on_incline({"B": box(0, 0, 4, 1), "C": box(30, 0, 4, 1)}, 20, 35))
     assert both.fos.limit == alone.fos.limit
-    far = sk.run(on_incline({"B": box(0, 0, 4, 1), "C": box(30, 8, 4, 1)}, 20, 35))
-    assert far.status == "falls"  # it hangs in the air, and says so
-    assert "W346" in codes(far)
-    assert far.findings.factor_by_block == {"C": None}
+    apart = on_incline({"B": box(0, 0, 4, 1), "rock": box(30, 8, 4, 1)}, 20, 35)
+    apart["blocks"]["rock"]["fixed"] = True
+    assert "W346" in codes(sk.run(apart))
+
+
+@pytest.mark.parametrize(
+    ("floating", "message"),
+    [
+        ({"C": box(30, 8, 4, 1)}, "C has no contact and would fall whatever the strength"),
+        ({"C": box(4, 1, 4, 1)}, "C has no contact and would fall whatever the strength"),  # a corner carries nothing
+        ({"C": box(30, 0.01, 4, 1), "D": box(30, 1.01, 4, 1)}, "C, D have no contact with bedrock"),
+    ],
+)
+def test_blocks_that_nothing_carries_are_refused(floating, message) -> None:
+    with pytest.raises(GeometryError, match=message) as error:
+        sk.run(on_incline({"B": box(0, 0, 4, 1), **floating}, 20, 35))
+    fault = error.value.faults[0]
+    assert fault.code == "E257"
+    assert ("base and C are 10 mm apart" in fault.advice) == ("D" in floating)
 
 
 def test_a_stack_on_an_incline() -> None:
@@ -129,7 +144,9 @@ def test_seismic_forces_bolts_and_water() -> None:
 
 
 def test_gaps_overlaps_corners_and_names_that_do_not_touch() -> None:
-    gap = on_incline({"A": box(0, 0, 1, 1), "B": box(1.002, 0, 1, 1), "C": box(2.002, 1, 1, 1)}, 0, 30)
+    gap = on_incline(
+        {"A": box(0, 0, 1, 1), "B": box(1.002, 0, 1, 1), "C": box(2.002, 1, 1, 1), "D": box(2.002, 0, 1, 1)}, 0, 30
+    )
     gap["strength"]["smooth"] = {"c": 0, "phi": 5}
     gap["interfaces"] = {"default": "joint", "A/C": "smooth"}
     said = {notice.code: notice.message for notice in sk.run(gap).warnings}

@@ -31,7 +31,7 @@ def test_the_cases_of_wyllie_and_mah(c, water, exact) -> None:
     assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-9)
 
 
-def free_body(plane, face, upper, height, c, phi, weight, crack, depth_of_water, seismic, pulls):
+def free_body(plane, face, upper, height, c, phi, weight, crack, water, seismic, pulls):
     """F from two equations of equilibrium in x and z, every push resolved by hand; toe at 0, x out of the slope."""
     tp, tf, tu = (math.tan(math.radians(dip)) for dip in (plane, face, upper))
     crest = -height / tf
@@ -46,10 +46,10 @@ def free_body(plane, face, upper, height, c, phi, weight, crack, depth_of_water,
     length = math.hypot(*ring[-1])
     sine, cosine = math.sin(math.radians(plane)), math.cos(math.radians(plane))
     if crack is None:  # highest halfway along, nothing at both ends
-        uplift, thrust = 0.25 * depth_of_water * 9.81 * max(z for _, z in ring) * length, 0.0
+        uplift, thrust = 0.25 * water * 9.81 * max(z for _, z in ring) * length, 0.0
     else:
-        deep = depth_of_water * (ring[-2][1] - ring[-1][1])
-        uplift, thrust = 0.5 * 9.81 * deep * length, 0.5 * 9.81 * deep**2
+        deep = ring[-2][1] - ring[-1][1]
+        uplift, thrust = 0.5 * 9.81 * water * deep * length, 0.5 * 9.81 * water * deep**2
     x = thrust + seismic * weight * area + uplift * sine + sum(pull[0] for pull in pulls)
     z = -weight * area + uplift * cosine + sum(pull[1] for pull in pulls)
     normal, shear = np.linalg.solve([[sine, -cosine], [cosine, sine]], [-x, -z])

@@ -5,10 +5,13 @@ import re
 
 import numpy as np
 import pytest
+import trimesh
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
+from slopekit.exchange.solids import save_gltf
 from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, run, save, sheet, slab
 
 CAP = {**PAPER, **COARSE}
@@ -137,16 +140,51 @@ def test_map_coordinates() -> None:
     assert moved.node_pairs.points_m.min(axis=0)[1] > 3.9e6
 
 
-@pytest.mark.parametrize(("suffix", "single"), [("stl", True), ("obj", False)])
-def test_a_mesh_file_of_single_precision_at_map_coordinates(tmp_path, suffix, single) -> None:
-    """float32 keeps 7 digits: 4e6 m is rounded to 0.25 m, and W305 says so."""
-    offset = np.array([5e5, 4e6, 1e3])
+def slip_at(offset, tmp_path, suffix: str):
+    """The result of an ellipsoid 80 m long, its mesh and that of the ground moved by `offset`."""
     (vertices, triangles), (points, faces) = ellipsoid_mesh(3), slab(SLOPE, 60.0, -20.0, (-60.0, 100.0))
     slip = save(tmp_path / f"slip.{suffix}", (vertices + offset, triangles))
-    result = run({"mesh": str(slip)}, save(tmp_path / "slope.obj", (points + offset, faces)))
+    return run({"mesh": str(slip)}, save(tmp_path / "slope.obj", (points + offset, faces)))
+
+
+@pytest.mark.parametrize(("suffix", "single"), [("stl", True), ("obj", False)])
+def test_a_mesh_file_of_single_precision_at_map_coordinates(tmp_path, suffix, single) -> None:
+    """float32 keeps 7 digits: 5e5 m is rounded to 0.03125 m, and W305 says so."""
+    result = slip_at(np.array([5e5, 1e3, 1e3]), tmp_path, suffix)
     words = next(notice.message for notice in result.warnings if notice.code == "W305")
     assert ("single precision" in words) == single
-    assert ("0.25 m" in words) == single
+    assert ("0.031 m" in words) == single
+
+
+@pytest.mark.parametrize("suffix", ["stl", "ply", "glb"])
+def test_map_coordinates_that_single_precision_spoils_are_refused(tmp_path, suffix) -> None:
+    """4e6 m is rounded to 0.25 m, more than a thousandth of 80 m."""
+    with pytest.raises(DesignError, match=r"single precision \(float32\), which rounds them to 0\.25 m") as error:
+        slip_at(np.array([5e5, 4e6, 1e3]), tmp_path, suffix)
+    assert error.value.faults[0].code == "E172"
+    assert error.value.faults[0].advice.startswith("Shift the origin")
+
+
+@pytest.mark.parametrize(("slip_suffix", "slope_suffix"), [("glb", "obj"), ("obj", "glb"), ("gltf", "glb")])
+def test_slip_and_ground_of_gltf_are_y_up(tmp_path, slip_suffix, slope_suffix) -> None:
+    """The factor of the same files as OBJ, with float32; read as z-up the mass was another one, or none."""
+    cap, ground = ellipsoid_mesh(3), slab(SLOPE, 60.0, -20.0, (-60.0, 100.0))
+    plain = run({"mesh": str(save(tmp_path / "a.obj", cap))}, save(tmp_path / "b.obj", ground))
+    paths = []
+    for name, suffix, (vertices, triangles) in (("slip", slip_suffix, cap), ("slope", slope_suffix, ground)):
+        x, y, z = vertices.T
+        body = (vertices if suffix == "obj" else np.stack([x, z, -y], axis=1), triangles)
+        path = tmp_path / f"{name}.{suffix}"
+        if suffix == "gltf":
+            save_gltf(trimesh.Scene(trimesh.Trimesh(*body, process=False)), path)
+        else:
+            save(path, body)
+        paths.append(path)
+    result = run({"mesh": str(paths[0])}, paths[1])
+    assert result.fos.limit == pytest.approx(plain.fos.limit, rel=1e-3)
+    assert result.geometry.centroid_m == pytest.approx(plain.geometry.centroid_m, abs=1e-3)
+    assert (f"mesh slip.{slip_suffix} (y is up there)" in str(result.sheet)) == (slip_suffix != "obj")
+    assert (f"ground mesh slope.{slope_suffix} (y is up there)" in str(result.sheet)) == (slope_suffix != "obj")
 
 
 @pytest.mark.parametrize("length", [0.5, 1.0, 30.0])

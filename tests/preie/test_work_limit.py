@@ -7,11 +7,15 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from benchmarks import populations
+from benchmarks import fuzz, populations
 from benchmarks.benches import bench
+from benchmarks.fuzz_mutations import case
+from benchmarks.fuzz_seeds import write_files
+from slopekit.design.templates import path_of
 from slopekit.preie.many_blocks import groups
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.passes import Outcome
+from slopekit.preie.programs import bound
 from slopekit.preie.solvers.work_limit import WorkSpentError, allowed, factorisation, part, spend
 from tests.preie.path_oracle import model_of
 
@@ -77,17 +81,17 @@ def test_with_enough_work_nothing_changes() -> None:
     assert found.rested is None
 
 
-@pytest.mark.parametrize(("units", "bound", "known"), [
+@pytest.mark.parametrize(("units", "static_bound", "known"), [
     (1e7, 0.965924, ["were last at rest with their strength divided by 0.6685", "beyond 0.9659, the static bound"]),
     (1e6, None, ["no rest of all blocks that would say anything was seen", "no static bound was found"]),
 ])  # fmt: skip
-def test_the_sheet_says_what_is_known(units: float, bound: float | None, known: list[str]) -> None:
+def test_the_sheet_says_what_is_known(units: float, static_bound: float | None, known: list[str]) -> None:
     with allowed(units):
         result = sk.run(bench(1.9))
     said = {notice.code: notice.message for notice in result.warnings}
     assert result.status == "not_converged"
     assert result.fos.limit is None
-    assert result.fos.static_bound == (None if bound is None else pytest.approx(bound, rel=1e-5))
+    assert result.fos.static_bound == (None if static_bound is None else pytest.approx(static_bound, rel=1e-5))
     assert "W309" not in said
     assert all(one in said["W360"] for one in known)
     assert "held where they are" not in said["W360"]
@@ -116,6 +120,28 @@ def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
     assert "held where they are" not in said["W360"]
     assert result.fos.static_bound == pytest.approx(1.24858, rel=1e-4)
     assert "beyond 1.249, the static bound" in said["W360"]
+
+
+@pytest.mark.parametrize("number", [132, 1187])
+def test_benches_of_the_fuzz_that_took_a_minute_end_with_their_work(tmp_path, number) -> None:
+    """Files 132 and 1187 of seed 777: a bench 61 m high, and 39 blocks under a seismic coefficient of 1."""
+    write_files(tmp_path)
+    outcome = fuzz.run(case(number, 777), tmp_path, work=1e7)
+    assert outcome.escaped == ""
+    assert outcome.status == "bench not_converged"
+    assert "W360" in outcome.notices
+    assert outcome.seconds < 0.5 * fuzz.LIMIT_S
+
+
+def test_the_bound_of_one_block_has_its_work_too(monkeypatch) -> None:
+    """959 pairs of a curved surface: their programs count by the pairs, not by the six unknowns; the limit stays."""
+    bounded = sk.run(path_of("surface"))
+    monkeypatch.setattr(bound, "_WORK", 1e6)
+    result = sk.run(path_of("surface"))
+    assert bounded.fos.static_bound is not None
+    assert result.fos.static_bound is None
+    assert "W309" in {notice.code for notice in result.warnings}
+    assert result.fos.limit == bounded.fos.limit
 
 
 def test_without_work_for_one_factorisation_nothing_is_said_of_blocks_without_strength() -> None:

@@ -1,7 +1,8 @@
 """Strength laws in design files: keys, units, limits, faults, `--set`, sweeps and scatter."""
 
-from dataclasses import fields
+from dataclasses import dataclass, field, fields
 from math import inf, radians, tan
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.fields import field_at
 from slopekit.design.reading.files import with_values
-from slopekit.design.strength_laws import KEYS
+from slopekit.design.strength_laws import KEYS, keys_of_laws
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
@@ -144,6 +145,35 @@ def test_the_limits_for_studies_are_those_of_the_laws() -> None:
             ends = said.get("least", said.get("above")), said.get("most", said.get("below", inf))
             assert (field.measures, field.least, field.most) == (said["unit"], *ends)
             assert (field.above, field.below) == ("above" in said, "below" in said)
+
+
+@dataclass(frozen=True)
+class Rooted(PowerCurve):
+    """A law from outside with keys a and b of its own, as a contributor's file would have it."""
+
+    name: ClassVar[str] = "rooted"
+    a: float = field(
+        default=2.0, metadata={"key": "a", "unit": "pressure", "least": 0.0, "example": "2 kPa", "doc": "root"}
+    )
+    b: float = field(
+        default=0.5, metadata={"key": "b", "unit": "ratio", "above": 0.0, "most": 1e3, "example": "9", "doc": "base"}
+    )
+
+
+def test_a_key_of_two_laws_has_the_limits_and_the_unit_of_the_law_that_is_named(monkeypatch) -> None:
+    monkeypatch.setitem(LAWS, "rooted", Rooted)
+    power, rooted = ({**WEDGE, "strength": {"joint": {"law": law, "a": 2, "b": 0.75}}} for law in ("power", "rooted"))
+    keys = {law["strength"]["joint"]["law"]: key_of(sk.load(law), "strength.joint.b") for law in (power, rooted)}
+    assert {name: key.high for name, key in keys.items()} == {"power": 1.0, "rooted": 1000.0}
+    assert [key_of(sk.load(law), "strength.joint.a").unit for law in (power, rooted)] == ["", "kPa"]
+    with pytest.raises(DesignError, match="E127"):
+        sk.load(power, set={"strength.joint.b": 2})
+    with pytest.raises(DesignError, match="E281"):
+        sk.prob(sk.load(power, set={"strength.joint.b": {"dist": "normal", "mean": 0.9, "sd": 0.3}}), 20, confirm=0)
+    merged = keys_of_laws([PowerCurve, Rooted])
+    assert (merged["b"].least, merged["b"].most, merged["b"].axis) == (0.0, 1000.0, "")
+    assert keys_of_laws([Rooted, PowerCurve])["b"].most == 1000.0
+    assert keys_of_laws([PowerCurve])["b"].most == 1.0
 
 
 def test_what_scatters_is_read_anew() -> None:

@@ -438,7 +438,7 @@ def test_faults(code, inputs, says) -> None:
 
 
 def test_all_faults_at_once(tmp_path) -> None:
-    (tmp_path / "joints.csv").write_text("dip,dd\n45,115\n95,300\n")
+    (tmp_path / "joints.csv").write_text("dip,dd\n45,115\n195,300\n")
     error = refused(joints=tmp_path / "joints.csv", face=None, height=-1, c=(1, 2), phi=0.5, persistence=-2, fos="x")
     assert error.codes == ("E101", "E143", "E339", "E116", "E113", "E334", "E106")
     assert sk.combos(["45/115", "45/245"], face="65/180", c=(5, 5), phi=30).removable == 1
@@ -452,13 +452,16 @@ def test_a_slope_without_a_crest(face, upper) -> None:
 
 
 def test_bad_rows_stop_the_run_or_are_left_out_and_listed(tmp_path) -> None:
-    (tmp_path / "joints.csv").write_text("name,dip,dd,photo\nA,45,115,1\nB,95,200,2\nC,45,245,\n,,,\nD,x,1,\n")
+    (tmp_path / "joints.csv").write_text(
+        "name,dip,dd,photo\nA,45,115,1\nB,195,200,2\nC,45,245,\n,,,\nD,x,1,\n"
+        + "".join(f"E{k},80,{k},\n" for k in range(17))
+    )
     assert refused(joints=tmp_path / "joints.csv").codes == ("E101", "E104")
     found = sk.combos(tmp_path / "joints.csv", face="65/180", c=5, phi=30, skip_bad=True)
-    assert [joint.name for joint in found.joints.joints] == ["A", "C"]
+    assert [joint.name for joint in found.joints.joints] == ["A", "C", *(f"E{k}" for k in range(17))]
     said = {notice.code: notice.message for notice in found.warnings}["W366"]
     assert "column photo" in said
-    assert "line 3 (E101 dip of B is 95" in said
+    assert "line 3 (E101 dip of B is 195" in said
     assert "line 5 (empty cells)" in said
     assert "line 6 (E104 " in said
     (tmp_path / "strikes.csv").write_text("name,strike,dip\nA,25,45\nC,155,45\n")

@@ -48,7 +48,8 @@ def test_keys_have_their_units_and_ranges() -> None:
         ("phi", "E310", "Did you mean strength.weak.phi?"),
         ("strength.weka.phi", "E310", "Did you mean strength.weak.phi?"),
         ("slope.hieght", "E310", "Did you mean slope.height?"),
-        ("strength.weak.cohesion", "E310", "Did you mean strength.weak.c?"),
+        ("cohesion", "E310", "Did you mean strength.weak.c?"),
+        ("strength.wek.friction", "E310", "Did you mean strength.weak.phi?"),
         ("dip", "E310", "Did you mean one of slope.face.dip, slope.upper.dip, joints.J1.plane.dip"),
         ("support.bolts.0.force", "E310", "It has no bolts"),
         ("", "E310", "There are slope.face.dip"),
@@ -63,6 +64,15 @@ def test_keys_that_are_none_name_the_nearest(given, code, says) -> None:
         key_of(load(path_of("wedge")), given)
     assert caught.value.codes == (code,)
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(("word", "path"), [
+    ("strength.weak.cohesion", "strength.weak.c"), ("strength.weak.friction_angle", "strength.weak.phi"),
+    ("rock.gamma", "rock.unit_weight"), ("loads.kh", "loads.seismic.k"),
+    ("joints.J1.plane.dipdir", "joints.J1.plane.dip_direction"),
+])  # fmt: skip
+def test_keys_are_read_by_what_engineers_call_them(word, path) -> None:
+    assert key_of(load(path_of("wedge")), word) == key_of(load(path_of("wedge")), path)
 
 
 def test_a_seismic_load_has_one_number_that_is_meant() -> None:
@@ -170,3 +180,38 @@ def test_a_design_without_a_file_has_no_keys() -> None:
     with pytest.raises(sk.DesignError) as caught:
         keys_of(design)
     assert caught.value.codes == ("E280",)
+
+
+def test_a_range_of_directions_across_north_goes_the_short_way() -> None:
+    """350:10 is 20° wide, in a sweep, a solve, a tornado and in a distribution, by file and by key."""
+    design = sk.load({
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/350", "upper": "12/000"},
+        "joints": {"J1": {"plane": "45/060"}, "J2": {"plane": "50/290"}},
+    })  # fmt: skip
+    key = "slope.face.dip_direction"
+    swept = sk.sweep(design, {key: "350:10:5"}, methods="closed-form")
+    assert swept.values[0] == (350.0, 355.0, 360.0, 365.0, 370.0)
+    assert [point.code for point in swept.points] == [""] * 5
+    bar = next(bar for bar in sk.tornado(design, {key: "350:10"}, methods="closed-form").bars if bar.key.path == key)
+    assert (bar.low, bar.high) == (350.0, 370.0)
+
+
+@pytest.mark.parametrize(
+    "shape", [{"dist": "uniform", "min": 350, "max": 10}, {"dist": "triangular", "min": 350, "mode": 355, "max": 10}]
+)
+def test_a_distribution_of_directions_across_north(shape) -> None:
+    """No direction is drawn outside the 20° between 350 and 10; the run takes one of them."""
+    design = sk.load({
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/355", "upper": "12/000"},
+        "joints": {"J1": {"plane": {"dip": 45, "dip_direction": shape}}, "J2": {"plane": "50/290"}},
+    })  # fmt: skip
+    drawn = sk.prob(design, 200, confirm=0)
+    directions = drawn.samples.values[:, drawn.samples.names.index("joints.J1.plane.dip_direction")]
+    off = (directions + 180.0) % 360.0 - 180.0
+    assert -10.0 <= off.min() < -5.0
+    assert 5.0 < off.max() <= 10.0
+    centre = design.joints[0].dip_direction_deg
+    assert min(centre, 360.0 - centre) <= 10.0
+    ends = next(bar for bar in sk.tornado(design, methods="closed-form").bars
+                if bar.key.path == "joints.J1.plane.dip_direction")  # fmt: skip
+    assert ends.high - ends.low < 20.0

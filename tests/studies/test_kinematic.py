@@ -289,7 +289,7 @@ def test_counts_by_set_add_up(tmp_path) -> None:
         ("E113", {"phi": 0.5}, "phi is 0.5°, that looks like radians"),
         ("E115", {"phi": 95}, "phi is 95°"),
         ("E107", {"lateral": "20 m"}, "lateral limit has the unit m"),
-        ("E330", {"joints": np.full((3001, 2), 45.0)}, "joints holds 3001 joints, 4,501,500 pairs"),
+        ("E330", {"joints": np.full((100_001, 2), 45.0)}, "joints holds 100001 joints: more than 100000 joints"),
         ("E312", {"faces": "45:90"}, "faces: 45:90 is not from:to:how many, nor from:to:+step"),
         ("E312", {"faces": "90:45:+5"}, "faces: steps of +5 do not lead from 90° to 45°"),
         ("E312", {"faces": "45:90:+0"}, "steps of +0"),
@@ -313,7 +313,7 @@ def test_faults(code, inputs, says) -> None:
 
 
 def test_all_faults_at_once(tmp_path) -> None:
-    (tmp_path / "joints.csv").write_text("dip,dd\n95,115\n45,x\n")
+    (tmp_path / "joints.csv").write_text("dip,dd\n195,115\n45,x\n")
     codes = refused(joints=tmp_path / "joints.csv", face="65-180", phi=-1, lateral=99, faces="1:2").codes
     assert codes == ("E101", "E104", "E104", "E115", "E337", "E312")
     with pytest.raises(DesignError) as caught:
@@ -322,13 +322,14 @@ def test_all_faults_at_once(tmp_path) -> None:
 
 
 def test_notices(tmp_path) -> None:
-    content = "name,dip,dip_direction,c,phi,remark\nA,45,115,10,20,x\nB,45,245,,25,\nC,95,200,,,\n"
+    good = "".join(f"D{k},45,245,,25,\n" for k in range(8))
+    content = f"name,dip,dip_direction,c,phi,remark\nA,45,115,10,20,x\nB,45,245,,25,\nC,195,200,,,\n{good}"
     (tmp_path / "joints.csv").write_text(content)
     found = sk.kinematic(tmp_path / "joints.csv", face="15/180", skip_bad=True)
     said = {notice.code: notice.message for notice in found.warnings}
     assert set(said) == {"W366", "W367", "W368", "W369"}
-    assert "line 4 (E101 dip of C is 95" in said["W366"]
-    assert "the joints' own for 2 of 2, from 20 to 25°" in said["W368"]
+    assert "line 4 (E101 dip of C is 195" in said["W366"]
+    assert "the joints' own for 10 of 10, from 20 to 25°" in said["W368"]
     assert "no steeper than friction" in said["W369"]
     assert refused(joints=tmp_path / "joints.csv").codes == ("E101",)
     assert sk.kinematic(["45/115"], face="65/180").warnings == ()
@@ -367,3 +368,42 @@ def test_the_command(tmp_path) -> None:
     assert wrong.returncode == 2
     assert [fault["code"] for fault in json.loads(wrong.stdout)["errors"]] == ["E143", "E337"]
     assert "--lateral 99" in wrong.stderr
+
+
+# -- many joints --------------------------------------------------------------------------------------------------
+
+
+def test_of_many_joints_pairs_are_drawn_and_said(monkeypatch) -> None:
+    """The shares among the pairs drawn lie within four standard errors of those among all pairs."""
+    from slopekit.studies.kinematic import criteria
+
+    every = sk.kinematic(survey(1, 400), face="70/180", phi=30, faces=[50, 80])
+    monkeypatch.setattr(criteria, "MOST_PAIRS", 1000)
+    monkeypatch.setattr(criteria, "DRAWN_PAIRS", 20_000)
+    found, again, other = (sk.kinematic(survey(1, 400), face="70/180", phi=30, seed=seed) for seed in (1, 1, 2))
+    assert (found.pairs, len(found.lines.first), every.is_sample) == (20_000, 20_000, False)
+    assert len(set(zip(found.lines.first.tolist(), found.lines.second.tolist(), strict=True))) == 20_000
+    for kind in ("wedge_primary", "wedge_by_friction", "direct", "oblique"):
+        share = every.percent[kind] / 100.0
+        error = 4.0 * math.sqrt(share * (1.0 - share) / found.pairs)
+        assert found.percent[kind] / 100.0 == pytest.approx(share, abs=error)
+    assert found.counts["planar"] == every.counts["planar"]
+    assert (again.input_hash(), other.input_hash() == found.input_hash()) == (found.input_hash(), False)
+    assert again.counts == found.counts != other.counts
+    document = found.to_dict()
+    assert (document["pairs"], document["drawn_pairs"], document["inputs"]["seed"]) == (79_800, 20_000, 1)
+    assert "79800 pairs, 20000 of them drawn at random (seed 1)" in " ".join(str(found).split())
+    assert "drawn_pairs" not in every.to_dict()
+
+
+def test_the_list_of_a_pit(tmp_path) -> None:
+    """A list of more than 5 MB, every joint tested, a million pairs drawn; combos ranks every pair, and takes fewer."""
+    rows = (f"{k},{'seen from the haul road ' * 50},{40 + k % 50},{k % 360}" for k in range(4500))
+    path = tmp_path / "pit.csv"
+    path.write_text("id,remark,dip,dip_direction\n" + "\n".join(rows), encoding="utf-8")
+    assert path.stat().st_size > 5_000_000
+    found = sk.kinematic(path, face="75/180", phi=30)
+    assert (len(found.joints), found.pairs) == (4500, 1_000_000)
+    with pytest.raises(DesignError) as caught:
+        sk.combos(path, face="75/180", c=0, phi=30)
+    assert caught.value.codes == ("E330",)

@@ -1,14 +1,23 @@
 """Where PRE-IE does not converge a study says so, refuses no input, and ends with 4: what it asks may be there."""
 
 from dataclasses import replace
+from types import SimpleNamespace as namespace
 
+import numpy as np
 import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
+from slopekit.design.templates import path_of
 from slopekit.kinds.protocol import Factors
+from slopekit.kinds.single_block.ladders import Rung
 from slopekit.studies import points
+from slopekit.studies.bench_design import bench
+from slopekit.studies.check import run as checking
+from slopekit.studies.combos import pairs
+from slopekit.studies.combos.run import PairCheck
 from slopekit.studies.points import Point
+from slopekit.studies.prob.judged import failing
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_load, factor_request
@@ -111,3 +120,36 @@ def test_the_command_ends_as_the_study_does(monkeypatch) -> None:
     done = slopekit("solve", "templates/blocks.yaml", f"{PHI}=20:40", "--fos", "1.5")
     assert done.returncode == 4
     assert "gives a block with a factor: PRE-IE did not converge" in " ".join(done.stdout.split())
+
+
+# -- no answer is never compared with a target -------------------------------------------------------------------------
+
+
+def test_a_block_that_slides_without_a_factor_fails() -> None:
+    """Closed forms over many samples: not a number reaches no target, whichever way it is compared."""
+    factor, outcome = np.array([1.5, 1.4, np.nan, np.nan]), np.array([0, 0, 0, 1])
+    names = ("slides_on_both", "no_driving_force")
+    assert bench._judged(names, outcome, factor, 1.5)[1].tolist() == [False, True, True, False]
+    assert failing(names, outcome, factor, 1.5).tolist() == [False, True, True, False]
+    outcome = np.array([pairs._SLIDES[0], pairs._SLIDES[0], pairs._SLIDES[0], pairs._STANDS])
+    some = namespace(outcome=outcome, factor=factor, is_removable=np.ones(4, dtype=bool))
+    assert pairs.JointPairs.fails(some, 1.5).tolist() == [False, True, True, False]
+
+
+def test_a_pair_without_convergence_is_not_among_those_that_stand() -> None:
+    """The worst come first: what has no factor before what slides at 3, and that before what stands."""
+    severity = PairCheck.severity
+    stands, open_, slides = (
+        namespace(status=status, factor=factor, volume_m3=1.0)
+        for status, factor in (("no_driving_force", None), ("not_converged", None), ("slides_on_both", 3.0))
+    )
+    assert sorted((stands, open_, slides), key=severity) == [open_, slides, stands]
+
+
+def test_a_mesh_without_a_factor_is_no_convergence() -> None:
+    """0 in place of a factor made a number that is none, which no comparison found off."""
+    design = sk.load(path_of("wedge"))
+    result = sk.run(design)
+    rungs = tuple(Rung("mesh", "", 10**k, None, factor, 0.0) for k, factor in ((4, 1.5), (5, 0.0)))
+    said = checking._convergence(result, rungs, (), "")
+    assert (said.met, said.value) == (False, None)

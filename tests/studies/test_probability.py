@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -312,6 +313,21 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
     assert prob(load(away), 50).exit_code == 3
 
 
+def test_the_line_on_acceptance_says_what_the_exit_code_says() -> None:
+    """No limit is met where the methods disagree (exit code 4), nor where no sample forms a block (3)."""
+    study = prob(load(default_wedge()), 300, fos=1.0, accept=0.99)
+    assert (study.accepted, study.exit_code) == (True, 0)
+    apart = replace(study, disagree=2)
+    assert (apart.accepted, apart.exit_code) == (False, 4)
+    assert "99 %: NOT MET, the methods disagree" in " ".join(str(apart).split())
+    assert "not met" in apart.line
+    away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
+                                         "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
+    none = prob(load(away), 50, accept=0.99)
+    assert (none.accepted, none.exit_code) == (False, 3)
+    assert "NOT MET, no sample forms a block" in " ".join(str(none).split())
+
+
 def test_pre_ies_estimate_has_the_same_denominator_and_its_limits_hold() -> None:
     joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
     strength = {"s": {"c": {"dist": "normal", "mean": 50, "sd": 20.5}, "phi": {"dist": "normal", "mean": 12, "sd": 2}}}
@@ -449,3 +465,24 @@ def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:
     assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]
     study.done()
     assert not list(tmp_path.iterdir())
+
+
+def test_dips_beyond_the_vertical_are_planes_that_dip_the_other_way_and_that_is_said() -> None:
+    """92/115 is 88/295: what is drawn beyond 90° is judged so; the tornado ends at the vertical."""
+    joints = {"J1": {"plane": {"dip": {"dist": "normal", "mean": 86, "sd": 5}, "dip_direction": 115}},
+              "J2": {"plane": "50/245"}}  # fmt: skip
+    design = load({"slopekit": 1, "kind": "wedge", "slope": {"face": "88/185", "upper": "12/195"}, "joints": joints})
+    study = prob(design, 400, confirm=0)
+    names = study.samples.names
+    dips, directions = (study.samples.values[:, names.index(f"joints.J1.plane.{name}")]
+                        for name in ("dip", "dip_direction"))  # fmt: skip
+    over = directions == 295.0
+    assert 0.1 < over.mean() < 0.35
+    assert dips.max() <= 90.0
+    assert set(directions.tolist()) == {115.0, 295.0}
+    assert "joints.J1.plane: 21.19 % of the dips lie beyond 0 to 90°" in " ".join(str(study).split())
+    one = int(np.flatnonzero(over & np.isfinite(study.factor))[0])
+    there = point_of(design, {"joints.J1.plane": f"{float(dips[one])!r}/295"}, pre_ie=False)
+    assert study.factor[one] == pytest.approx(there.factors.closed_form, rel=1e-9)
+    bar = next(bar for bar in sk.tornado(design, methods="closed-form").bars if bar.key.path == "joints.J1.plane.dip")
+    assert (bar.high, bar.at_high.code) == (90.0, "")

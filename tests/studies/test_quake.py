@@ -526,6 +526,36 @@ def test_six_degrees_of_freedom_fall_to_the_residual_strength() -> None:
     assert 1.1 * on_peak < falls <= slid(**left) < 1.2 * falls
 
 
+def test_what_was_asked_for_leads_and_the_other_stands_beside() -> None:
+    """Six degrees of freedom lose strength that one way keeps: line, sheet and JSON lead with them and say why."""
+    strength = {"c": 20, "phi": 30, "residual": {"c": 12, "phi": 30}}
+    found = sk.quake(sk.load(PLANE | {"strength": {"bedding": strength}}), "sine:0.4g,2Hz", six=True)
+    mean, largest = 0.5 * sum(one.slid_m for one in found.six), max(one.slid_m for one in found.six)
+    one_way = found.shaken[0].mean_m
+    assert mean > 1.05 * one_way
+    assert (found.leading.model, found.leading.median_m, found.leading.largest_m) == ("six", mean, largest)
+    assert found.one_way.median_m == one_way
+    shown = f"{100.0 * mean:.4g} cm"
+    assert found.line.index(shown) < found.line.index(f"{100.0 * one_way:.4g} cm")
+    sheet = " ".join(str(found).split())
+    assert sheet.index(shown) < sheet.index("SLIDES")
+    assert "it goes farther than the block that slides one way: joints that have slipped keep their residual" in sheet
+    document = found.to_dict()
+    keys = list(document)
+    assert keys.index("leading") < keys.index("beside") < keys.index("yield")
+    assert next(iter(document["percentiles_m"])) == "six"
+    assert sk.quake(sk.load(PLANE), "sine:0.4g,2Hz").leading.model == "one_way"
+
+
+def test_a_step_that_is_refused_leaves_no_displacement_to_lead_with() -> None:
+    found = sk.quake(sk.load(PLANE), "sine:0.4g,2Hz", six=True)
+    refused = tuple(replace(one, ended="refused") for one in found.six)
+    without = replace(found, in_six=replace(found.in_six, shaken=refused))
+    assert without.leading.median_m is None
+    assert "six degrees of freedom: no displacement" in without.line
+    assert without.exit_code == 4
+
+
 def test_a_step_that_is_refused_is_said(monkeypatch) -> None:
     from slopekit.preie.motion import shaking
 

@@ -1,6 +1,8 @@
 """Tasks on one process, on several, on Dask: the same records; deaths, interruptions and journals lose nothing."""
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -79,6 +81,34 @@ def test_ctrl_c_as_workers_start_is_for_the_one_who_asked(tmp_path) -> None:
     )
     run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60)
     assert (run.stdout, run.stderr) == ("[1, 2, 3] False\n", "")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.parametrize("number", ["SIGKILL", "SIGTERM"])
+@pytest.mark.parametrize("work", ["pool", "app"])
+def test_workers_end_with_the_process_that_started_them(work, number, tmp_path) -> None:
+    """They stayed, 106 MB each, and who read their output waited without end."""
+    script = tmp_path / "script.py"
+    pool = "run_all(late, range(1000), Crew(2), at_once=1)"
+    app = "jobs = Jobs(); jobs.warm('wedge'); print('ready', flush=True); time.sleep(60)"
+    script.write_text(
+        "import time\n"
+        "from slopekit.app.jobs import Jobs\n"
+        "from slopekit.studies.running import Crew, run_all\n"
+        "from tests.studies.workers import late\n"
+        f"if __name__ == '__main__':\n    {pool if work == 'pool' else app}\n"
+    )
+    path = os.pathsep.join([str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])])
+    command = [sys.executable, str(script)]
+    given = os.environ | {"PYTHONPATH": path}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=given, start_new_session=True) as parent:
+        parent.stdout.readline()
+        parent.send_signal(getattr(signal, number))
+        late_end = threading.Timer(20, os.killpg, (parent.pid, signal.SIGKILL))
+        late_end.start()
+        parent.stdout.read()  # until no process has the pipe open
+        assert late_end.is_alive()
+        late_end.cancel()
 
 
 def test_a_journal_of_records_of_another_layout_is_not_taken(tmp_path, monkeypatch) -> None:
@@ -219,3 +249,47 @@ def test_a_script_without_a_main_guard_is_told_so(tmp_path, guard) -> None:
     assert "E464 the script has no main guard" in ran.stderr
     assert ran.stderr.endswith('if __name__ == "__main__":\n    main()\n')
     assert "freeze_support" not in ran.stderr
+
+
+@pytest.fixture
+def certificates(tmp_path, monkeypatch) -> Path:
+    """A certificate of its own authority, and Dask's configuration that names it."""
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
+    made = subprocess.run([*command, "-keyout", "key.pem", "-out", "cert.pem"], cwd=tmp_path, capture_output=True)
+    if made.returncode:
+        pytest.skip("openssl makes no certificate here")
+    names = {"CA_FILE": "cert.pem", **{f"{who}__{part.upper()}": f"{part}.pem" for who in
+             ("CLIENT", "WORKER", "SCHEDULER") for part in ("cert", "key")}}  # fmt: skip
+    for name, file in names.items():
+        monkeypatch.setenv(f"DASK_DISTRIBUTED__COMM__TLS__{name}", str(tmp_path / file))
+    return tmp_path
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
+def test_dask_over_tls(certificates) -> None:
+    """The scheduler and its worker take no connection without the certificate; the client finds it by Dask's rules."""
+    pytest.importorskip("distributed")
+    file = certificates / "scheduler.json"
+    dask = [sys.executable, "-m", "dask"]
+    place = ["--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    worker = ["--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    started = [subprocess.Popen([*dask, "scheduler", *place], **quiet)]
+    started.append(subprocess.Popen([*dask, "worker", *worker], **quiet))
+    program = (
+        "import sys\n"
+        "from slopekit.studies.running import checked_crew, run_all\n"
+        "print(run_all(abs, [-1, 2, -3], checked_crew(1, sys.argv[1])))\n"
+    )
+    try:
+        until = time.monotonic() + 40.0
+        while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
+            time.sleep(0.05)
+        address = json.loads(file.read_text())["address"]
+        run = subprocess.run([sys.executable, "-c", program, address], capture_output=True, text=True, timeout=60)
+    finally:
+        for process in reversed(started):
+            process.kill()
+            process.wait()
+    assert address.startswith("tls://")
+    assert run.stdout == "[1, 2, 3]\n", run.stderr

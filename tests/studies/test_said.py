@@ -4,7 +4,6 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
-from slopekit.studies.support import run as bolts_of_support
 from slopekit.studies.support.for_cases import _in_case
 from tests.kinds.test_small_part import beside_a_chip
 
@@ -157,18 +156,6 @@ def test_bolts_that_hold_a_part_of_a_wedge_alone_are_said() -> None:
     assert none.stands
     assert "as it stands the whole wedge" in next(one.message for one in none.warnings if one.code == "W507")
     assert none.exit_code == 1
-
-
-def test_bolts_too_many_to_put_back_are_held_against_the_whole_wedge_too(monkeypatch) -> None:
-    """The same bolts, and one more than are put back: what is said of the wedge and the exit code stay."""
-    design = sk.load(BASAL, set={"strength.joint.phi": 10})
-    known = sk.support(design, 1.5, acts="active")
-    monkeypatch.setattr(bolts_of_support, "_MOST_PUT_BACK", len(known.cases[0].bolts) - 1)
-    many = sk.support(design, 1.5, acts="active")
-    (said,), (same,) = ([one.message for one in found.warnings if one.code == "W507"] for found in (many, known))
-    assert said.startswith("with the active bolts the whole wedge without the basal joint falls short of 1.5")
-    assert said[:90] == same[:90]
-    assert (many.exit_code, known.exit_code) == (1, 1)
 
 
 def test_no_load_case_is_met_that_the_whole_wedge_does_not_meet() -> None:

@@ -242,7 +242,7 @@ def test_the_column_set_wins() -> None:
 
 def test_few_joints_and_joints_alike() -> None:
     assert codes(sk.sets(["45/115"])) == ["W408"]
-    assert sk.sets(["45/115"]).line == "no sets  1 of no set"
+    assert sk.sets(["45/115"]).line == "no sets  1 of no set  W408"
     two = sk.sets(["45/115", "47/117"], n=2)
     assert sorted(len(one.members) for one in two.sets) == [1, 1]
     alike = sk.sets({f"J{k}": "45/120" for k in range(20)})

@@ -72,12 +72,15 @@ def test_the_best_plunge_is_hoek_and_brays_where_it_crosses_the_plane() -> None:
     assert best.toward.plunge_deg == pytest.approx(expected, abs=1e-3)
 
 
-def test_the_flattest_ends_at_the_foot_of_the_crack() -> None:
-    """By hand: the crack stands where the plane is 4.35 m deep; a tenth of a degree steeper crosses the plane."""
-    best = sk.support(sk.load(CRACKED), 1.5, acts="active").crest[-1]
-    behind = (12.0 - 4.35) / math.tan(math.radians(35.0)) - 12.0 / math.tan(math.radians(60.0))
-    foot = math.degrees(math.atan(4.35 / behind))
-    assert foot + 0.1 <= best.plunges[0] <= foot + 0.2 + 1e-9
+@pytest.mark.parametrize("upper", [0.0, 10.0])
+def test_the_flattest_is_hardly_steeper_than_the_upper_slope(upper) -> None:
+    """By hand: it crosses the crack and then the plane, where rock hangs on it as before the crack."""
+    design = CRACKED | {"slope": {"face": "60/180", "height": 12, "upper": f"{upper}/180"}}
+    best = sk.support(sk.load(design), 1.9, acts="active").crest[-1]
+    assert best.plunges[0] == pytest.approx(0.1 - upper, abs=0.1 + 1e-9)
+    behind = 12.0 / math.tan(math.radians(35.0)) - 12.0 / math.tan(math.radians(60.0))
+    assert best.crosses > sk.run(design).geometry.crack_distance_m
+    assert upper or best.crosses == pytest.approx(behind, rel=0.01)
     assert best.toward.plunge_deg == pytest.approx(best.plunges[0], abs=1e-3)
     # law of sines in the triangle of crest, toe and crossing: the face is 12 / sin 60 long
     at_toe, at_crest = math.radians(60.0 - 35.0), math.radians(180.0 - 60.0 - best.toward.plunge_deg)
@@ -116,7 +119,7 @@ def test_forces_grow_with_the_square_of_lengths() -> None:
 
 def test_limits_of_plunge_capacity_and_length_are_judged() -> None:
     design = sk.load(CRACKED)
-    flat = sk.support(design, 1.5, acts="active", plunge="5,15").crest[0]
+    flat = sk.support(design, 1.5, acts="active", plunge="-20,-5").crest[0]
     assert (flat.toward, flat.use_kn, [notice.code for notice in flat.notices]) == (None, None, ["E392"])
     steep = sk.support(design, 1.5, acts="active", plunge="50,70", spacing=4, length=6).crest[0]
     assert steep.toward.plunge_deg == pytest.approx(50.0)

@@ -99,7 +99,8 @@ def test_ends_without_a_number_are_told() -> None:
     found = tornado(sk.load(WEDGE), {"slope.face.dip": "20:60", "water.pressures.J1": "0:5000"}, methods="closed-form")
     ends = {bar.key.path: bar for bar in found.bars}
     assert ends["slope.face.dip"].at_low.code == "E203"
-    assert ends["slope.face.dip"].swings["closed_form"] == 0.0
+    assert ends["slope.face.dip"].swings["closed_form"] is None
+    assert found.bars[-1].key.path == "slope.face.dip"  # behind those that have a swing
     sheet = str(found)
     assert "slope.face.dip = 20°: E203" in sheet
     assert found.exit_code == 0
@@ -172,3 +173,40 @@ def test_the_command(monkeypatch, capsys, tmp_path) -> None:
     assert (left.value.code or 0) == 0
     assert capsys.readouterr().out.startswith("water.fill 0.5184")
     assert {path.name for path in tmp_path.iterdir()} == {"tornado.json", "tornado.txt", "tornado.png"}
+
+
+BOLTED = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+    "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}}, "strength": {"s": {"c": 5, "phi": 30}},
+    "rock": {"unit_weight": 26},
+    "support": {"bolts": [{"force": 20000, "toward": "005/10", "head": [0.125, -5.0, 10.5], "length": 12}]},
+}  # fmt: skip
+
+
+def test_bolts_stay_where_they_are_when_the_geometry_moves() -> None:
+    """With a face of 63° the bolt misses the wedge: no force by both methods, as without it, where a run is E211."""
+    with pytest.raises(sk.GeometryError) as caught:
+        sk.run(BOLTED, set={"slope.face.dip": 63})
+    assert caught.value.codes == ("E211",)
+    study = tornado(sk.load(BOLTED))
+    bars = {bar.key.path: bar for bar in study.bars}
+    without = sk.run(BOLTED | {"support": {}}, set={"slope.face.dip": 63}).fos
+    assert bars["slope.face.dip"].at_low.factors.limit == pytest.approx(without.limit, rel=1e-9)
+    assert bars["slope.face.dip"].at_low.factors.closed_form == pytest.approx(without.closed_form, rel=1e-9)
+    held = sk.run(BOLTED, set={"slope.face.dip": 67}).fos
+    assert bars["slope.face.dip"].at_high.factors.limit == pytest.approx(held.limit, rel=1e-9)
+    assert "W381" in [notice.code for notice in study.warnings]
+    swept = sk.sweep(sk.load(BOLTED), {"slope.face.dip": [63, 67]})
+    assert swept.points[0].factors.limit == pytest.approx(without.limit, rel=1e-9)
+    own = sk.sweep(sk.load(BOLTED), {"support.bolts.0.length": [1, 12]})  # values of the bolts are as they are
+    assert own.points[0].code == "E212"
+
+
+def test_an_end_without_an_answer_is_no_swing() -> None:
+    """A bar of which one end forms no block has a dash and null, and stands behind those with a swing."""
+    study = tornado(sk.load(WEDGE), {"slope.face.dip": "20:60"}, methods="closed-form")
+    assert study.bars[-1].swings["closed_form"] is None
+    line = next(line for line in str(study).splitlines() if line.strip().startswith("slope.face.dip "))
+    assert line.split()[-1] == "-"
+    assert study.to_dict()["bars"][-1]["swing"] == {"closed_form": None}
+    assert "slope.face.dip" not in study.line

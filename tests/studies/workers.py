@@ -15,6 +15,12 @@ def slow_square(number: int) -> int:
     return number * number
 
 
+def late(number: int) -> int:
+    print("ready", flush=True)
+    time.sleep(0.5)
+    return number
+
+
 @dataclass(frozen=True)
 class DiesOnce:
     """Kills its process at one task, the first time."""

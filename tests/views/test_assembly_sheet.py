@@ -295,7 +295,7 @@ def test_loads_name_their_block() -> None:
                                  "water": {"pressures": {"base/B1": "5 kPa"}}}))  # fmt: skip
     found = part(text, "LOADS")
     assert found.startswith("water u = 5 kPa on base/B1 seismic 0.1 g toward 090 (x is 090) force (-50, 0, 0) kN")
-    assert "force (-57, 0, 0) kN east, north, up on B2 at (10, 0, 2) ... and 4 more forces" in found
+    assert "force (-57, 0, 0) kN east, north, up on B2 at (10.000, 0.000, 2.000) ... and 4 more forces" in found
     assert found.endswith("bolt 50 kN toward 270/20.0 on B1, active (a load)")
 
 

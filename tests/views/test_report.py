@@ -367,7 +367,7 @@ def test_inputs_of_many_values_are_counted() -> None:
     assert value_text("heights_m", [1.5] * 30).endswith("... and 6 more (in the JSON) m")
     tables = {table.title: table for table in input_tables(document("blocks")["inputs"])}
     assert ("B1/B2", "smooth") not in tables["Shape"].rows
-    assert any("polygon (0, 0) (0, 5) (-5, 5) m" in row[1] for row in tables["Shape"].rows)
+    assert any("polygon (0.000, 0.000) (0.000, 5.000) (-5.000, 5.000) m" in row[1] for row in tables["Shape"].rows)
 
 
 @pytest.fixture
@@ -440,3 +440,14 @@ def test_from_python(tmp_path) -> None:
 @pytest.mark.parametrize("code", ["E371", "E372", "E373", "W372"])
 def test_every_code_is_explained(code) -> None:
     assert len(explanations()[code]) > 40
+
+
+@pytest.mark.parametrize("fault", [lambda: {}.itmes(), lambda: re.serach("a", "b")], ids=["dict", "module"])
+def test_a_fault_of_the_program_is_not_put_on_the_file(fault, monkeypatch) -> None:
+    """An attribute that nothing has is a bug of ours: it goes through (exit code 5), where E372 blamed the user."""
+    monkeypatch.setattr(room, "meaning", lambda document: fault())
+    with pytest.raises(AttributeError):
+        report_of(document("wedge"), with_pictures=False)
+    monkeypatch.setattr(room, "meaning", lambda document: document["title"].items())
+    with pytest.raises(DesignError, match="E372"):
+        report_of(document("wedge"), with_pictures=False)

@@ -207,6 +207,28 @@ def test_it_prints(browser, pages) -> None:
         page.command("Emulation.setEmulatedMedia", media="")
 
 
+def test_no_printed_table_is_cut_off(browser, tmp_path) -> None:
+    """Many bolts at map coordinates: on paper A4 every cell ends within the page (they stood in two columns)."""
+    head = [512300.125, 4187645.0, 1245.0]
+    bolts = [
+        {"force": 300, "toward": "005/10", "head": [*head[:2], 1245.0 + 0.01 * k], "length": 12} for k in range(24)
+    ]
+    result = sk.run({
+        "slopekit": 1, "kind": "wedge", "rock": {"unit_weight": 26}, "strength": {"s": {"c": 5, "phi": 30}},
+        "slope": {"face": "65/185", "upper": "12/195", "height": 30, "origin": [512300, 4187650, 1234.5]},
+        "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}}, "support": {"bolts": bolts},
+    })  # fmt: skip
+    page = Page(browser, sk.report(result, tmp_path / "page.html", pictures=False), width=690)
+    page.command("Emulation.setEmulatedMedia", media="print")
+    try:
+        ends = (
+            "return Math.max(...[...document.querySelectorAll('td, th')].map((c) => c.getBoundingClientRect().right))"
+        )
+        assert page.script(ends) <= 690.0
+    finally:
+        page.command("Emulation.setEmulatedMedia", media="")
+
+
 def test_each_scene_of_several_can_be_turned(browser, pages) -> None:
     """One view goes from place to place; where it is not stands its last picture, and all are printed."""
     page = Page(browser, pages["two"])

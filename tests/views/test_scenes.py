@@ -13,6 +13,7 @@ import slopekit as sk
 from slopekit.block_scene import BlockScene, packed
 from slopekit.core.arrays import Floats
 from slopekit.design.templates import path_of
+from slopekit.geometry.solids.meshes import mesh_bodies
 from slopekit.views.solid import rendering
 from slopekit.views.solid.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
 from slopekit.views.solid.rendering import Camera
@@ -365,6 +366,9 @@ def test_png_glb_and_gltf(tmp_path: Path) -> None:
         assert {"blocks", "rock", "J1", "J2"} <= set(loaded.graph.nodes)
         size = np.ptp(np.concatenate([part.vertices for part in made("wedge", "exploded").layers]), axis=0)
         np.testing.assert_allclose(loaded.extents, size[[0, 2, 1]], rtol=1e-5)  # y is up there
+        back = {node: vertices.min(axis=0) for node, vertices, _ in mesh_bodies(tmp_path / name)}
+        least = {part.name: part.vertices.min(axis=0) for part in made("wedge", "exploded").layers}
+        np.testing.assert_allclose(back["blocks"] - back["rock"], least["blocks"] - least["rock"], atol=1e-3)
 
 
 def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

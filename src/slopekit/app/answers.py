@@ -195,21 +195,25 @@ def _controls(design: Design, name: str, keys: Mapping[str, Key]) -> list[str]:
         ends = (".dip", ".mean.dip", ".dip.mean")
         return [root + end for root in roots for end in ends if root + end in keys][:1]
     sign, _, rest = name.partition(" +")
-    if key := _signs().get(sign):
-        wanted = [
-            f"strength.{own}.{key}{end}" for own in _held(design, rest.partition(" of ")[2]) for end in ("", ".mean")
-        ]
+    if signed := _signs().get(sign):
+        strengths = _held(design, rest.partition(" of ")[2])
+        places = [f"strength.{own}.{key}" for own in strengths for key in signed]
+        wanted = [place + end for place in places for end in ("", ".mean")]
         return [path for path in wanted if path in keys]
     wanted_ends = next((ends for begin, ends in _GOVERNED if name.startswith(begin)), ())
     return [path for path in keys if path.endswith(wanted_ends) and keys[path].role == "quantity"][:1]
 
 
 @cache
-def _signs() -> Mapping[str, str]:
-    """The keys of strengths by the signs of GOVERNS: `φ_r` is `phi_r`."""
+def _signs() -> Mapping[str, tuple[str, ...]]:
+    """The keys of strengths by the signs of GOVERNS: `φ_r` is `phi_r`, of any law."""
     records = (*LAWS.values(), Wavy)
     metadata = [part.metadata for record in records for part in fields(record)]
-    return {one["sign"]: one["key"] for one in metadata if "sign" in one}
+    signs: dict[str, tuple[str, ...]] = {}
+    for said in metadata:
+        if "sign" in said and said["key"] not in signs.get(said["sign"], ()):
+            signs[said["sign"]] = (*signs.get(said["sign"], ()), said["key"])
+    return signs
 
 
 def _held(design: Design, joints: str) -> list[str]:

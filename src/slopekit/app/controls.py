@@ -18,7 +18,7 @@ from typing import Any
 from slopekit.core.errors import DesignError
 from slopekit.core.units import quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, every_field, field_at, in_degrees, words_of
+from slopekit.design.fields import Field, every_field, field_in, in_degrees, words_of
 from slopekit.design.reading.nodes import Document, Node
 from slopekit.design.reading.overrides import ALTERNATIVES, spread
 from slopekit.design.reading.structure import WRITTEN, orientation_kind
@@ -131,7 +131,7 @@ def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Itera
     for path, key in values_of(design).items():
         if key.value is None and key.role == "setting":
             continue  # of the elastic blocks, which the app does not ask for
-        field = field_at(type(design), path) or field_at(type(design), path.removesuffix(".mean"))
+        field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
         old = before.get(path)
         low, high = ends(key if old is None or old.value is None else old)
         value = key.value
@@ -148,6 +148,7 @@ def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Itera
             "changed": is_changed(key, old),
             "opened": None if old is None else shown(old, text_at(opened.source, path)),
             "scatter": _scatter(scatter.get(path) or scatter.get(path.removesuffix(".mean"))), "period": key.period,
+            "place": key.is_place,
         }  # fmt: skip
 
 
@@ -181,7 +182,7 @@ def reach(key: Key) -> tuple[float, float]:
     if key.role == "coordinate" or key.low < 0.0:
         if key.high - key.low <= 2.0 * usual + 60.0:
             return key.low, key.high
-        about, far = value or 0.0, max(usual, abs(value or 0.0))
+        about, far = value or 0.0, usual if key.is_place else max(usual, abs(value or 0.0))
         return max(key.low, about - far), min(key.high, about + far)
     if key.whole:
         return key.low, min(key.high, _FARTHEST.get(key.path, max(10.0, _TIMES * (value or 0.0))))
@@ -212,9 +213,11 @@ def _step(low: float, high: float, kind: str) -> float:
 
 
 def shown(key: Key, written: str | None) -> str:
-    """As it is written, with its unit."""
+    """As it is written, with its unit; what is edited keeps every digit of a coordinate."""
     if key.value is None:
         return ""
+    if key.is_place and round(key.value, 3) != key.value and not (written and unit_of(written)):
+        return f"{key.value:.12g} {key.unit}"
     return written if written and unit_of(written) else key.shown(key.value)
 
 
@@ -261,7 +264,7 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
                 return text
         except DesignError:
             pass
-    field = field_at(type(design), path) or field_at(type(design), path.removesuffix(".mean"))
+    field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
     slip = field is not None and field.check is in_degrees and in_degrees(value, path, "", str) is not None
     return f"{_plain(value)} deg" if slip else _plain(value)
 
@@ -299,6 +302,7 @@ def _words(design: Design, opened: Design) -> Iterator[Control]:
             "text": value or "", "low": None, "high": None,
             "step": None, "log": False, "words": list(told), "given": value is not None, "is_default": value is None,
             "changed": value != before, "opened": before, "scatter": None, "period": None,
+            "place": False,
         }  # fmt: skip
 
 

@@ -27,6 +27,7 @@ from slopekit.design.fields import words_of
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_named
 from slopekit.studies.keys import key_of, values_of
+from slopekit.studies.running import end_with_parent
 
 Result = dict[str, Any]
 #: Told of how much is done, of how much (None: nobody knows), and what is being done.
@@ -224,6 +225,7 @@ def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
 def _serve(pipe: Connection) -> None:
     """The process: wait for a job, do it, say what came of it; end where nobody listens any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, which ends this
+    end_with_parent()
     import slopekit.views.solid.viewer_data  # noqa: F401
 
     try:

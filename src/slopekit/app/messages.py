@@ -8,7 +8,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.design.reading.nodes import cut, printable
 
 Message = dict[str, Any]
-LARGEST, LARGEST_SURVEY = 1_000_000, 8_000_000  # letters of a message
+LARGEST, LARGEST_SURVEY = 1_000_000, 20_000_000  # letters of a message
 _DEEPEST = 12
 MOST_VALUES = 200  # that one message sets
 

@@ -21,7 +21,6 @@ import os
 import re
 import secrets
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -31,6 +30,8 @@ from typing import Any
 from slopekit.app.session import Opened, Session, digest_of, opened_text
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.records import dataclass
+from slopekit.core.synonyms import synonym
+from slopekit.core.whole_files import whole_file
 from slopekit.design.reading.document import read_text
 from slopekit.design.reading.nodes import Document, Node, cut
 
@@ -61,7 +62,7 @@ def edited(opened: Opened, document: Document) -> str:
         edits = list(_edits(_Text(opened.text), top, opened.document.root, document.root))
         text = _applied(opened.text, edits)
         again, faults = read_text(text, opened.name, opened.path)
-    except (YAMLError, DesignError, LookupError, ValueError, TypeError, AttributeError) as error:
+    except (YAMLError, DesignError, LookupError, ValueError, TypeError) as error:
         raise _unsaved(cut(str(error).partition("\n")[0])) from None
     root = {key: node.plain() for key, node in again.root.items() if key != "cases"}
     if faults or root != document.root.plain():
@@ -111,7 +112,9 @@ def _edits(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]
 
 
 def _of_mapping(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
-    pairs = {str(key.value): (key, value) for key, value in item.value}
+    keys = [key for key, _ in before.items()]
+    words = [str(key.value) for key, _ in item.value]
+    pairs = {synonym(word, keys) or word: pair for word, pair in zip(words, item.value, strict=True)}
     flow = bool(item.flow_style)
     for key, one in before.items():
         other = after.get(key)
@@ -304,23 +307,11 @@ def save(session: Session, file: str | None, seen: str) -> Path:
 def _write(target: Path, content: bytes, new: bool) -> None:
     """Write a file whole or not at all; a new one never over another."""
     with writing(target):
-        if new:
-            try:
-                with target.open("xb") as file:
-                    file.write(content)
-            except FileExistsError:
-                raise DesignError([Fault("E547", f"{target} is there already", str(target))]) from None
-            return
-        real = Path(os.path.realpath(target))
-        handle, name = tempfile.mkstemp(prefix=f".{real.name}.", dir=real.parent)
         try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            os.chmod(name, real.stat().st_mode & 0o7777)
-            os.replace(name, real)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
+            with whole_file(target, new) as file:
+                file.write_bytes(content)
+        except FileExistsError:
+            raise DesignError([Fault("E547", f"{target} is there already", str(target))]) from None
 
 
 # -- what is not saved yet --------------------------------------------------------------------------------------------
@@ -367,9 +358,8 @@ class Autosave:
                 "digest": opened.digest, "opened": opened.text, "text": edited(opened, session.now.document),
             }  # fmt: skip
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            fresh = self.file.with_suffix(".new")
-            fresh.write_text(json.dumps(record), encoding="utf-8")
-            fresh.replace(self.file)
+            with whole_file(self.file) as fresh:
+                fresh.write_text(json.dumps(record), encoding="utf-8")
             for old in self._all()[_MOST_KEPT:]:
                 old.unlink(missing_ok=True)
         except (OSError, DesignError):

@@ -87,21 +87,32 @@ def _names(joints: Sequence[MeasuredJoint]) -> list[str]:
 
 
 def dropped(
-    design: Design, name: str, text: str, c: float | None = None, phi: float | None = None
-) -> Dropped:  # fmt: skip
-    """Read a survey, and cut every pair of it in the slope of a design.
+    design: Design,
+    name: str,
+    text: str,
+    c: float | None = None,
+    phi: float | None = None,
+    *,
+    columns: str | None = None,
+    skip_bad: bool = False,
+) -> Dropped:
+    """Read a survey, and cut every pair of it in the slope of a design; ask before bad rows are left out.
 
     Parameters
     ----------
     name, text : of the file that was dropped
     c, phi : strength of joints without their own, kPa and degrees [that of the design]
+    columns : what the columns hold, in order, in place of a header; skip_bad : the user agrees to leave bad rows out
 
     Raises
     ------
     DesignError
         Every fault of the list, and of what its pairs need.
     """
-    survey = read_joints_text(name, text, skip_bad=True)
+    try:
+        survey = read_joints_text(name, text, skip_bad, columns)
+    except DesignError as error:
+        return _question(name, text, columns, error)
     joints = JointList(name, survey.joints, survey.left_out, survey.read_as)
     notices = [{"code": "W481", "text": f"not used of {name}: {one}", "path": None} for one in survey.left_out]
     notices += [{"code": "W373", "text": f"read of {name}: {one}", "path": None} for one in survey.read_as]
@@ -135,6 +146,27 @@ def dropped(
     said["counts"] = combinations.counts
     said["notices"] += [answers.notice_of(one) for one in combinations.warnings]
     return Dropped(joints, combinations, said)
+
+
+def _question(name: str, text: str, columns: str | None, error: DesignError) -> Dropped:
+    """The faults of a survey and whether to go on without its bad rows, where these are few enough to be left out.
+
+    Raises
+    ------
+    DesignError
+        The faults of the survey, where it cannot be read without them either.
+    """
+    try:
+        survey = read_joints_text(name, text, True, columns)
+    except DesignError:
+        raise error from None
+    told = {
+        "name": name,
+        "pairs": [],
+        "question": f"Go on with {len(survey.joints)} joints, without the bad rows?",
+        "faults": [answers.fault_of(fault) for fault in error.faults],
+    }
+    return Dropped(JointList(name, ()), None, told)
 
 
 def _strength(design: Design) -> tuple[float, float]:

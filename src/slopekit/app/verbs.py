@@ -150,9 +150,10 @@ def _survey(link: Link, message: Message) -> None:
     desk, design = link.desk, link.desk.session.design
     name, text = _name(text_of(message, "name", "survey.csv")), text_of(message, "text")
     c, phi = (jobs.number_in(message, key, None) for key in ("c", "phi"))
+    columns, skip_bad = text_of(message, "columns", "") or None, message.get("skip_bad") is True
 
     def work() -> Message:
-        desk.survey = surveys.dropped(design, name, text, c, phi)
+        desk.survey = surveys.dropped(design, name, text, c, phi, columns=columns, skip_bad=skip_bad)
         return desk.survey.said
 
     desk.later(link, message, work)

@@ -1,27 +1,45 @@
 """The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
 
-import atexit
-import errno
-import gc
-import os
-import sys
-import threading
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from importlib import import_module
-from typing import Annotated, Any, NoReturn, cast
-
-# how many objects may come before the garbage collector looks at them all: those of starting up are all there to stay,
-# and Python's 700 has them gone through a hundred times (a tenth of a cold wedge)
-gc.set_threshold(50_000, 20, 20)
-
 try:
+    import os
+    import signal
+    import sys
+    import threading
+
+    def _interrupt(_: int, frame: "FrameType | None") -> None:
+        """Ctrl-C: end at once while a library loads, of which some abort on an exception; else KeyboardInterrupt."""
+        while frame is not None:
+            if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+                os._exit(130)
+            frame = frame.f_back
+        raise KeyboardInterrupt
+
+    _is_interruptible = threading.current_thread() is threading.main_thread() and (
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+    if _is_interruptible:
+        signal.signal(signal.SIGINT, _interrupt)
+
+    import atexit
+    import errno
+    import gc
+    from collections.abc import Iterable, Mapping, Sequence
+    from contextlib import suppress
+    from importlib import import_module
+    from types import FrameType
+    from typing import Annotated, Any, NoReturn, cast
+
+    # how many objects may come before the garbage collector looks at them all: those of starting up are all there to
+    # stay, and Python's 700 has them gone through a hundred times (a tenth of a cold wedge)
+    gc.set_threshold(50_000, 20, 20)
+
     import typer
     from typer.core import TyperGroup
 
     from slopekit._version import __version__
-    from slopekit.cli.common import print_faults, repeats
+    from slopekit.cli.common import canonical_options, print_faults, repeats
     from slopekit.core.errors import DesignError, Fault, SlopekitError
+    from slopekit.core.synonyms import nearest
     from slopekit.studies.protocol import STUDIES
 except ModuleNotFoundError as error:
     from slopekit._needs import said_of
@@ -30,8 +48,8 @@ except ModuleNotFoundError as error:
         raise
     print(said, file=sys.stderr)
     sys.exit(2)
-except KeyboardInterrupt:  # stopped while the libraries load
-    sys.exit(130)
+except KeyboardInterrupt:  # before the handler above stood
+    raise SystemExit(130) from None
 
 #: The first of the help; the studies follow, and the others.
 _FIRST = ("wedge", "run", "lint")
@@ -63,6 +81,7 @@ class _Commands(TyperGroup):
         """A command and what is left for it, once no option stands where the value of another belongs."""
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
+            rest = canonical_options(command.params, rest)
             _refuse_swallowed(command.params, rest)
             if name in _WRITTEN:  # the others say it with what else is wrong, once all is read
                 repeats(rest).refuse()
@@ -95,6 +114,9 @@ app = typer.Typer(
 )
 
 
+_ALLOW_OUTSIDE = "--allow-outside"
+
+
 def _version(show: bool) -> None:
     if show:
         typer.echo(f"slopekit {__version__}")
@@ -104,8 +126,13 @@ def _version(show: bool) -> None:
 @app.callback()
 def _slopekit(
     version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version.")] = False,
+    allow_outside: Annotated[
+        bool, typer.Option(_ALLOW_OUTSIDE, help="Designs may name files outside their own folder; of every command.")
+    ] = False,
 ) -> None:
     """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
+    if allow_outside:
+        os.environ["SLOPEKIT_ALLOW_OUTSIDE"] = "1"  # workers have it too
 
 
 def _refuse_no_output() -> None:
@@ -141,19 +168,24 @@ def main() -> NoReturn:
     atexit.register(gc.freeze)  # what is left goes with the process: to look through it costs a sixth of a cold wedge
     try:
         _refuse_no_output()
+        if _ALLOW_OUTSIDE in sys.argv[2:]:  # of every command, wherever it stands
+            sys.argv.remove(_ALLOW_OUTSIDE)
+            sys.argv.insert(1, _ALLOW_OUTSIDE)
         code = app(standalone_mode=False)
     except SlopekitError as error:
         if isinstance(error, DesignError):
             error = _with_repeats(error)
         print_faults(error)
         sys.exit(error.exit_code)
-    except typer.Abort:
+    except (typer.Abort, KeyboardInterrupt):
         sys.exit(130)
     except typer.TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # nothing was asked for: the help, as it is
             typer.echo(_said(error), err=True)
             sys.exit(2)
-        wrong = _with_repeats(DesignError([Fault("E100", _said(error), "", _advice(sys.argv[1:]))]))
+        message, near = _said(error), _nearest_option(error)
+        message = message.partition(" (Possible")[0] if near is not None else message
+        wrong = _with_repeats(DesignError([Fault("E100", message, "", near or _advice(sys.argv[1:]))]))
         print_faults(wrong)
         sys.exit(wrong.exit_code)
     except ModuleNotFoundError as error:
@@ -190,6 +222,8 @@ def start() -> NoReturn:
     Python would take down every object of NumPy and typer one by one first, for nothing: 4 % of a cold wedge. It does
     where something waits for that end: other threads, a profiler, what `_ENDED_BY_PYTHON` names.
     """
+    if _is_interruptible:
+        signal.signal(signal.SIGINT, _interrupt)
     try:
         main()
     except SystemExit as end:
@@ -222,6 +256,16 @@ def _leave_alone(stream: Any) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
+def _nearest_option(error: "typer.TyperException") -> str | None:
+    """The option that was likely meant, empty where there is none; None for another error than an unknown option."""
+    word, context = getattr(error, "option_name", None), getattr(error, "ctx", None)
+    if type(error).__name__ != "NoSuchOption" or word is None or context is None:
+        return None
+    known = [name for option in context.command.params for name in option.opts if name.startswith("-")]
+    near = nearest(word, known, cutoff=0.7 if len(word.lstrip("-")) > 1 else 1.0)
+    return f"Did you mean {near[0]}?" if near else ""
+
+
 def _advice(arguments: Sequence[str]) -> str:
     """What to type instead: a dash that a text program has put for a hyphen is the likeliest slip."""
     dashed = next((word for word in arguments if word[:1] in "–—−‐‑" and len(word) > 1), "")
@@ -242,3 +286,7 @@ def _say_bug(error: Exception) -> NoReturn:
 def _said(error: "typer.TyperException") -> str:  # an older typer has none: `doctor` shall say that it is old
     format_message = getattr(error, "format_message", None)
     return str(format_message() if format_message else error)
+
+
+if _is_interruptible:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

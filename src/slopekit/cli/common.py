@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -16,6 +16,7 @@ from slopekit.cli.progress import aside
 from slopekit.core.errors import DesignError, Fault, Faults, SlopekitError, writing
 from slopekit.core.onlooker import say
 from slopekit.core.sheet import WIDTH
+from slopekit.core.synonyms import synonym
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -36,9 +37,21 @@ FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
 def repeats(arguments: Sequence[str]) -> Faults:
     """Options that take one value and are given twice, of which the parser would let the last one win."""
     given = [argument.partition("=")[0] for argument in arguments if _OPTION.match(argument)]
+    given = [synonym(name, {*given} - {name}) or name for name in given]
     names = [_SPELLINGS.get(name, name) for name in given]
     twice = sorted({name for name in names if names.count(name) > 1} - _FOR_MORE)
     return Faults(Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice)
+
+
+def canonical_options(declared: Iterable[Any], arguments: Sequence[str]) -> list[str]:
+    """The arguments of a command with the option in place of what engineers call it: `--c` for `--cohesion`."""
+    known = [name for option in declared for name in option.opts if name.startswith("--")]
+    made = []
+    for argument in arguments:
+        name, equals, value = argument.partition("=")
+        meant = synonym(name, known) if name.startswith("--") else None
+        made.append(f"{meant or name}{equals}{value}")
+    return made
 
 
 def load_design(design: str, sets: list[str] | None, case: str | None = None) -> "Design":
@@ -68,18 +81,6 @@ def folder_of(folder: Path) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
     return folder
-
-
-def write(path: Path, text: str) -> None:
-    """Write a text to a file of the folder asked for.
-
-    Raises
-    ------
-    DesignError
-        E129 where it cannot be written.
-    """
-    with writing(path):
-        path.write_text(text, encoding="utf-8")
 
 
 def image_of(path: Path, endings: tuple[str, ...] = (".png",)) -> Path:

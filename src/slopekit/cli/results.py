@@ -1,5 +1,6 @@
 """What the commands of results, wedge and run, have of their own: their files, the schedule of bolts, the pictures."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +20,21 @@ _ENDINGS = (".png", ".glb", ".gltf")
 _PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction", "elastic-tractions")
 
 
-def finish(record: dict[str, Any], folder: Path | None, image: Path | None, plain: bool) -> None:
-    """The pictures of a result; those of an earlier one go, and its bolts where this one has none."""
+def remove_older(record: dict[str, Any], folder: Path) -> list[Path]:
+    """Remove the pictures of an earlier result, and its bolts where this one has none; the pictures removed."""
+    _remove_schedule(record, folder)
+    return remove([folder / f"{what}.png" for what in _PICTURES], "pictures")
+
+
+def finish(
+    record: dict[str, Any], folder: Path | None, image: Path | None, plain: bool, removed: Sequence[Path]
+) -> None:  # fmt: skip
+    """Draw the pictures of a result; say which of the `removed` ones of an earlier result it has not."""
     if image is not None:
         draw_to(record, "scene", image)
     if folder is not None:
-        _remove_schedule(record, folder)
-        old = [folder / f"{what}.png" for what in _PICTURES if (folder / f"{what}.png").exists()]
-        _remove(old, "pictures")
         drawn = [] if plain else _drawn(record, folder)
-        gone = ", ".join(path.name for path in old if path.stem not in drawn)
+        gone = ", ".join(path.name for path in removed if path.parent == folder and path.stem not in drawn)
         if gone:
             with aside():
                 typer.echo(f"pictures of an earlier result were removed: {gone}", err=True)
@@ -41,19 +47,22 @@ def _remove_schedule(record: dict[str, Any], folder: Path) -> None:
     from slopekit.kinds.sheets.bolts import schedule_table
 
     if path.read_bytes().startswith(schedule_table([]).csv().strip().encode()):
-        _remove([path], "the bolts")
+        remove([path], "the bolts")
         with aside():
             typer.echo(f"the bolts of an earlier result were removed: {path.name}", err=True)
 
 
-def _remove(paths: list[Path], what: str) -> None:
+def remove(paths: Sequence[Path], what: str) -> list[Path]:
+    """Remove those of the files that are there, and return them; E129 where one cannot be removed."""
+    present = [path for path in paths if path.exists()]
     try:
-        for path in paths:
+        for path in present:
             path.unlink()
     except OSError as error:
         folder = paths[0].parent
         message = f"{folder} holds {what} of an earlier result: {error.strerror or error}"
         raise DesignError([Fault("E129", message, str(folder))]) from None
+    return present
 
 
 def _drawn(record: dict[str, Any], folder: Path) -> list[str]:

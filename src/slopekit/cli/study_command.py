@@ -21,13 +21,13 @@ from slopekit.cli.common import (
     load_design,
     print_faults,
     repeats,
-    write,
 )
 from slopekit.cli.progress import aside, progress, watched
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.onlooker import say
 from slopekit.core.options import DESIGN, Argument, Option, Workplace, given_by
 from slopekit.core.shown import Shown
+from slopekit.core.whole_files import whole_files
 from slopekit.studies.protocol import VARIANTS, StudyOutcome, function_of
 
 #: The functions that give a result; all other commands that are made so are studies.
@@ -228,29 +228,42 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
     record = outcome.to_dict() if as_json or folder or image else {}
     document = json_text(record) if as_json or folder else ""
     text = str(outcome) if folder or not (as_json or quiet) else ""
+    removed = list[Path]()
     if folder is not None:
-        _write(outcome, folder, document, text)
+        with writing(folder, "the folder "), whole_files(folder) as staging:
+            _write(outcome, staging, document, text)
+            removed = _without_older(outcome, folder)
     with aside():
         typer.echo(document if as_json else outcome.line if quiet else text)
     say("pictures", head=True)
     for name, part in outcome.parts.items():
-        _draw(part, record["cases"][name] if record else {}, _below(folder, name), _beside(image, name), given)
+        record_of_part = record["cases"][name] if record else {}
+        _draw(part, record_of_part, _below(folder, name), _beside(image, name), given, removed)
     if not outcome.parts:
-        _draw(outcome, record, folder, image, given)
+        _draw(outcome, record, folder, image, given, removed)
 
 
 def _write(outcome: Shown, folder: Path, document: str, text: str) -> None:
     """The JSON, the text, the tables and further files; what it is made of in folders of their own."""
     own, sheet = outcome.file_names
-    write(folder / f"{own}.json", document + "\n")
-    write(folder / f"{sheet}.txt", text + "\n")
+    texts = {f"{own}.json": document + "\n", f"{sheet}.txt": text + "\n", **outcome.files()}
+    for name, content in texts.items():
+        (folder / name).write_text(content, encoding="utf-8")
     for name, table in outcome.sheet.tables.items():
-        with writing(folder / name), (folder / name).open("w", encoding="utf-8", newline="") as file:
+        with (folder / name).open("w", encoding="utf-8", newline="") as file:
             table.write(file)
-    for name, more in outcome.files().items():
-        write(folder / name, more)
     for name, part in outcome.parts.items():
-        _write(part, folder_of(folder / name), json_text(part.to_dict()), str(part))
+        (folder / name).mkdir()
+        _write(part, folder / name, json_text(part.to_dict()), str(part))
+
+
+def _without_older(outcome: Shown, folder: Path) -> list[Path]:
+    """Remove the pictures of an earlier outcome, once all of this one is written; what was removed."""
+    if outcome.parts:
+        return [path for name, part in outcome.parts.items() for path in _without_older(part, folder / name)]
+    if isinstance(outcome, StudyOutcome):
+        return results.remove([folder / f"{what}.png" for what in outcome.charts], "pictures")
+    return results.remove_older(outcome.to_dict(), folder)
 
 
 def _below(folder: Path | None, name: str) -> Path | None:
@@ -263,11 +276,12 @@ def _beside(image: Path | None, name: str) -> Path | None:
 
 
 def _draw(
-    outcome: Shown, record: dict[str, Any], folder: Path | None, image: Path | None, given: Mapping[str, Any]
+    outcome: Shown, record: dict[str, Any], folder: Path | None, image: Path | None, given: Mapping[str, Any],
+    removed: list[Path],
 ) -> None:  # fmt: skip
     """The pictures of what a function came to."""
     if not isinstance(outcome, StudyOutcome):
-        results.finish(record, folder, image, given["no_pictures"])
+        results.finish(record, folder, image, given["no_pictures"], removed)
         return
     if image is not None and not outcome.charts:
         message = f"this {outcome.name} has nothing to draw: {image} is not written"

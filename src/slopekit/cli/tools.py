@@ -8,6 +8,7 @@ import typer
 
 from slopekit.cli.progress import watched
 from slopekit.core.errors import DesignError, Fault, Faults, writing
+from slopekit.core.whole_files import whole_file
 
 
 def _template_names(incomplete: str) -> list[str]:
@@ -68,8 +69,8 @@ def new_template(
         raise DesignError([Fault("E129", f"there is no folder {path.parent}", str(path))])
     if path.exists():
         raise DesignError([Fault("E178", f"{path} is there already", str(path), "Give another name.")])
-    with writing(path), path.open("x", encoding="utf-8") as file:
-        file.write(source.read_text(encoding="utf-8"))
+    with writing(path), whole_file(path, new=True) as file:
+        file.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
     typer.echo(f"wrote {path}; try: slopekit run {quote(str(path))}")
 
 

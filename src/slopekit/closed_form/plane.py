@@ -42,8 +42,8 @@ class PlaneArrays:
     unit_weight_kn_m3 : of the rock
     crack_depth_m, crack_distance_m : of a vertical crack, one of the two, or both where they agree; the distance counts
         back from the crest (negative: in the face). Neither without a crack
-    fill : part of full water: of the crack's depth, without a crack of γ_w H/2 at mid-length of the plane, where
-        nothing stands at both ends
+    fill : part of the pressure of full water: of a crack full to the top, without a crack of γ_w H/2 at mid-length of
+        the plane, where nothing stands at both ends
     water_in_crack_m : the water in the crack, instead of `fill`; U = γ_w z_w L / 2 on the plane (nothing at the toe),
         V = γ_w z_w² / 2 in the crack
     pressure_kpa, crack_pressure_kpa : mean pressures on the plane and in the crack, instead of both
@@ -200,9 +200,10 @@ def _block(columns: Columns, count: int) -> _PlaneBlock:
         if "pressure_kpa" in columns:
             pressure, thrust = columns["pressure_kpa"], columns.get("crack_pressure_kpa", 0.0) * depth
         else:
-            deep = columns.get("water_in_crack_m", columns["fill"] * depth)
+            deep = columns.get("water_in_crack_m", depth)
             refuse("E207", deep > depth * (1.0 + 1e-9))
-            pressure, thrust = 0.5 * weighs * deep, 0.5 * weighs * (deep * deep)
+            pressure = 0.5 * weighs * deep * (1.0 if "water_in_crack_m" in columns else columns["fill"])
+            thrust = pressure * deep
         refuse("E207", ~((depth > 0.0) & (at < 0.0)))
     weight = columns["unit_weight_kn_m3"] * (0.5 * twice)
     return _PlaneBlock(code, weight, np.hypot(*end), depth, pressure, thrust)

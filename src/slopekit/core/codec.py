@@ -23,6 +23,10 @@ T = TypeVar("T")
 #: Metadata of a field that JSON has not.
 NO_JSON: Mapping[str, Any] = {"json": None}
 _PLAIN = (str, bool, int, NoneType)
+_JSON = (NoneType, str, int, float, list, tuple, dict)
+_OF_ARRAYS = ("astype", "shape", "size", "ndim", "reshape", "tolist", "any", "all", "min", "max", "sum", "copy", "T")
+#: What reading a document can raise where its values are not what they should be; see `is_of_document`.
+MISREAD = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 def digest(document: Any) -> str:
@@ -114,4 +118,27 @@ def _back(hint: Any, value: Any) -> Any:
     return value
 
 
-__all__ = ["NO_JSON", "dataclass", "field", "from_json", "json_of", "record_of"]
+def is_of_document(error: Exception) -> bool:
+    """Whether values of a document that are missing or of another type can raise an error where they are read.
+
+    An attribute is missing from a JSON value only where that should be another JSON value, or an array: all other
+    attributes that are missing are faults of the program.
+
+    >>> def raised(read):
+    ...     try:
+    ...         read()
+    ...     except Exception as error:
+    ...         return error
+    >>> is_of_document(raised(lambda: {}["fos"])), is_of_document(raised(lambda: None.items()))
+    (True, True)
+    >>> is_of_document(raised(lambda: {}.itmes())), is_of_document(raised(lambda: math.pie))
+    (False, False)
+    """
+    if isinstance(error, AttributeError):
+        name = str(error.name)
+        is_of_other = name in _OF_ARRAYS or any(hasattr(kind, name) for kind in (dict, list, str, float))
+        return isinstance(error.obj, _JSON) and is_of_other
+    return isinstance(error, MISREAD)
+
+
+__all__ = ["MISREAD", "NO_JSON", "dataclass", "field", "from_json", "is_of_document", "json_of", "record_of"]

@@ -213,9 +213,9 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: f
     >>> did_you_mean("hieght", ["height", "face"]), did_you_mean("x", ["height"], "Known: height.")
     ('Did you mean height?', 'Known: height.')
     """
-    from difflib import get_close_matches  # what has no slip does not pay for it
+    from slopekit.core.synonyms import nearest  # what has no slip does not pay for it
 
-    near = get_close_matches(name, list(known), n=1, cutoff=cutoff)
+    near = nearest(name, known, cutoff=cutoff)
     return f"Did you mean {near[0]}?" if near else otherwise
 
 

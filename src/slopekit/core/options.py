@@ -61,7 +61,7 @@ class Argument:
     ----------
     many : takes all that follow; `reads` then gets the list of them
     called : its name where a variant calls it otherwise
-    advice : what a script that gives something else is told
+    takes : what a script gives for it, where that is more than its type says
     """
 
     help: str
@@ -69,11 +69,11 @@ class Argument:
     reads: Callable[[Any, str], Any] = as_it_is
     many: bool = False
     called: str = ""
-    advice: str = ""
+    takes: str = ""
 
 
 #: A design: a file on the command line, with `--set`.
-DESIGN = Argument("A design file (YAML).", "DESIGN", advice='Give what sk.load("my.yaml") returns, or result.design.')
+DESIGN = Argument("A design file (YAML).", "DESIGN", takes="the path of a design file, the same as a dict, or a design")
 
 
 def _silent(_done: int) -> None:

@@ -5,6 +5,7 @@ Frame: x east, y north, z up. Angles are degrees, dips below the horizontal, dir
 
 import math
 import re
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -71,6 +72,15 @@ class Line:
         return f"{bearing(self.trend_deg)}/{self.plunge_deg:.1f}"
 
 
+def upward_axis(suffix: str) -> str:
+    """The axis that points up in mesh files of a format: y in glTF by its standard (2.0, 3.4), z in every other.
+
+    >>> upward_axis(".glb"), upward_axis(".obj")
+    ('y', 'z')
+    """
+    return "y" if suffix.lower() in (".glb", ".gltf") else "z"
+
+
 def normals(dip_deg: Floats, dip_direction_deg: Floats) -> Floats:
     """Upward unit normals of planes.
 
@@ -117,6 +127,24 @@ def number(value: float) -> str:
     return f"{value:.10g}"
 
 
+def millimetre(value: float) -> str:
+    """A length or coordinate in m, fixed to the millimetre, without a minus before zero.
+
+    >>> millimetre(4000123.4567), millimetre(-0.0001)
+    ('4000123.457', '0.000')
+    """
+    return f"{round(value, 3) + 0.0:.3f}"
+
+
+def coordinates(point: Iterable[float]) -> str:
+    """The coordinates of a point in m, each fixed to the millimetre as a survey has them.
+
+    >>> coordinates((512300.0, 4187650.25, 1234.5))
+    '(512300.000, 4187650.250, 1234.500)'
+    """
+    return f"({', '.join(map(millimetre, point))})"
+
+
 def bearing(degrees: float) -> str:
     """A direction in three digits, decimals only where there are any.
 
@@ -147,14 +175,16 @@ def azimuth_of(point: str) -> float | None:
 
 
 def parse_strike(text: str) -> float | None:
-    """The azimuth of a strike: `N25W` (335), or a number from 0 to 360; None for anything else.
+    """The azimuth of a strike: `N25W` (335), `E-W` (90), or a number from 0 to 360; None for anything else.
 
     >>> parse_strike("N25W"), parse_strike("S10E"), parse_strike("25"), parse_strike("W25N")
     (335.0, 170.0, 25.0, None)
+    >>> parse_strike("N-S"), parse_strike("EW"), parse_strike("NE-SW"), parse_strike("N"), parse_strike("NE")
+    (0.0, 90.0, 45.0, 0.0, None)
     """
     match = re.match(_STRIKE, text)
     if match is None:
-        return None
+        return _strike_by_points(text)
     end, angle, turn, plain = match.groups()
     if plain is not None:
         return float(plain) if float(plain) <= 360.0 else None
@@ -162,6 +192,37 @@ def parse_strike(text: str) -> float | None:
         return None
     clockwise = (end.upper() == "N") == (turn.upper() == "E")
     return ((0.0 if end.upper() == "N" else 180.0) + (float(angle) if clockwise else -float(angle))) % 360.0
+
+
+def _strike_by_points(text: str) -> float | None:
+    """The azimuth of a strike between two opposite compass points, or toward one of N, E, S and W."""
+    letters = re.sub(r"[\s\-–]", "", text.upper())
+    if len(letters) == 1:
+        return azimuth_of(letters)
+    for cut in range(1, len(letters)):
+        first, second = azimuth_of(letters[:cut]), azimuth_of(letters[cut:])
+        if first is not None and second is not None and abs(first - second) == 180.0:
+            return first
+    return None
+
+
+def plane_without_side(strike_deg: float, dip: str) -> Plane | None:
+    """A vertical or horizontal plane by its strike and dip, whose side need not be said; None for any other dip.
+
+    >>> print(plane_without_side(330.0, "90"), plane_without_side(0.0, "0°"), plane_without_side(0.0, "45"))
+    90/060 0/090 None
+    """
+    match = re.match(r"^\s*(0+|90)(?:[.,]0*)?\s*°?\s*$", dip)
+    return None if match is None else Plane(float(match.group(1)), (strike_deg + 90.0) % 360.0)
+
+
+def overturned_plane(dip_deg: float, dip_direction_deg: float) -> Plane:
+    """The plane of a dip beyond 90°, as overturned beds are written: 95° toward 030 is 85/210.
+
+    >>> print(overturned_plane(95.0, 30.0))
+    85/210
+    """
+    return Plane(180.0 - dip_deg, (dip_direction_deg + 180.0) % 360.0)
 
 
 def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
@@ -188,9 +249,18 @@ def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
 def parse_quadrants(text: str) -> Plane | None:
     """A plane in quadrant notation, `N25E/45SE`, also with a comma or a blank, or `025/45SE`; None for anything else.
 
+    Vertical and horizontal planes need no side where the strike is in letters: `N25E/90`, `E-W/90`.
+
     >>> print(parse_quadrants("N25E/45SE"), parse_quadrants("N 25 W, 60 SW"), parse_quadrants("45/115"))
     45/115 60/245 None
+    >>> print(parse_quadrants("N30W/90"), parse_quadrants("E-W/90"), parse_quadrants("30/90"))
+    90/060 90/180 None
     """
+    vertical = re.match(r"^(.*[NESWnesw])\s*[\s/,;]\s*(\S+)\s*$", text)
+    if vertical is not None and (azimuth := parse_strike(vertical.group(1))) is not None:
+        plane = plane_without_side(azimuth, vertical.group(2))
+        if plane is not None:
+            return plane
     dip = re.search(r"(?:^|[\s/,;°EWew])\s*(\d+(?:\.\d+)?\s*°?\s*[NESWnesw]{1,3})\s*$", text)
     strike = None if dip is None else parse_strike(text[: dip.start(1)].rstrip(" /,;\t"))
     return None if dip is None or strike is None else plane_by_side(strike, dip.group(1))
@@ -214,6 +284,10 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
         value = (value.dip_deg, value.dip_direction_deg)
     where = where or f"{name} = {value}"
     if isinstance(value, str):
+        if "°" in value:
+            from slopekit.core.degrees import decimal_degrees  # few planes are in minutes
+
+            value = decimal_degrees(value)
         match = re.match(_PAIR, value)
         if match is None:
             raise DesignError([_not_a_plane(value, name, where)])
@@ -228,7 +302,7 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
             numbers.append(float(str(part).rstrip("°")))
         except ValueError:
             raise DesignError([_not_a_plane(value, name, where)]) from None
-    plane = _checked_plane(numbers[0], numbers[1], name, where)
+    plane = _checked_plane(numbers[0], numbers[1], name, where, is_written_as_bearing(str(parts[1])))
     if (
         isinstance(value, str)
         and look_like_radians(*numbers)
@@ -240,21 +314,32 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
     return plane
 
 
-def _checked_plane(dip: float, direction: float, name: str, where: str) -> Plane:
+def is_written_as_bearing(text: str) -> bool:
+    """Whether a text is a direction by its notation, three digits from 000 to 099: no dip is written so.
+
+    >>> is_written_as_bearing("030"), is_written_as_bearing("30"), is_written_as_bearing("115")
+    (True, False, False)
+    """
+    return re.match(r"^\s*0\d\d(?:[.,]\d*)?\s*°?\s*$", text) is not None
+
+
+def _checked_plane(dip: float, direction: float, name: str, where: str, is_bearing: bool) -> Plane:
+    """A plane of two numbers that can be one; `is_bearing` : the second is a direction by its notation."""
     if not (math.isfinite(dip) and math.isfinite(direction)):
         raise DesignError([Fault("E105", f"orientation of {name} is not a finite number", where)])
     if not 0.0 <= dip <= 90.0:
-        if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0:
+        if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0 and not is_bearing:
             struck = Plane(direction, (dip + 90.0) % 360.0)
+            overturned = f" An overturned plane is written {overturned_plane(dip, direction)}." if dip <= 180.0 else ""
             advice = (
-                f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a strike by "
-                f"the right-hand rule, it is {struck}."
+                f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a "
+                f"strike by the right-hand rule, it is {struck}.{overturned}"
             )
             message = f"{name} is {number(dip)}/{number(direction)}: dip and dip direction look swapped"
             raise DesignError([Fault("E103", message, where, advice)])
         advice = ""
         if 90.0 < dip <= 180.0:
-            meant = Plane(180.0 - dip, (direction + 180.0) % 360.0)
+            meant = overturned_plane(dip, direction)
             advice = f"A plane that dips {number(dip)}° toward {bearing(direction)} is written {meant}."
         message = f"dip of {name} is {number(dip)}, a dip lies between 0 and 90"
         raise DesignError([Fault("E101", message, where, advice)])
@@ -269,11 +354,91 @@ def _not_a_plane(value: object, name: str, where: str) -> Fault:
     text = str(value)
     message = f"{name} is {text!r}, a plane is written dip/dip direction, for example 45/115"
     advice = ""
-    if re.search(_QUADRANT, text) or "strike" in text.lower():
-        meant = parse_quadrants(text)
+    meant = parse_quadrants(text)
+    if meant is not None or re.search(_QUADRANT, text) or "strike" in text.lower():
         advice = (
             "This looks like a strike: dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."
             if meant is None
             else f"This looks like a strike and the side of the dip: write {meant}."
         )
-    return Fault("E104", message, where, advice)
+    return Fault("E104", message, where, _ready_answer(text) or advice)
+
+
+def _ready_answer(text: str) -> str:
+    """What to type for a plane whose two angles are told apart by something else than a slash; empty where unclear.
+
+    >>> _ready_answer("45-115"), _ready_answer("45,5/115"), _ready_answer("45SE"), _ready_answer("115 45")
+    ('Write 45/115.', 'Write 45.5/115.', 'Write 45/135.', 'Write 45/115: the dip comes first.')
+    >>> _ready_answer("S45E/45")
+    'Where S45E is the dip direction, write 45/135; where it is the strike, 45/045 or 45/225, by the side it dips to.'
+    """
+    if parse_quadrants(text) is not None:
+        return ""
+    plain = re.sub(r"(?i)°|\bdeg(?:rees?)?\b|^\s*\w+\s*=", " ", text)
+    pair = re.match(
+        r"(?i)^\s*(?:dip\s*[:=]?)?\s*(\d+(?:\.\d+)?)(?:\s*[-–,;:/|@>→]\s*|\s+(?:to|towards?)\s+|\s+)"
+        r"(?:(?:dd|dip[ _]?dir(?:ection)?|azimuth)\s*[:=]?\s*)?(\d+(?:\.\d+)?)\s*$", plain,
+    ) or re.match(r"^\s*(\d+,\d+|\d+(?=/\d+,))\s*/\s*(\d+(?:,\d+)?)\s*$", plain)  # fmt: skip
+    if pair is not None:
+        dip, direction = (float(part.replace(",", ".")) for part in pair.groups())
+        is_swapped = dip > 90.0 >= direction
+        dip, direction = (direction, dip) if is_swapped else (dip, direction)
+        if dip > 90.0 or direction > 360.0:
+            return ""
+        return f"Write {Plane(dip, direction)}{': the dip comes first' if is_swapped else ''}."
+    side = re.match(r"(?i)^\s*(\d+(?:\.\d+)?)\s*/?\s*([NESW]{1,3})\s*$", plain)
+    toward = None if side is None else azimuth_of(side.group(2))
+    if side is not None and toward is not None and float(side.group(1)) <= 90.0:
+        return f"Write {Plane(float(side.group(1)), toward)}."
+    return _of_quadrant_and_dip(plain)
+
+
+def _of_quadrant_and_dip(text: str) -> str:
+    """What to type for a bearing in quadrants and a dip of which nothing says to which side: `S45E/45`, `45/S45E`."""
+    quadrant = r"([NSns]\s*\d+(?:\.\d+)?\s*[EWew])"
+    match = re.match(rf"^\s*{quadrant}[\s/,;]+(\d+(?:\.\d+)?)\s*$", text)
+    bearing_text, dip_text = match.groups() if match is not None else ("", "")
+    if match is None and (match := re.match(rf"^\s*(\d+(?:\.\d+)?)[\s/,;]+{quadrant}\s*$", text)) is not None:
+        dip_text, bearing_text = match.groups()
+    azimuth = parse_strike(bearing_text) if match is not None else None
+    if azimuth is None or float(dip_text) > 90.0:
+        return ""
+    dip = float(dip_text)
+    sides = " or ".join(
+        str(Plane(dip, direction)) for direction in sorted(((azimuth + 90) % 360, (azimuth - 90) % 360))
+    )
+    return (
+        f"Where {bearing_text.strip()} is the dip direction, write {Plane(dip, azimuth)}; "
+        f"where it is the strike, {sides}, by the side it dips to."
+    )
+
+
+def parse_face(value: object, name: str, where: str = "") -> Plane:
+    """Read the plane of a slope face or an upper slope as `parse_plane` does; one beyond 90° overhangs.
+
+    The rock lies below a face: 95/180 is an overhang, and no face of 85/000, whose rock lies on the other side.
+
+    Raises
+    ------
+    DesignError
+        E101 a face that overhangs, and what `parse_plane` raises.
+    """
+    try:
+        return parse_plane(value, name, where)
+    except DesignError as error:
+        raise DesignError([_of_a_face(fault, value, name) for fault in error.faults]) from None
+
+
+def _of_a_face(fault: Fault, value: object, name: str) -> Fault:
+    """What is wrong with a face, with an advice that keeps its rock on the same side."""
+    parts = value.split("/") if isinstance(value, str) else list(value) if isinstance(value, list | tuple) else []
+    if fault.code not in ("E101", "E103") or len(parts) != 2:
+        return fault
+    dip, direction = (float(str(part).strip().rstrip("°")) for part in parts)
+    if not 90.0 < dip <= 180.0:
+        return fault
+    overhang = "A slope whose face overhangs is given by meshes, kind: blocks."
+    if fault.code == "E103":
+        return Fault("E103", fault.message, fault.where, f"Dip comes first: did you mean {Plane(direction, dip)}?")
+    message = f"dip of {name} is {number(dip)}, more than 90: it overhangs"
+    return Fault("E101", message, fault.where, overhang)

@@ -80,7 +80,7 @@ class Column(Generic[Row]):
             return ""
         if isinstance(value, float):
             return format(value, self.exact) if self.exact else float.__repr__(value)
-        return str(value)
+        return without_formula(value) if isinstance(value, str) else str(value)
 
     def cells(self, rows: Sequence[Row]) -> list[str | float]:
         """The cells of many rows in CSV; floats that are written with every digit as they are."""
@@ -95,6 +95,21 @@ class Column(Generic[Row]):
         if abs(self.width) == 1:
             return text
         return f"{text:<{-self.width}}" if self.width < 0 else f"{text:>{self.width}}"
+
+
+def without_formula(text: str) -> str:
+    """Return a text that a spreadsheet takes for no formula: an apostrophe stands before `=`, `+`, `-`, `@`, tab.
+
+    >>> without_formula("=cmd|' /C calc'!A0"), without_formula("J1"), without_formula("-3.5")
+    ("'=cmd|' /C calc'!A0", 'J1', '-3.5')
+    """
+    if text[:1] not in ("=", "+", "-", "@", "\t", "\r"):
+        return text
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}"
+    return text
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +163,7 @@ class Table(Generic[Row]):
 
         columns = [column for column in self.columns if column.key]
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([column.key for column in columns])
+        writer.writerow([without_formula(column.key) for column in columns])
         for start in range(0, len(self.rows), _AT_ONCE):
             rows = self.rows[start : start + _AT_ONCE]
             writer.writerows(zip(*(column.cells(rows) for column in columns), strict=True))

@@ -7,14 +7,14 @@ A parameter whose type is made of plain ones (numbers, texts, paths, mappings, c
 import inspect
 import os
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
 from functools import cache, wraps
 from numbers import Integral, Real
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
 
 from slopekit.core.errors import DesignError, Fault, Faults
-from slopekit.core.options import Argument, Option, as_it_is, given_by
+from slopekit.core.options import DESIGN, Argument, Option, as_it_is, given_by
+from slopekit.core.synonyms import nearest, synonym
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -56,10 +56,13 @@ def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
     def asked(*values: Any, **named: Any) -> Any:
         own, by_name, open_ended, older = _takes(function)
         faults = Faults()
-        for name in [name for name in named if name in older]:
-            if older[name] in named:
-                faults.append(Fault("E406", f"{name} and {older[name]} are one", name, "Give one of them."))
-            named[older[name]] = named.pop(name)
+        for name in [name for name in named if name not in own.parameters]:
+            meant = older.get(name) or synonym(name, by_name)
+            if meant is None:
+                continue
+            if meant in named:
+                faults.append(Fault("E406", f"{name} and {meant} are one", name, "Give one of them."))
+            named[meant] = named.pop(name)
         if not open_ended:
             faults += [_unknown(function, name, by_name) for name in named if name not in own.parameters]
         try:
@@ -92,7 +95,7 @@ def wrong_kind(function: str, name: str, takes: str, value: object, advice: str 
 
 def _unknown(function: Callable[..., Any], name: str, known: list[str]) -> Fault:
     """A name that the function has not, and the nearest that it has."""
-    near = get_close_matches(name, known, n=1)
+    near = nearest(name, known)
     advice = f"Did you mean {near[0]}?" if near else f"It takes {', '.join(one for one in known if one != 'desk')}."
     return Fault("E407", f"{function.__name__} takes no {name}", f"{name}=", advice)
 
@@ -132,6 +135,8 @@ def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: An
         return value
     if type(None) in kinds and value is None:
         return value
+    if how == DESIGN and isinstance(value, str | os.PathLike | Mapping):
+        return value  # the function reads it
     for kind in kinds:
         if kind in (int, float):
             if isinstance(value, bool) or not isinstance(value, Real):
@@ -146,5 +151,5 @@ def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: An
         return how.reads(value, parameter.name)
     said = [_PLAIN.get(kind, f"a {kind.__name__.lower()}") for kind in kinds if kind is not type(None)]
     takes = f"{', '.join(said[:-1])} or {said[-1]}" if len(said) > 1 else said[0]
-    advice = how.advice if isinstance(how, Argument) else ""
-    raise wrong_kind(function.__name__, parameter.name, f"{takes} for {parameter.name}", value, advice)
+    takes = (isinstance(how, Argument) and how.takes) or f"{takes} for {parameter.name}"
+    raise wrong_kind(function.__name__, parameter.name, takes, value)

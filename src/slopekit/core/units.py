@@ -63,6 +63,10 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
     if isinstance(value, bool) or value is None:
         raise DesignError([Fault("E106", f"{name} is {value!r}, a number is needed", where)])
     text = value if isinstance(value, str) else _written(value)
+    if kind == "angle" and "°" in text:
+        from slopekit.core.degrees import decimal_degrees  # few angles are in minutes
+
+        text = decimal_degrees(text)
     match = re.match(_QUANTITY, text)
     if match is None or re.match(r"^,\d", match.group(2)):
         comma = re.match(r"^\s*[+-]?\d+,\d+", text)

@@ -333,7 +333,8 @@ def _is_nothing(given: Any) -> bool:
 def _plain(value: Any, exact: bool = False) -> Any:
     """Dataclasses and tuples as JSON values, planes in the way they are written unless every digit counts."""
     if isinstance(value, MeshFile):
-        return {"sha256": value.sha256} if exact else {"file": value.name, "sha256": value.sha256}
+        known = {"sha256": value.sha256} | ({"up": value.up} if value.up == "y" else {})
+        return known if exact else {"file": value.name} | known
     if isinstance(value, Plane) and not exact:
         return str(value)
     if is_dataclass(value):

@@ -25,6 +25,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import unit_of
+from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.structure import ANGLES, AnyOf, KeyGroup, Leaf, ListOf, Named, OrientationKind, Spec
 
 #: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
@@ -330,6 +331,24 @@ def field_at(record: Any, path: str) -> Field | None:
         if len(names) == len(parts) and all(name in ("*", part) for name, part in zip(names, parts, strict=True))
     ]  # fmt: skip
     return min(fitting, key=lambda pair: pair[0])[1] if fitting else None
+
+
+def field_in(record: Any, root: Node | None, path: str) -> Field | None:
+    """The number that stands at a dotted path of a design with this tree; of a strength, as the law it names has it.
+
+    `field_at` knows the kind of a design alone: two laws may have a key of one name with limits of their own.
+    """
+    parts = path.split(".")
+    strengths = root.get("strength") if root is not None and parts[0] == "strength" and len(parts) > 2 else None
+    strength = strengths.get(parts[1]) if strengths is not None else None
+    law = strength.get("law") if strength is not None else None
+    if law is not None and len(parts) == 3:
+        from slopekit.design.strength_laws import key_of_law  # most designs name no law
+
+        declared = key_of_law(law.text, parts[2])
+        if declared is not None:
+            return replace(declared, path=f"strength.*.{parts[2]}")
+    return field_at(record, path)
 
 
 #: What an item is called, of lists that have no names.

@@ -221,7 +221,9 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
         *first, last = [*(_TABLE_KEYS[key] for key in known), *(["pond: 3 m"] if "pond_m" in own else [])]
         reader.fault("E454", message, mode, f"Add {', '.join(first)} or {last}.")
     elif said and not is_table:
-        reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), "Add mode: table.")
+        in_crack = said[0] == "depth" and reader.at("crack") is not None
+        advice = "Add mode: table" + ("; a depth in the crack is crack: {water: 2 m}." if in_crack else ".")
+        reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), advice)
     if "table_depth_m" in own:
         attributes["table_depth_m"] = reader.field(own["table_depth_m"], node.get("depth"))
     if "pond_m" in own:

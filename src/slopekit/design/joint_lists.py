@@ -1,6 +1,7 @@
 """Joints for studies of whole surveys: a file, a frame, or planes from Python, with every fault at once."""
 
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -9,7 +10,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults
-from slopekit.core.orientation import Plane, normals, parse_plane
+from slopekit.core.orientation import Plane, normals, parse_face, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.design.survey import MeasuredJoint, Survey, read_frame, read_joints
 from slopekit.design.survey.tables import is_frame
@@ -77,6 +78,7 @@ class JointList:
 def joint_list(
     source: Any, convention: str | None = None, skip_bad: bool = False, at_least: int = 1,
     option: str = "convention =", sizes: bool = False, most: int = MOST_JOINTS,
+    columns: str | Sequence[str] | None = None,
 ) -> JointList:  # fmt: skip
     """The joints of a survey.
 
@@ -86,7 +88,7 @@ def joint_list(
         (45, 115), `Plane`, `MeasuredJoint`), an (n, 2) array, or {name: plane}
     convention : of a strike column, see `read_joints`; skip_bad : leave bad rows of a file out, listed
     option : how `convention` is called where the user can give it
-    at_least, most : how many joints the study needs, and takes; sizes : see `read_joints`
+    at_least, most : how many joints the study needs, and takes; sizes, columns : see `read_joints`
 
     Raises
     ------
@@ -97,10 +99,10 @@ def joint_list(
     Plane(dip_deg=45.0, dip_direction_deg=245.0)
     """
     if isinstance(source, str | os.PathLike):
-        survey: Survey = read_joints(source, convention, skip_bad, option, sizes)
+        survey: Survey = read_joints(source, convention, skip_bad, option, sizes, columns)
         joints = JointList(Path(source).name, survey.joints, survey.left_out, survey.read_as)
     elif is_frame(source):
-        survey = read_frame(source, convention, skip_bad, option, sizes)
+        survey = read_frame(source, convention, skip_bad, option, sizes, columns)
         joints = JointList("joints", survey.joints, survey.left_out, survey.read_as)
     else:
         joints = JointList("joints", _from_python(source))
@@ -133,9 +135,9 @@ def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
             continue
         with faults.kept():
             joints.append(MeasuredJoint(name, parse_plane(value, name), line))
-    names = [joint.name for joint in joints]
-    for name in dict.fromkeys(name for name in names if names.count(name) > 1) if len(set(names)) < len(names) else ():
-        faults.append(Fault("E194", f"{name} is the name of {names.count(name)} joints", "joints"))
+    for name, times in Counter(joint.name for joint in joints).items():
+        if times > 1:
+            faults.append(Fault("E194", f"{name} is the name of {times} joints", "joints"))
     if not named:
         faults.append(Fault("E338", "there are no joints", "joints", 'Give "joints.csv" or ["45/115", "45/245"].'))
     faults.refuse()
@@ -169,4 +171,4 @@ def plane_of(value: object, name: str, where: str) -> Plane:
     """A plane of the slope, where it must be given."""
     if value is None:
         raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} as dip/dip direction: 65/180.")])
-    return parse_plane(value, name, f"{where} {value}")
+    return parse_face(value, name, f"{where} {value}")

@@ -16,10 +16,15 @@ from slopekit.design.sections import read_strength, standard_strength, strength_
 
 #: A joint list in place of joints.
 FROM_CSV = KeyGroup(
-    {"csv": Leaf(example="joints.csv"), "pick": AnyOf((ListOf(Leaf(), 1), Leaf())), "convention": Leaf(),
-     "strength": Leaf()},
+    {
+        "csv": Leaf(example="joints.csv"),
+        "pick": AnyOf((ListOf(Leaf(), 1), Leaf())),
+        "convention": Leaf(),
+        "columns": AnyOf((ListOf(Leaf(), 1), Leaf())),
+        "strength": Leaf(),
+    },
     required=("csv",),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +98,16 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
     from slopekit.design.survey import read_joints
 
     file, pick, convention = node.get("csv"), node.get("pick"), node.get("convention")
+    order = node.get("columns")
     assert file is not None
     try:
         from slopekit.design.reading.named_files import beside
 
-        survey = read_joints(beside(reader, file), convention.text if convention is not None else None)
+        survey = read_joints(
+            beside(reader, file),
+            convention.text if convention is not None else None,
+            columns=None if order is None else order.text or [item.text or "" for item in order.elements or ()],
+        )
     except DesignError as error:
         # a list that cannot be opened, or a convention that is none, is a slip in the design; a bad row is the list's
         slips = dict.fromkeys(("E147", "E148", "E149"), file) | ({} if convention is None else {"E192": convention})
@@ -111,10 +121,14 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
     reader.read_as += [f"{file.text}: {part}" for part in survey.read_as]
     names = [joint.name for joint in survey.joints]
     wanted = names if pick is None else [item.text or "" for item in (pick.elements or (pick,))]
-    missing = [name for name in wanted if name not in names]
+    shared = [name for name in wanted if pick is not None and name in survey.shared_names]
+    for name in shared:
+        advice = "Give each joint a name of its own, in a column called name or id."
+        reader.fault("E194", f"{name} names more than one joint of {file.text}", pick, advice)
+    missing = [name for name in wanted if name not in names and name not in shared]
     for name in missing:
         reader.fault("E197", f"{file.text} has no joint {name}", pick, reader.nearest(name, names))
-    if missing:
+    if missing or shared:
         return []
     if len(wanted) != count:
         needed = "two joints" if count == 2 else "one joint"

@@ -46,7 +46,7 @@ class Project:
 
 @dataclass(frozen=True, slots=True)
 class Water:
-    """Water on the joints: dry, full (scaled by `fill`) or mean pressures in kPa, one for each interface.
+    """Water on the joints: dry, full (its pressure times `fill`) or mean pressures in kPa, one for each interface.
 
     `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
     """
@@ -63,7 +63,7 @@ class Water:
         example="50 %",
         left_out="dry",
         axis="part of full water",
-        doc="part of full; one of mode, fill, pressures (E198)",
+        doc="part of full pressure; one of mode, fill, pressures (E198)",
     )
     pressures_kpa: tuple[float, ...] = number(
         "pressures",
@@ -79,11 +79,12 @@ class Water:
     def in_words(self) -> str:
         """The water as the sheet prints it."""
         if self.crack_fill is not None:
-            return f"{replace(self, crack_fill=None).in_words()}, the crack {self.crack_fill * 100:g} % full"
+            crack = f"the crack {self.crack_fill * 100:g} % of full pressure"
+            return f"{replace(self, crack_fill=None).in_words()}, {crack}"
         if self.mode in ("dry", "table"):
             return self.mode
         if self.mode == "full":
-            return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full"
+            return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full pressure"
         return "u = " + ", ".join(f"{pressure:g}" for pressure in self.pressures_kpa) + " kPa"
 
 
@@ -307,12 +308,32 @@ class Strength:
 
 @dataclass(frozen=True, slots=True)
 class MeshFile:
-    """A mesh file that a design names; two of the same content are the same, wherever they lie."""
+    """A mesh file that a design names; two of the same content are the same, wherever they lie.
+
+    `up` is the axis of the file that points up, y or z; `length_unit` (m) and its name are those of a DXF that is not
+    in metres.
+    """
 
     name: str
     sha256: str
     path: str = field(compare=False, repr=False)
     where: str = field(default="", compare=False, repr=False)
+    up: str = "z"
+    length_unit: float = field(default=1.0, compare=False, repr=False)
+    unit_name: str = field(default="", compare=False, repr=False)
+
+    @property
+    def label(self) -> str:
+        """The name, the axis that points up where it is y, and the unit from which its lengths are scaled."""
+        axis = " (y is up there)" if self.up == "y" else ""
+        unit = f" ($INSUNITS {self.unit_name}, scaled to m)" if self.unit_name else ""
+        return f"{self.name}{axis}{unit}"
+
+
+def axis_key(path: str) -> Field:
+    """The key beside that of a mesh file, which says the axis that points up there."""
+    return Field(path, "text", words=("y", "z"), code="E172", label=path, example="y", left_out="y of GLB, else z",
+                 doc="which axis of the mesh file points up")  # fmt: skip
 
 
 def _factor(path: str, doc: str, least: bool = False) -> Any:

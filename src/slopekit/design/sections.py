@@ -8,11 +8,11 @@ from slopekit.core.errors import Fault
 from slopekit.core.orientation import number as shown
 from slopekit.design import words
 from slopekit.design.common import Design
-from slopekit.design.fields import fields_of
+from slopekit.design.fields import fields_of, structure_of
 from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
 from slopekit.design.reading.nodes import Node, Place
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import is_distribution
+from slopekit.design.reading.structure import is_distribution, without_name
 
 _MOST_FACTORS = 200
 _NOTHING = Node({}, Place("", 0, 0, ""), "", Place("", 0, 0, ""))
@@ -218,6 +218,8 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
     strengths = reader.at("strength")
     if strengths is None or not users:
         return [None] * len(users)
+    if without_name(strengths, structure_of(Strength)):
+        return [None] * len(users)  # the structure says so
     named = {wanted.text for _, wanted, _ in users if wanted is not None}
     slips = [name for name, node in strengths.items() if str(node.key_place).startswith("--set") and name not in named]
     names = [name for name, _ in strengths.items() if name not in slips] or slips

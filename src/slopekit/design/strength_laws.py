@@ -3,7 +3,7 @@
 Which keys a law takes, in which units and between which limits, stands at its own fields (`slopekit.strength`).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields, replace
 from math import inf
 from typing import Any
@@ -42,12 +42,32 @@ def fields_of_law(law: Any) -> Mapping[str, Field]:
 
 #: Keys of a strength beside those of its law: what is not c or phi, and waves.
 BESIDE = {field.path for field in (*fields_of(Strength).values(), *fields_of_law(Wavy).values()) if not field.may_lack}
+
+
+def keys_of_laws(laws: Iterable[Any]) -> Mapping[str, Field]:
+    """Every key of the curved laws; one of two laws takes what either takes, and says of which each meaning is."""
+    keys: dict[str, Field] = {}
+    for law in laws:
+        for own in fields_of_law(law).values():
+            if own.path in ("c", "phi"):
+                continue
+            field, other = replace(own, is_required=False, left_out=""), keys.get(own.path)
+            if other is not None and replace(other, default=None) != replace(field, default=None):
+                low, high = min(field.least, other.least), max(field.most, other.most)
+                doc = f"{other.doc}; {law.name}: {own.doc}"
+                field = replace(other, least=low, most=high, above=False, below=False, axis="", doc=doc, check=None)
+            keys[own.path] = field
+    return keys
+
+
 #: Every key of the curved laws, those of waves among them.
-KEYS: Mapping[str, Field] = {
-    field.path: replace(field, is_required=False, left_out="")
-    for law in (*LAWS.values(), Wavy) if law is not MohrCoulomb
-    for field in fields_of_law(law).values() if field.path not in ("c", "phi")
-}  # fmt: skip
+KEYS = keys_of_laws([*(law for law in LAWS.values() if law is not MohrCoulomb), Wavy])
+
+
+def key_of_law(law: str | None, key: str) -> Field | None:
+    """A key as a law has it; None of a law that is not known or does not have it."""
+    declared = fields_of_law(LAWS[law]) if law is not None and law in LAWS else {}
+    return next((field for field in declared.values() if field.path == key), None)
 
 
 def named_law(node: Node | None) -> str | None:
@@ -97,4 +117,8 @@ def refuse_keys(reader: Reader, node: Node) -> None:
     """E142 for keys of a law that is not named."""
     for key, below in node.items():
         if key in KEYS and key not in BESIDE:
-            reader.fault("E142", f"{key} is a key of a curved law, and none is named", below, "Add law: barton-bandis.")
+            laws = [
+                name for name, law in LAWS.items() if any(field.path == key for field in fields_of_law(law).values())
+            ]
+            advice = f"Add law: {' or '.join(laws)}."
+            reader.fault("E142", f"{key} is a key of a curved law, and none is named", below, advice)

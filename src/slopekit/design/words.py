@@ -62,7 +62,7 @@ def water(value: Any, where: str, has_crack: bool, has_basal: bool = False) -> W
 
 
 def fill(value: Any, where: str) -> float:
-    """A part of full water: dry, full, 0.5 or 50 %."""
+    """A part of the pressure of full water: dry, full, 0.5 or 50 %."""
     text = value.strip().lower() if isinstance(value, str) else ""
     if text in ("dry", "full"):
         return 1.0 if text == "full" else 0.0

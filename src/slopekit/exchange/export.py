@@ -11,6 +11,7 @@ import numpy as np
 
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
+from slopekit.core.whole_files import whole_files
 from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.picking import WHAT, Picked, WrittenBlock, names_of, picked, volume_of, with_bolts, words_of_what
 from slopekit.exchange.solids import Files, binary_rounding, write_binary_stl, write_glb, write_obj, write_stl
@@ -183,9 +184,10 @@ def export(
 
 def _written_file(path: Path, part: Picked, name: str, binary: bool) -> Written:
     """One file of one case."""
-    with writing(path):
-        form = _BINARY if binary else FORMATS[path.suffix.lower()]
-        return _described(form, *form.write(path, part), part, name)
+    form = _BINARY if binary else FORMATS[path.suffix.lower()]
+    with writing(path), whole_files(path.parent) as staging:  # VTU has a file more for each part
+        files, precision = form.write(staging / path.name, part)
+    return _described(form, [path.with_name(file.name) for file in files], precision, part, name)
 
 
 def _written_folder(

@@ -15,7 +15,6 @@ from slopekit.bolts import nearest, plates, rods
 from slopekit.core.arrays import Floats, Ints
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Picked
-from slopekit.geometry.solids.meshes import Z_UP
 
 _RESERVED = re.compile(r"(?i)solid|facet|normal|vertex|loop")  # readers look for these words, in names as well
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -26,7 +25,8 @@ _JOINTS = ((0, 100, 164, 200), (0, 127, 95, 200), (168, 84, 138, 200), (216, 144
 _MODES = ((0, 127, 95, 255), (200, 80, 10, 255), (0, 100, 164, 255))
 _BOLTS = ((200, 0, 80, 255), (20, 30, 90, 255))  # active, passive
 _ROD = 0.05  # m: the most that the radius of a rod is drawn
-_ORIGIN = "map origin"
+#: The nodes of a GLB: the turn from z up to glTF's y up, below it the offset to the user's coordinates.
+_Z_UP, _ORIGIN = "slopekit: z is up", "map origin"
 #: What a writer returns: the files, and their precision in words.
 Files = tuple[list[Path], str]
 
@@ -146,10 +146,10 @@ def write_glb(path: Path, picked: Picked) -> Files:
     origin, contacts = picked.middle, picked.scene.shapes.contacts
     scene = trimesh.Scene()
     turn = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-    scene.graph.update(frame_from=scene.graph.base_frame, frame_to=Z_UP, matrix=turn)
-    scene.graph.update(frame_from=Z_UP, frame_to=_ORIGIN, matrix=_shift(origin))
+    scene.graph.update(frame_from=scene.graph.base_frame, frame_to=_Z_UP, matrix=turn)
+    scene.graph.update(frame_from=_Z_UP, frame_to=_ORIGIN, matrix=_shift(origin))
     rounding = 0.0
-    taken = {scene.graph.base_frame, Z_UP, _ORIGIN}
+    taken = {scene.graph.base_frame, _Z_UP, _ORIGIN}
 
     def add(name: str, geometry: Any, at: Floats) -> None:
         while name in taken:

@@ -14,6 +14,7 @@ import numpy as np
 from slopekit._version import __version__
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice, writing
+from slopekit.core.whole_files import whole_files
 from slopekit.evidence import WithoutBasal
 from slopekit.exchange.picking import Picked, WrittenBlock
 from slopekit.exchange.solids import Files
@@ -208,11 +209,12 @@ def write_split(
             notices.append(Notice("W376", _COMPARE))
     paths = [folder / files[body.name] for body in bodies]
     precision = ""
-    with writing(folder):
+    with writing(folder), whole_files(folder) as staging:
         for path, body in zip(paths, bodies, strict=True):
-            _, precision = write(path, replace(chosen, what=("blocks",), bodies=(body,), contacts=chosen.contacts[:0]))
+            mesh = replace(chosen, what=("blocks",), bodies=(body,), contacts=chosen.contacts[:0])
+            _, precision = write(staging / path.name, mesh)
         if text is not None:
-            (folder / DESIGN).write_text(text, encoding="utf-8")
+            (staging / DESIGN).write_text(text, encoding="utf-8")
             paths.insert(0, folder / DESIGN)
     return (paths, precision), notices
 

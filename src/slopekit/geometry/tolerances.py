@@ -86,6 +86,18 @@ OPPOSITE = -0.99
 #: Gap, in parts of the mean block size: what is nearer than this and does not touch is reported.
 NEARLY_TOUCHES = 0.01
 
+#: Contact tolerance for rounded corners at most, in parts of the mean block size: more is no rounding.
+LARGEST_ROUNDING = 0.01
+
+#: The same in parts of the thickness (area / half of the boundary) of the thinnest block.
+LARGEST_ROUNDING_OF_THINNEST = 0.1
+
+#: Contacts are looked for with so many times the contact tolerance, and with it divided by that.
+DOUBT = 3.0
+
+#: Resolution of single precision at the size of a mesh's coordinates, in parts of the mesh: a coarser one is refused.
+COARSEST_SINGLE = 1e-3
+
 #: Distance that planes of a stack keep over a body 2 long.
 LEAST_GAP = 1e-7
 

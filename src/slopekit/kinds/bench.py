@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
-from slopekit.core.orientation import Line, Plane
+from slopekit.core.orientation import Line, Plane, coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
@@ -280,7 +280,7 @@ def _slope(design: BenchDesign, result: Result) -> Section:
         )
     entries.append(_surface("face", design.face))
     entries.append(_surface("upper", design.upper))
-    toe = "" if not any(design.origin_m) else " (mid-toe at {:.10g}, {:.10g}, {:.10g})".format(*design.origin_m)
+    toe = "" if not any(design.origin_m) else f" (mid-toe at {coordinates(design.origin_m)[1:-1]})"
     entries.append(
         f"bench {design.length_m:.6g} m along the strike{toe}, rock modelled to {design.depth_m:.6g} m behind the crest"
     )

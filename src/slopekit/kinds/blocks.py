@@ -3,9 +3,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, Faults, GeometryError, Notice
@@ -13,12 +15,14 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.ground_water import read_ground_water
-from slopekit.design.parts import Action, MeshFile, Water
+from slopekit.design.parts import Action, MeshFile, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import Leaf, ListOf, Named
 from slopekit.design.sections import strength_names
+from slopekit.geometry.fit import ContactTolerance, Gaps
+from slopekit.geometry.patches import Patches
 from slopekit.geometry.sections.polygons import fault_of_polygon
 from slopekit.kinds.assemblies.many_blocks import (
     Blocks,
@@ -40,13 +44,18 @@ from slopekit.kinds.protocol import Carried
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, strength_in_words
 from slopekit.result import Result, Words
 
+if TYPE_CHECKING:
+    from slopekit.geometry.sections.section_blocks import SectionCut
+    from slopekit.geometry.solids.solids import SolidCut
+
 _OVERLAP = 1e-3  # of the smaller block: a larger overlap is refused
+_EXACT = 0.1  # m: corners of a file with one decimal or none are exact as a rule, not rounded
 _NAMED = 5  # blocks that a notice names
 _MOST_INTERFACES = 3
 
 
 _COORDINATE = Field("polygon", "length")
-_KEYS = ("polygon", "mesh", "unit_weight", "fixed")
+_KEYS = ("polygon", "mesh", "up", "unit_weight", "fixed")
 _TRUTH = {"true": True, "false": False}
 _UNTRUTHS = ("no", "off", "n", "0")  # YAML 1.1, said to be a fault; what it means is clear
 
@@ -59,6 +68,7 @@ class BlockInput:
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"unit_weight_kn_m3": "weight"}
+    ALSO: ClassVar[tuple[Field, ...]] = (axis_key("up"),)
 
     name: str
     polygon_m: tuple[Point2, ...] | None = text(
@@ -90,7 +100,8 @@ class BlocksDesign(NamedDesign):
     default_strength : of every interface that is not named
     interfaces : (block, block, strength) of those that are
     pressures_kpa : (block, block, mean water pressure) where there is water
-    contact_tolerance_m : faces nearer than this touch; None: 1e-5 of the mean size of the blocks
+    contact_tolerance_m : faces nearer than this touch; None: 1e-5 of the mean size of the blocks, or what their corners
+        are rounded to
     """
 
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
@@ -121,7 +132,7 @@ class BlocksDesign(NamedDesign):
         "contact_tolerance",
         "length",
         default=None,
-        left_out="1e-5 of the mean block",
+        left_out="1e-5 of the mean block, or as the corners are rounded",
         doc="faces nearer than this touch",
         above=0.0,
         code="E254",
@@ -214,12 +225,10 @@ def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
 def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput | None:
     """One block; None where a fault stands for it."""
     weight = reader.field(fields_of(BlockInput)["unit_weight_kn_m3"], node.get("unit_weight"))
-    points, mesh = None, None
-    polygon, file = node.get("polygon"), node.get("mesh")
+    points, polygon = None, node.get("polygon")
     if polygon is not None and len(polygon.elements) >= 3 and reader.is_sound(polygon):
         points = _polygon(reader, name, polygon)
-    if file is not None and file.text is not None:
-        mesh = mesh_file(reader, file)
+    mesh = mesh_file(reader, node)
     return None if points is None and mesh is None else BlockInput(name, points, mesh, weight, is_fixed)
 
 
@@ -374,33 +383,40 @@ def _section(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Asse
     polygons = [np.array(block.polygon_m) for block in design.blocks]
     cut = section_assembly(polygons, fixed, design.thickness_m, design.contact_tolerance_m, names)
     _refuse_overlaps(names, cut.overlaps.pairs, cut.overlaps.amounts, cut.assembly.volumes / design.thickness_m, "m²")
-    notices = list(_fit(names, cut.overlaps.amounts, cut.overlaps.pairs, cut.gaps, cut.untouching, "m", "m²"))
+    _refuse_floating(names, fixed, cut.assembly.patches, cut.gaps)
+    notices = list(_fit(names, cut, "m", "m²"))
     if cut.point_contacts:
         text = f"{cut.point_contacts} pairs of blocks touch at a corner only, which carries nothing"
         notices.append(Notice("W342", text))
     return AssemblyScene(
         cut.assembly, names, (), (), np.zeros(0), np.zeros(0),
         dict(zip(names, cut.outlines, strict=True)),
-        {"contact_tolerance_m": cut.tolerance, "contact_length_m": cut.contact_length},
+        {**_tolerance(cut.tolerance), "contact_length_m": cut.contact_length},
         (), tuple(notices), thickness=design.thickness_m,
     )  # fmt: skip
 
 
 def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> AssemblyScene:
+    from slopekit.geometry.solids.mesh_rounding import file_rounding
     from slopekit.geometry.solids.meshes import read_mesh
     from slopekit.geometry.solids.solids import mesh_assembly
 
     meshes: list[tuple[Floats, Ints]] = []
+    units = []
     faults = Faults()
     for block in design.blocks:
         assert block.mesh is not None
         with faults.kept():
-            vertices, triangles, _ = read_mesh(Path(block.mesh.path), block.mesh.name, block.mesh.where)
+            vertices, triangles, _ = read_mesh(Path(block.mesh.path), block.mesh.name, block.mesh.where, block.mesh.up)
             meshes.append((vertices, triangles))
+            units.append(file_rounding(Path(block.mesh.path), vertices, block.mesh.length_unit)[0])
     faults.refuse()
-    cut = mesh_assembly(meshes, fixed, design.contact_tolerance_m, names)
+    # a file of whole numbers or halves is exact, beside others that are rounded
+    unit = max((unit for unit in units if unit < _EXACT), default=min(units))
+    cut = mesh_assembly(meshes, fixed, design.contact_tolerance_m, names, unit)
     _refuse_overlaps(names, cut.overlaps.pairs, cut.overlaps.amounts, cut.assembly.volumes, "m³")
-    notices = list(_fit(names, cut.overlaps.amounts, cut.overlaps.pairs, cut.gaps, cut.untouching, "m²", "m³"))
+    _refuse_floating(names, fixed, cut.assembly.patches, cut.gaps)
+    notices = list(_fit(names, cut, "m²", "m³"))
     if len(cut.turned):
         notices.append(Notice("W343", f"meshes that were inside out have been turned: {_listed(names, cut.turned)}"))
     several = np.flatnonzero(cut.shells > 1)
@@ -412,7 +428,7 @@ def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Assem
         notices.append(Notice("W345", f"whether these blocks overlap could not be computed: {_some(pairs)}"))
     return AssemblyScene(
         cut.assembly, names, (), (), np.zeros(0), np.zeros(0), {},
-        {"contact_tolerance_m": cut.tolerance, "contact_area_m2": cut.contact_area}, (), tuple(notices),
+        {**_tolerance(cut.tolerance), "contact_area_m2": cut.contact_area}, (), tuple(notices),
     )  # fmt: skip
 
 
@@ -428,27 +444,56 @@ def _refuse_overlaps(names: Sequence[str], pairs: Ints, amounts: Floats, sizes: 
         raise GeometryError(faults[:20])
 
 
-def _fit(
-    names: Sequence[str], overlaps: Floats, pairs: Ints, gaps: "object", untouching: Ints, along: str, amount: str
-) -> Iterator[Notice]:
-    """What a reader must know of overlaps, gaps and blocks that touch nothing."""
+def _refuse_floating(names: Sequence[str], fixed: Bools, patches: Patches, gaps: Gaps) -> None:
+    """E257 for blocks that no contact, their own or of blocks that they touch, carries to the bedrock."""
+    links = coo_array((np.ones(len(patches)), (patches.plus, patches.minus)), shape=(len(names), len(names)))
+    group = connected_components(links, directed=False)[1]
+    floating = np.flatnonzero(~np.isin(group, group[fixed]))
+    if not len(floating):
+        return
+    ends = np.isin(gaps.pairs, floating)
+    near = [
+        f"{names[a]} and {names[b]} are {1e3 * most:.3g} mm apart"
+        for (a, b), most in zip(gaps.pairs[ends.any(axis=1)].tolist(), gaps.most[ends.any(axis=1)], strict=True)
+    ]
+    advice = "Move their corners until faces meet, or give contact_tolerance" + (f": {_some(near)}." if near else ".")
+    verb = (
+        "has no contact and" if len(floating) == 1 else "have no contact with bedrock, their own or through others, and"
+    )
+    fault = Fault("E257", f"{_listed(names, floating)} {verb} would fall whatever the strength", "", advice)
+    raise GeometryError([fault])
+
+
+def _tolerance(contact: ContactTolerance) -> dict[str, float]:
+    """The contact tolerance, and what the corners are rounded to where it follows from that."""
+    rounding = {"corner_rounding_m": contact.corner_rounding} if contact.corner_rounding else {}
+    return {"contact_tolerance_m": contact.distance, **rounding}
+
+
+def _fit(names: Sequence[str], cut: "SectionCut | SolidCut", along: str, amount: str) -> Iterator[Notice]:
+    """What a reader must know of overlaps, gaps, bedrock that touches nothing and contacts that are in doubt."""
+    overlaps, gaps, contact = cut.overlaps, cut.gaps, cut.tolerance
     if len(overlaps):
         apart_or_over = [
             f"{names[a]}/{names[b]} {size:.2g} {amount}"
-            for (a, b), size in zip(pairs.tolist(), overlaps.tolist(), strict=True)
+            for (a, b), size in zip(overlaps.pairs.tolist(), overlaps.amounts.tolist(), strict=True)
         ]
         yield Notice("W333", f"{len(apart_or_over)} pairs of blocks overlap a little: {_some(apart_or_over)}")
-    places = getattr(gaps, "pairs").tolist()  # noqa: B009  (Gaps of geometry.fit)
-    if places:
-        most, long = getattr(gaps, "most").tolist(), getattr(gaps, "amounts").tolist()  # noqa: B009
+    if len(gaps):
         apart_or_over = [
             f"{names[a]} and {names[b]} are {1e3 * apart:.3g} mm apart over {size:.3g} {along}"
-            for (a, b), apart, size in zip(places, most, long, strict=True)
+            for (a, b), apart, size in zip(gaps.pairs.tolist(), gaps.most.tolist(), gaps.amounts.tolist(), strict=True)
         ]
         yield Notice("W334", f"faces that do not touch: {_some(apart_or_over)}; they carry nothing "
                      "(contact_tolerance closes such gaps)")  # fmt: skip
-    if len(untouching):
-        yield Notice("W346", f"blocks that touch no other: {_listed(names, untouching)}")
+    for pairs, times, change in ((contact.lost, "a third of", "lost"), (contact.gained, "three times", "gained")):
+        if len(pairs):
+            blocks = _some([f"{names[a]}/{names[b]}" for a, b in pairs.tolist()])
+            within = f"{1e3 * contact.distance:.3g} mm"
+            text = f"with {times} the contact tolerance ({within}) contacts are {change}: {blocks}"
+            yield Notice("W334", text)
+    if len(cut.untouching):
+        yield Notice("W346", f"blocks that touch no other: {_listed(names, cut.untouching)}")
 
 
 def _listed(names: Sequence[str], which: Ints) -> str:
@@ -464,6 +509,11 @@ def _slope(design: BlocksDesign, _result: Result) -> Section:
     moving = [block.name for block in design.blocks if not block.fixed]
     fixed = [block.name for block in design.blocks if block.fixed]
     shape = f"polygons of a section {design.thickness_m:.6g} m thick" if design.in_section else "closed meshes"
+    scaled = [block.mesh.label for block in design.blocks if block.mesh is not None and block.mesh.unit_name]
+    if scaled:
+        shape += f"; {_some(list(dict.fromkeys(scaled)))}"
+    y_up = [block.name for block in design.blocks if block.mesh is not None and block.mesh.up == "y"]
+    shape += f", y is up in the files of {names_in_runs(y_up)}" if y_up else ""
     within = design.contact_tolerance_m
     touch = "" if within is None else f"; faces nearer than {within * 1e3:.6g} mm touch"
     entries = [

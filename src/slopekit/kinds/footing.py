@@ -31,7 +31,7 @@ NAME = "weak plane"
 
 @dataclass(frozen=True, slots=True)
 class Uplift:
-    """Water on the weak plane: its pressure at both ends (kPa), linear between, or a part of full; less by drains."""
+    """Water on the weak plane: kPa at both ends, linear between, or a part of full pressure; less by drains."""
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"toe_kpa": "water", "heel_kpa": "water"}
 
@@ -45,7 +45,7 @@ class Uplift:
     )  # fmt: skip
     fill: float | None = number(
         "fill", "ratio", default=None, least=0.0, most=1.0, code="E118", label="uplift", left_out="by toe and heel",
-        axis="part of full uplift", doc="part of full, in their place: still water up to the top, held by the face",
+        axis="part of full uplift", doc="part of full pressure, in their place: water up to the top, held by the face",
     )  # fmt: skip
     drain: float = number(
         "drain", "ratio", default=0.0, least=0.0, most=1.0, code="E118", label="what drains take off", example="50 %",
@@ -231,7 +231,7 @@ def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:
     place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
     toe, heel = design.ends_kpa
     wet = [f"uplift {toe:.4g} kPa at the toe, {heel:.4g} kPa at the heel"] if design.uplift_kn else []
-    yield loads_part([f"footing {size_number(design.load_kn)} kN, {place}", *wet, *water_in_words(design)], result)
+    yield loads_part([f"footing {size_number(design.load_kn)} kN, {place}", *wet, *water_in_words(result)], result)
 
 
 KIND = kind_of_one_block(

@@ -25,6 +25,7 @@ from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
+from slopekit.geometry.rock.cutting import Block
 from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block import ground_water, worst_crack
@@ -72,8 +73,8 @@ class VerticalCrack:
                                       "where the closed form is lowest")  # fmt: skip
     water_m: float | None = number(
         "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures=("pressure",),
-        doc="depth of it (`dry`, `full`, `50 %` of its depth; a mean pressure, `5 kPa`); triangular there, "
-        "falling to nothing at the toe",
+        doc="depth of it (or `dry`, `full`, `50 %` of the pressure of a full crack; a mean pressure, `5 kPa`); "
+        "triangular there, falling to nothing at the toe",
     )  # fmt: skip
 
 
@@ -183,7 +184,7 @@ def cut(design: PlaneDesign) -> Cut:
         [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes, _crest_x(design)),
         left_out_of_slope(left_out, is_cracked, [design.strength]),
         {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | design.ponded(FACE, UPPER), FACE,
-        design.refine, axes=axes,
+        lambda: hull_of(design, section.block), design.refine, axes=axes,
     )  # fmt: skip
 
 
@@ -279,24 +280,17 @@ def _water_of_fill(design: PlaneDesign, section: PlaneSection) -> dict[str, Poin
         peak = water.fill * weight * float(np.ptp(section.outline[:, 1])) / 2.0
         push = PointForce(0.5 * peak * section.length * up, section.bottom / 2.0)
         return {f"water {J1}": push} if peak else {}
-    deep = _water_depth(design, depth)
-    if not deep:
-        return {}
-    thrust = PointForce(
-        np.array([0.5 * weight * deep * deep, 0.0, 0.0]), section.bottom + np.array([0.0, 0.0, deep / 3.0])
-    )
-    uplift = PointForce(0.5 * weight * deep * section.length * up, section.bottom * (2.0 / 3.0))
-    return {f"water {J1}": uplift, f"water {CRACK}": thrust}
-
-
-def _water_depth(design: PlaneDesign, depth: float) -> float:
-    given = design.crack.water_m if design.crack else None
-    if given is None:
-        return design.water.fill * depth
-    if given > depth * (1.0 + 1e-9):
-        message = f"the water stands {given:.6g} m deep in a crack of {depth:.6g} m"
+    level = design.crack.water_m if design.crack else None
+    deep, part = (depth, water.fill) if level is None else (level, 1.0)
+    if deep > depth * (1.0 + 1e-9):
+        message = f"the water stands {deep:.6g} m deep in a crack of {depth:.6g} m"
         raise MisfitError([Fault("E207", message, "", "Give at most the depth of the crack.")])
-    return given
+    mean = 0.5 * part * weight * deep
+    if not mean:
+        return {}
+    thrust = PointForce(np.array([mean * deep, 0.0, 0.0]), section.bottom + np.array([0.0, 0.0, deep / 3.0]))
+    uplift = PointForce(mean * section.length * up, section.bottom * (2.0 / 3.0))
+    return {f"water {J1}": uplift, f"water {CRACK}": thrust}
 
 
 def _in_section(design: PlaneDesign) -> float:
@@ -307,10 +301,10 @@ def _in_section(design: PlaneDesign) -> float:
 
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
-    hull = cache(lambda: Hull.of(section.block))  # which a block without bolts does not need
+    hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(
         design, origin,
-        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, (J1,), where), axes,
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, where), axes,
     )  # fmt: skip
     k = design.seismic.coefficient * _in_section(design)
     return block_loads(
@@ -319,6 +313,15 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * _strongest(design)],
         _water(design, section),
     )  # fmt: skip
+
+
+def hull_of(design: PlaneDesign, block: Block) -> Hull:
+    """The planes that bolts through the block meet; behind a crack in the face the ground is that behind the crest."""
+    hull = Hull.of(block, (J1,), CRACK)
+    if UPPER in block.faces:
+        return hull
+    dip = math.radians(float(_signed_dip(design.upper, design.face)))
+    return hull.below(np.array([math.sin(dip), 0.0, math.cos(dip)]), crest_point(design))
 
 
 def _strongest(design: PlaneDesign) -> float:
@@ -516,9 +519,10 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     yield sheet.Section("PLANES", entries)
     yield size_part(result, heights_in_words(design.height_m, geometry.total_height_m), " per metre")
     crack = design.crack.water_m if design.crack is not None else None
-    in_crack = [f"water {crack:.4g} m deep in the crack, falling to nothing at the toe"] if crack else []
+    highest = f"{(crack or 0.0) * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
+    in_crack = [f"water {crack:.4g} m deep in the crack, {highest}, falling to nothing at the toe"] if crack else []
     own = design.ground_in_words()
-    yield loads_part([*([] if design.water.mode == TABLE else water_in_words(design) or in_crack), *own], result)
+    yield loads_part([*([] if design.water.mode == TABLE else water_in_words(result, 2.0) or in_crack), *own], result)
 
 
 KIND = replace(kind_of_one_block(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
+from slopekit.core.orientation import coordinates
 from slopekit.design.common import Design
 from slopekit.design.parts import Force, Strength
 from slopekit.extents import SectionGeometry
@@ -64,7 +65,7 @@ def bolt_forces(
         head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
         if head is not None:
             where = design.place_of("support", "bolts", k, len(design.bolts))
-            where = where or "head at {:.6g}, {:.6g}, {:.6g}".format(*bolt.head_m or ())
+            where = where or f"head at {coordinates(bolt.head_m or ())}"
             check(f"bolt {k}", head, direction, bolt.length_m, where)
         (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
     return active, passive

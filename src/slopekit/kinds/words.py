@@ -5,10 +5,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
 from slopekit.block_scene import BlockSizes, Sizes
-from slopekit.core.orientation import Line
+from slopekit.core.orientation import Line, coordinates
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design
-from slopekit.design.parts import Bolt, Force, Strength
+from slopekit.design.fields import fields_of
+from slopekit.design.parts import Bolt, Force, Strength, listed
 from slopekit.result import Result
 
 MOST_RUNS = 4
@@ -22,9 +23,11 @@ BLOCKS_STATUSES: Mapping[str, str] = {
     "no_driving_force": "stands: every block stands without any strength",
 }
 WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
+_PUSHES = ("force", "surcharge")  # of what attributes do to a slope
 _NUMBERS = r"([0-9]+)"
 _FEW_BOLTS = 6
 _FEW_TRACES = 6
+_HUGE = 1e9  # strengths from here on stand for joints that never fail
 _SAME_HEIGHT = 1e-6  # of a height, which files give in as many digits
 
 T = TypeVar("T")
@@ -125,8 +128,8 @@ def size_in_words(mass_t: float, sizes: Sizes | BlockSizes, per: str = "") -> st
         for name, own in sizes.trace_lengths_m.items() if "face" in own or "upper" in own
     ]  # fmt: skip
     shown, rest, _ = first_and_last(traces, _FEW_TRACES, 0)
-    listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
-    parts += [f"traces on face + upper slope {listed}"] if listed else []
+    lengths = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
+    parts += [f"traces on face + upper slope {lengths}"] if lengths else []
     return "  ".join(parts)
 
 
@@ -159,7 +162,28 @@ def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: in
         few = _FEW_BOLTS if what == "bolt" else len(texts)
         shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
         entries += [*shown, *([more_of(rest, what)] if rest else [])]
-    return Section("LOADS", entries or [WEIGHT_ONLY])
+    entries += _further_loads(design, " ".join(entries))
+    return Section("LOADS", entries or water_in_words(design) or [WEIGHT_ONLY])
+
+
+def _further_loads(design: Design, shown: str) -> list[str]:
+    """Loads of the design that the text does not name: those of a kind whose sheet has no words for them."""
+    acting = {name for part in listed(type(design), "ACTIONS") for name, what in part.items() if what in _PUSHES}
+    entries = []
+    for name, field in fields_of(type(design)).items():
+        is_load = field.is_attribute and (name in acting or field.path.partition(".")[0] in ("loads", "support"))
+        if not is_load or name in ("seismic", "forces", "bolts"):
+            continue
+        value = getattr(design, name)
+        is_there = value not in (None, (), field.default) and bool(value)
+        if is_there and field.key not in shown and field.in_words not in shown and not _is_shown(value, shown):
+            size = f"{value:.6g} {field.unit}".rstrip() if isinstance(value, float) else str(value)
+            entries.append(f"{field.in_words.replace('_', ' ')} {size}")
+    return entries
+
+
+def _is_shown(value: object, text: str) -> bool:
+    return isinstance(value, int | float) and size_number(value) in text
 
 
 def more_of(rest: int, what: str) -> str:
@@ -167,10 +191,15 @@ def more_of(rest: int, what: str) -> str:
     return f"... and {rest} more {what}s"
 
 
-def water_in_words(design: Design) -> list[str]:
-    """Water as one block has it."""
-    is_wet = design.water.mode != "dry" or design.water.crack_fill
-    return [f"water {design.water.in_words()}"] if is_wet else []
+def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
+    """Water as one block has it, a part of full with its highest pressure: so many times the mean of an interface."""
+    water, areas = result.design.water, result.geometry.areas_m2
+    if water.mode == "dry" and not water.crack_fill:
+        return []
+    if water.mode == "pressures" and water.crack_fill is None:
+        return [f"water {water.in_words()}"]
+    means = [push / areas[name] for name, push in result.forces.water.items() if areas.get(name)]
+    return [f"water {water.in_words()}, highest {size_number(float(f'{highest_of_mean * max(means):.4g}'))} kPa"]
 
 
 def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:
@@ -186,7 +215,7 @@ def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:
 def force_text(force: Force) -> str:
     """A force by its components, and where it acts."""
     on = "" if force.block is None else f" on {force.block}"
-    at = "" if force.at_m is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*force.at_m)
+    at = "" if force.at_m is None else f" at {coordinates(force.at_m)}"
     size = max(abs(part) for part in force.components_kn)
     parts = [0.0 if abs(part) < 1e-12 * size else part for part in force.components_kn]
     return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*parts) + on + at
@@ -196,7 +225,7 @@ def bolt_text(bolt: Bolt) -> str:
     """A bolt by its force, its direction, and how it acts."""
     role = "a load" if bolt.acts == "active" else "capacity divided by F"
     on = "" if bolt.block is None else f" on {bolt.block}"
-    at = "" if bolt.head_m is None else " from ({:.6g}, {:.6g}, {:.6g})".format(*bolt.head_m)
+    at = "" if bolt.head_m is None else f" from {coordinates(bolt.head_m)}"
     return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts} ({role})"
 
 
@@ -212,20 +241,27 @@ def weight_in_words(result: Result) -> str:
 def strength_in_words(strength: Strength, digits: str = ".1f") -> str:
     """Cohesion and friction, and what else there is, angles with so many digits.
 
-    >>> strength_in_words(Strength(24.0, 20.0)), strength_in_words(Strength(1e12, 20.0))
-    ('c 24.0 kPa  φ 20.0°', 'c 1e+12 kPa  φ 20.0°')
+    >>> strength_in_words(Strength(24.0, 20.0)), strength_in_words(Strength(0.04, 20.0))
+    ('c 24.0 kPa  φ 20.0°', 'c 0.04 kPa  φ 20.0°')
     """
-    cohesion = strength.cohesion_kpa
-    words = f"c {cohesion:{digits if cohesion < 1e9 else '.6g'}} kPa  φ {strength.friction_angle_deg:{digits}}°"
+    cohesion, friction = strength.cohesion_kpa, strength.friction_angle_deg
+    words = f"c {_in_digits(cohesion, digits)} kPa  φ {_in_digits(friction, digits)}°"
     if (law := strength.named_law) is not None:
         words = law.in_words()
     if strength.dilation_deg:
-        words += f"  ψ {strength.dilation_deg:{digits}}°"
+        words += f"  ψ {_in_digits(strength.dilation_deg, digits)}°"
     if strength.tension_kpa:
         words += f"  σt {strength.tension_kpa:.4g} kPa"
     if strength.residual is not None:
         words += f"  {strength.residual.in_words()}"
     return words
+
+
+def _in_digits(value: float, digits: str) -> str:
+    """A number in fixed digits; a small one, which they would round to nothing, and a huge one in significant ones."""
+    if value == 0.0 or 1.0 <= abs(value) < _HUGE:
+        return f"{value:{digits}}"
+    return f"{value:.3g}" if abs(value) < 1.0 else f"{value:.6g}"
 
 
 def line_in_words(line: Line) -> str:

@@ -10,16 +10,17 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, replace
-from difflib import get_close_matches
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.orientation import Plane
+from slopekit.core.orientation import Plane, millimetre
 from slopekit.core.records import dataclass
+from slopekit.core.synonyms import nearest
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.fields import UNITS, Field, Role, field_at, fields_of
+from slopekit.design.fields import UNITS, Field, Role, field_at, field_in, fields_of
 from slopekit.design.parts import Strength
+from slopekit.design.reading.canonical import canonical_path
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.overrides import spread
@@ -29,8 +30,6 @@ from slopekit.design.scatter.distributions import Distribution, Fisher, read_dis
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")
 _MOST_LISTED = 12
 _FISHER_K = Field("k", "ratio", 0.1, 1e6, role="scatter")
-#: What users call some of them.
-_CALLED = {"cohesion": "c", "friction": "phi", "friction_angle": "phi", "weight": "unit_weight", "kh": "k"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +63,16 @@ class Key:
     with_unit: str = ""
 
     @property
+    def is_place(self) -> bool:
+        """Whether it is a coordinate of a place, which is read to the millimetre."""
+        return self.role == "coordinate" and self.kind == "length"
+
+    @property
+    def in_csv(self) -> str:
+        """How its values are written in CSV: a coordinate to the millimetre, others with every digit."""
+        return ".3f" if self.is_place else ""
+
+    @property
     def unit(self) -> str:
         """The unit of bare numbers, empty where there is none."""
         return UNITS[self.kind]
@@ -83,8 +92,8 @@ class Key:
         return value % self.period if self.period is not None and not 0.0 <= value <= self.period else value
 
     def shown(self, value: float, digits: int = 10) -> str:
-        """The value with its unit, as the sheet prints it."""
-        text = f"{self.reduced(value):.{digits}g}"
+        """The value with its unit, as the sheet prints it; a coordinate to the millimetre."""
+        text = millimetre(value) if self.is_place else f"{self.reduced(value):.{digits}g}"
         return f"{text}°" if self.unit == "°" else f"{text} {self.unit}".strip()
 
     def apart(self, a: float, b: float) -> float:
@@ -111,7 +120,7 @@ def key_of(design: Design, path: str) -> Key:
     DesignError
         E280 a design without a file, E310 no such key, with the nearest one, E311 a key that names no number.
     """
-    path = path.strip()
+    path = path.strip() if design.source is None else canonical_path(design.source.root, path.strip())
     known = {key.path: key for key in keys_of(design)}
     path = "loads.seismic.k" if path == "loads.seismic" else path
     if path in known:
@@ -140,7 +149,7 @@ def keys_of(design: Design) -> tuple[Key, ...]:
     assert design.source is not None
     by_path = {key.path: key for key in _present(design, design.source.root)}
     for path, value, out in _absent(design):
-        field = field_at(type(design), path)
+        field = field_in(type(design), design.source.root, path)
         if path not in by_path and field is not None:
             by_path[path] = _key(path, field, value, given=False, out=out)
     return tuple(by_path.values())
@@ -167,7 +176,7 @@ def _present(design: Design, node: Node) -> Iterator[Key]:
     elif node.text is not None and (field := _field(design, node.path, node.text)) is not None:
         value = _number(node.text, field.measures)
         if value is not None:
-            own, bare = _key(node.path, field, value), field_at(type(design), node.path)
+            own, bare = _key(node.path, field, value), field_in(type(design), _root(design), node.path)
             yield replace(own, with_unit=own.unit) if bare is not None and bare.measures != own.kind else own
 
 
@@ -199,7 +208,7 @@ def _scattering(design: Design, node: Node) -> Iterator[Key]:
     field = _field(design, node.path)
     if field is None:
         return
-    distribution = read_distribution(node, field.measures, node.path)
+    distribution = read_distribution(node, field.measures, node.path, field.period)
     own = _key(node.path, field, distribution.centre)
     yield replace(own, scatters=distribution)
     for name, value in distribution.parameters.items():
@@ -291,12 +300,16 @@ def _water(design: Design) -> Iterator[_Absent]:
 
 def _field(design: Design, path: str, text: str = "") -> Field | None:
     """The field of a path, with what it measures where its unit says so: a crack's water, a part of full, kPa or m."""
-    field = field_at(type(design), path.replace(".mean.", "."))
+    field = field_in(type(design), _root(design), path.replace(".mean.", "."))
     unit = unit_of(text)
     if field is None or unit in ("", "%"):
         return field
     other = next((other for other in field.or_measures if is_unit_of(unit, other)), None)
     return field if other is None else replace(field, measures=other, most=math.inf)
+
+
+def _root(design: Design) -> Node | None:
+    return None if design.source is None else design.source.root
 
 
 def _key(
@@ -343,17 +356,18 @@ def listed(names: Sequence[str]) -> str:
 def _nearest(path: str, known: Mapping[str, Key]) -> str:
     """The keys that may have been meant: those that end so, are written nearly so, or stand beside it."""
     above, _, last = path.rpartition(".")
-    last = _CALLED.get(last, last)
+    keys = {name.rpartition(".")[2] for name in known if not above or name.startswith(f"{above}.")}
+    last = next(iter(nearest(last, keys, cutoff=0.99)), last)
     path = f"{above}.{last}" if above else last
     if path in known:
         return f"Did you mean {path}?"
     ends = [name for name in known if path and (name.endswith(f".{path}") or f".{path}." in f".{name}.")]
     if not ends:
-        ends = get_close_matches(path, known, n=1, cutoff=0.8)
+        ends = nearest(path, known, cutoff=0.8)
     if not ends and above:
         ends = [name for name in known if name.startswith(f"{above}.")]
     if not ends:
-        near = get_close_matches(last, {name.rpartition(".")[2] for name in known}, n=1, cutoff=0.7)
+        near = nearest(last, {name.rpartition(".")[2] for name in known}, cutoff=0.7)
         ends = [name for name in known if near and name.endswith(f".{near[0]}")]
     if not ends:
         top = path.partition(".")[0]

@@ -16,7 +16,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, field_at
+from slopekit.design.fields import Field, field_in
 from slopekit.design.scatter.distributions import Distribution, Variable
 
 #: The largest share that is left to a study, which counts such samples as impossible.
@@ -137,8 +137,9 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
          Add min: 0 to the distribution, or make it narrower.
     """
     shares = []
+    root = None if design.source is None else design.source.root
     for variable in design.variables:
-        own, limits = variable.distribution, field_at(type(design), variable.path) or Field(variable.path)
+        own, limits = variable.distribution, field_in(type(design), root, variable.path) or Field(variable.path)
         ends = (0.0, 0.0)
         if isinstance(own, Distribution) and not limits.turns:
             ends = tails(own, limits.least, limits.most)

@@ -2,19 +2,20 @@
 
 import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, fields
+from dataclasses import astuple, fields, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from slopekit.core.codec import record_of
-from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
+from slopekit.core.errors import DesignError, Fault, MisfitError, Notice, SlopekitError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
+from slopekit.design.parts import Bolt
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import AlsoJudged, WithoutBasal, WithoutTurning
-from slopekit.kinds import also_falls_short, factors_of, kind_of
+from slopekit.kinds import also_falls_short, cut, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
 
@@ -22,6 +23,8 @@ Method = Literal["closed_form", "pre_ie"]
 Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
 _BAD_INPUT = ("E211", "E212", "E250", "E251", "E252", "E253", "E254")  # of bolts and forces: blocks there are
+_OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
+_WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 _NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
 _ALSO: Mapping[str, Callable[..., AlsoJudged]] = {one.NAME: one for one in (WithoutBasal, WithoutTurning)}
@@ -142,14 +145,36 @@ def point_from_record(record: Mapping[str, Any]) -> Point:
 class Evaluation:
     """What a worker does with one set of values: the design is read with them and analysed.
 
-    `pre_ie` False asks the closed form alone, where there is one.
+    `pre_ie` False asks the closed form alone, where there is one. `keeps_bolts` says that bolts stay where they are as
+    values change, as in a slope that turns out otherwise: those that miss the block then, or end within it, give no
+    force (W381), where else they would be a fault. Values of the bolts themselves are taken as they are.
     """
 
     design: Design
     pre_ie: bool = True
+    keeps_bolts: bool = False
 
     def __call__(self, values: Mapping[str, object]) -> Record:
-        return point_of(self.design, values, self.pre_ie).to_record()
+        point = point_of(self.design, values, self.pre_ie)
+        if self.keeps_bolts and values and point.code in _OF_BOLTS:
+            point = point_of(self.design, values, self.pre_ie, holding_bolts)
+            if point.factors is not None:
+                notes = (Notice("W381", _WITHOUT_FORCE), *point.factors.notes)
+                point = replace(point, factors=replace(point.factors, notes=notes))
+        return point.to_record()
+
+
+def holding_bolts(design: Design) -> Design:
+    """A design with the bolts that hold its block from where they stand."""
+    return replace(design, bolts=tuple(bolt for bolt in design.bolts if _holds(design, bolt)))
+
+
+def _holds(design: Design, bolt: Bolt) -> bool:
+    try:
+        cut(replace(design, bolts=(bolt,)))
+    except MisfitError as error:
+        return not set(error.codes) & set(_OF_BOLTS)
+    return True
 
 
 def point_of(

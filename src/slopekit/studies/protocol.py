@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar
 
 from slopekit._version import __version__
 from slopekit.core.codec import json_of
@@ -31,6 +31,7 @@ from slopekit.design.common import Design
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet
+    from slopekit.design.reading.files import Source
     from slopekit.studies.cases import Cases
 
 #: The functions of studies by the names of their commands, and where they stand.
@@ -48,25 +49,31 @@ Asked = ParamSpec("Asked")
 Found = TypeVar("Found", bound=Shown)
 
 
-def study(function: Callable[Asked, Found]) -> "Callable[Asked, Found | Cases[Found]]":
+def study(
+    function: Callable[Concatenate[Design, Asked], Found],
+) -> "Callable[Concatenate[Source, Asked], Found | Cases[Found]]":
     """A study of a design: its docstring lists its parameters, and a design with load cases goes through case by case.
 
+    The design may be given by its path, or as a dict.
     What it returns is known when the design is read, not before: hence the two types. A study of something else is
     `documented`.
     """
     documented(function)
+    called: Callable[..., Found] = function
     parameters = inspect.signature(function).parameters
     place = next(key for key, one in parameters.items() if given_by(one) == DESIGN)
 
     @wraps(function)
-    def through_cases(*values: Asked.args, **named: Asked.kwargs) -> "Found | Cases[Found]":
-        design = values[0] if values else named.get(place)
-        if not getattr(design, "cases", ()):
-            return function(*values, **named)
-        from slopekit.studies.cases import each_case
+    def through_cases(*values: Any, **named: Any) -> "Found | Cases[Found]":
+        from slopekit.design.reading.files import design_from  # which a wedge of options does not need
 
         given = dict(zip(parameters, values, strict=False)) | named
-        return each_case(function, function.__name__, cast(Design, given.pop(place)), given, place)
+        design = design_from(given.pop(place, None), function.__name__, place)
+        if not design.cases:
+            return called(design, **given)
+        from slopekit.studies.cases import each_case
+
+        return each_case(function, function.__name__, design, given, place)
 
     return through_cases
 
@@ -139,7 +146,13 @@ def whole_number(text: str, option: str) -> int:
 
 ADesign = Annotated[Design, DESIGN]
 Jobs = Annotated[Any, Option("Processes that work at once [1].")]
-Scheduler = Annotated[str | None, Option("A Dask scheduler, tcp://host:8786 (extra: dask).", metavar="ADDRESS")]
+Scheduler = Annotated[
+    str | None,
+    Option(
+        "A Dask scheduler, tls://host:8786, or tcp:// in a network that you trust: it runs any code (extra: dask).",
+        metavar="ADDRESS",
+    ),
+]
 Seed = Annotated[int, Option("Seed of the random numbers: the same seed gives the same numbers [1].", whole_number)]
 
 

@@ -41,7 +41,9 @@ def parse_values(key: Key, given: object, most: int = MOST) -> tuple[float, ...]
     else:
         if isinstance(given, str) and _DASHED.fullmatch(given.strip()):
             message = f"{key.path}: {given} is no range, ends are separated by a colon"
-            raise DesignError([Fault("E312", message, f"{key.path}={given}", how_written(key.path))])
+            first, last = re.findall(r"\d+(?:\.\d+)?", given)
+            advice = f"Write {key.path}={first}:{last}:5 (from, to, how many)."
+            raise DesignError([Fault("E312", message, f"{key.path}={given}", advice)])
         parts = _parts(given)
         _one_spelling(key, parts, given)
         values = tuple(key.read(part) for part in parts)
@@ -65,6 +67,8 @@ def parse_within(key: Key, given: Within | None) -> tuple[float, float]:
 
     >>> parse_within(Key("slope.height", "length", 10.0, 0.001, 1e5), "5:20")
     (5.0, 20.0)
+    >>> parse_within(Key("joints.J1.plane.dip_direction", "angle", 0.0, 0.0, 360.0, period=360.0), "350:10")
+    (350.0, 370.0)
     """
     if given is None:
         if key.period is not None and key.value is not None:
@@ -77,10 +81,16 @@ def parse_within(key: Key, given: Within | None) -> tuple[float, float]:
         raise DesignError([Fault("E312", message, where, "Write KEY=lo:hi, for example strength.weak.phi=10:40.")])
     _one_spelling(key, parts, given)
     low, high = (key.read(part) for part in parts)
+    high += _turn(key, low, high)
     if not low < high:
         message = f"{key.path} runs from {key.shown(low)} to {key.shown(high)}: the lower end comes first"
         raise DesignError([Fault("E312", message, where)])
     return low, high
+
+
+def _turn(key: Key, low: float, high: float) -> float:
+    """What a range of directions across north, 350:10, has to be turned on so that it ends above where it begins."""
+    return key.period if key.period is not None and high < low else 0.0
 
 
 def how_written(path: str) -> str:
@@ -136,6 +146,7 @@ def _evenly(key: Key, given: str, most: int) -> tuple[float, ...]:
     in_steps = parts[2].startswith(("+", "-"))
     _one_spelling(key, [*parts[:2], parts[2][1:]] if in_steps else parts[:2], given)
     low, high = key.read(parts[0]), key.read(parts[1])
+    high += 0.0 if parts[2].startswith("-") else _turn(key, low, high)
     if low == high:
         refuse(f"from {key.shown(low)} to the same")
     if in_steps:

@@ -8,8 +8,10 @@ A journal keeps what is done line by line, so that an interrupted study goes on 
 
 import hashlib
 import json
+import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
@@ -116,7 +118,8 @@ class Crew:
     Attributes
     ----------
     jobs : processes of this machine; 1 works in the process that asks
-    scheduler : address of a Dask scheduler, tcp://host:8786, instead
+    scheduler : address of a Dask scheduler instead, tls://host:8786 or tcp://host:8786; Dask sends pickles, which run
+        code where they are read, and over tcp:// neither encrypted nor signed
     executor : or any executor that is there already
     """
 
@@ -319,6 +322,23 @@ def _executor(crew: Crew) -> Iterator[Executor]:
         pool.shutdown()
 
 
+def end_with_parent() -> None:
+    """End this worker process as soon as the process that started it is gone, however that was ended.
+
+    A worker waits for tasks on a pipe that it holds open itself: it would wait without end, with its memory and with
+    the output of the process that is gone.
+    """
+    import multiprocessing
+
+    def watch(process: Any) -> None:
+        process.join()
+        os._exit(1)
+
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=watch, args=(parent,), name="end with parent", daemon=True).start()
+
+
 class _Pool(ProcessPoolExecutor):
     """Workers that Ctrl-C, which a terminal sends to all, does not end while they start.
 
@@ -343,6 +363,7 @@ def _quiet_worker() -> None:
     """In a worker: Ctrl-C is for the one who asked, and one core is one core."""
     from threadpoolctl import threadpool_limits
 
+    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threadpool_limits(1)
 

@@ -15,6 +15,7 @@ from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.protocol import Argument, Option
 
+MOST_JOINTS = 100_000  # that studies take which need not look at every pair
 _STRENGTHS: tuple[Literal["c", "phi"], ...] = ("c", "phi")
 
 
@@ -28,12 +29,13 @@ def _conventions(incomplete: str) -> list[str]:
 #: A survey: a file on a command line; in Python also a pandas or polars frame with such columns, planes ("45/115",
 #: (45, 115)), an (n, 2) array or {name: plane}.
 AJointList = Annotated[
-    Any, Argument("A joint list (CSV, .xlsx, Dips, CloudCompare): dip and dip direction, strikes, poles.", "JOINTS")
+    Any, Argument("A joint list (CSV, .xlsx, AGS 4, Dips, CloudCompare): dips, strikes, poles, drill core.", "JOINTS")
 ]  # fmt: skip
 AFace = Annotated[Any, Option("Slope face, D/DD: has to be given.")]
 Convention = Annotated[str | None, Option(
     "What a strike column means: right-hand-rule (RHR) or left-hand-rule (LHR).", completes=_conventions
 )]  # fmt: skip
+Columns = Annotated[Any, Option("What the columns hold, in order, in place of the header: dip_direction,dip.")]
 SkipBad = Annotated[bool, Option("Leave bad rows out, listed, where they would stop the run.")]
 
 
@@ -123,6 +125,17 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
     except DesignError as error:
         told = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
         raise DesignError([*faults, *told]) from None
+
+
+def codes_of(notices: Sequence[Notice]) -> list[str]:
+    """The codes of notices that a line of a study ends with: those that ask for something, each once."""
+    return list(dict.fromkeys(notice.code for notice in notices if not notice.is_harmless))
+
+
+def check_seed(faults: Faults, seed: object) -> None:
+    """Add the fault E307 of a seed that is none."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
+        faults.append(Fault("E307", f"the seed is {seed}, it is a whole number from 0 to {2**63 - 1}"))
 
 
 def left_out(joints: JointList) -> list[Notice]:

@@ -35,6 +35,7 @@ def examination() -> tuple[list[str], bool]:
     for name, test in (
         ("templates", _templates), ("the paper's wedge, both methods", _wedge),
         ("a plane failure", lambda: _both("plane", 1e-8)), ("the sphere with φ = 0", lambda: _both("sphere", 1e-4)),
+        ("Goodman & Bray's columns", lambda: _both("goodman-bray", 1e-8)),
         ("drawing off-screen", _drawing),
     ):  # fmt: skip
         began = time.perf_counter()

@@ -10,6 +10,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
+from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.views.charts.drawing import (
@@ -21,6 +22,7 @@ from slopekit.views.charts.drawing import (
     need_of_drawing,
     new_figure,
     no_window,
+    plain_numbers,
     save,
 )
 from slopekit.views.charts.kinematic_charts import TESTS
@@ -30,7 +32,6 @@ from slopekit.views.solid.scenes import SCENES
 Document = Mapping[str, Any]
 SCENE_FORMATS = (".png", ".glb", ".gltf")
 _MOST_BYTES = 1_000_000_000
-_ODD = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,7 @@ def _oriented(document: Document) -> bool:
         return orientations_of(kept(document)) is not None
     except (Damaged, DesignError):
         return False
-    except _ODD as error:
+    except MISREAD as error:
         if _damage(document, "stereonet", error):
             return False
         raise
@@ -247,7 +248,7 @@ def draw(
                         step=options.step)  # fmt: skip
             return
         figure = new_figure(path or name)
-        with warnings.catch_warnings():
+        with plain_numbers(), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
             more = (options.net, options.test) if _is_kinematic(document) else (options.net,)
             _chart(what, document).draw(figure, document, *(more if what == "stereonet" else ()))
@@ -255,7 +256,7 @@ def draw(
                 save(figure, path)
                 if (other := instead(path)) is not None:
                     save(figure, other)
-    except _ODD as error:
+    except MISREAD as error:
         said = _damage(document, what, error)
         if not said:  # the document is whole: the fault is ours, and shall be seen
             raise
@@ -281,7 +282,9 @@ def _damage(document: Document, what: str, error: Exception) -> str:
 
         try:
             Stage.of(document)
-        except _ODD as reading:
+        except MISREAD as reading:
+            if not is_of_document(reading):
+                return ""
             return f"its scene: {type(reading).__name__}: {reading}"
     return said
 

@@ -21,11 +21,12 @@ function valueOf(own, at) {
   return own.log ? Number((own.low * Math.pow(own.high / own.low, at / STEPS)).toPrecision(3)) : Number(Number(at).toPrecision(10));
 }
 
-function shown(own, value, digits = 8) {
+/** A value of a control with its unit, a coordinate to the millimetre. */
+export function shown(own, value, digits = 8) {
   if (value === null || value === undefined) { return ""; }
   if (typeof value !== "number") { return String(value); }
   const unit = own.unit === "°" ? "°" : own.unit ? ` ${own.unit}` : "";
-  return figure(value, digits) + unit;
+  return (own.place ? value.toFixed(3) : figure(value, digits)) + unit;
 }
 
 function numberRow(own) {

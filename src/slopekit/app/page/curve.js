@@ -2,7 +2,7 @@
 import { byId, el, factor, figure, fill, svg } from "./dom.js";
 import { on } from "./link.js";
 import { change, quiet } from "./live.js";
-import { control, numbers, take } from "./controls.js";
+import { control, numbers, shown, take } from "./controls.js";
 import { leave, now, watch } from "./fresh.js";
 import { runJob } from "./jobs.js";
 import { broken, paper } from "./plot.js";
@@ -33,7 +33,8 @@ function list() {
 
 function ends() {
   const own = control(path);
-  parts.low.value = figure(own.low); parts.high.value = figure(own.high);
+  const text = (value) => (own.place ? value.toFixed(3) : figure(value));
+  parts.low.value = text(own.low); parts.high.value = text(own.high);
 }
 
 async function run() {
@@ -65,8 +66,8 @@ function draw() {
     svg("text", { x: sheet.right - 4, y: sheet.y(1) - 5, class: "tick end" }, "F = 1")] : null,
   broken(sheet, curve.x, cut(curve.limit), "limit"), checked, gaps(), dot);
   sheet.sheet.addEventListener("click", (event) => {
-    const value = Number(sheet.valueAt(event).toPrecision(4));
-    take(curve.path, { value, text: `${figure(value)}${own?.unit ? (own.unit === "°" ? "°" : ` ${own.unit}`) : ""}` });
+    const there = sheet.valueAt(event), value = Number(own?.place ? there.toFixed(3) : there.toPrecision(4));
+    take(curve.path, { value, text: own ? shown(own, value, 5) : figure(value) });
     change({ [curve.path]: value }, true);
   });
   fill(parts.chart, sheet.sheet, el("p", { class: "key" }, el("span", { class: "k-limit" }, "limit, PRE-IE"),

@@ -21,9 +21,9 @@ export function paper(given) {
   const inner = svg("g");
   const sheet = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img", "aria-label": label },
     ticks(y0, y1).map((t) => [svg("line", { x1: M.left, x2: W - M.right, y1: y(t), y2: y(t), class: "grid" }),
-      svg("text", { x: M.left - 8, y: y(t) + 4, class: "tick end" }, figure(t, 4))]),
+      svg("text", { x: M.left - 8, y: y(t) + 4, class: "tick end" }, figure(t, 10))]),
     (given.log ? decades(x0, x1) : ticks(x0, x1, 8)).map((t) => [svg("line", { x1: x(t), x2: x(t), y1: H - M.bottom, y2: H - M.bottom + 5, class: "axis" }),
-      svg("text", { x: x(t), y: H - M.bottom + 19, class: "tick mid" }, figure(t, 4))]),
+      svg("text", { x: x(t), y: H - M.bottom + 19, class: "tick mid" }, figure(t, 10))]),
     svg("path", { d: `M${M.left} ${M.top}V${H - M.bottom}H${W - M.right}`, class: "axis" }),
     svg("text", { x: M.left + wide / 2, y: H - 6, class: "label mid" }, xLabel),
     svg("text", { transform: `translate(14 ${M.top + high / 2}) rotate(-90)`, class: "label mid" }, yLabel), inner);

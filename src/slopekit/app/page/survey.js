@@ -12,12 +12,17 @@ function own(name) {  // a strength of the survey's own; empty: that of the desi
   return text === "" ? {} : { [name]: Number(text) };
 }
 
-async function read() {
+function question(found) {  // bad rows are left out only where that is agreed to
+  faults(parts.job, found.faults);
+  parts.job.append(el("p", {}, found.question, " ", el("button", { type: "button", onclick: () => read(true) }, "Leave them out")));
+}
+
+async function read(skip = false) {
   if (!file) { return; }
   fill(parts.job, el("p", { class: "soft" }, "reading …"));
   const of = now();
-  const found = await ask("survey", { name: file.name, text: file.text, ...own("c"), ...own("phi") });
-  if (!found.planes) { leave(parts.found); fill(parts.found); faults(parts.job, found.faults); return; }
+  const found = await ask("survey", { name: file.name, text: file.text, ...own("c"), ...own("phi"), columns: parts.columns.value.trim(), skip_bad: skip });
+  if (!found.planes) { leave(parts.found); fill(parts.found); if (found.question) { question(found); } else { faults(parts.job, found.faults); } return; }
   fill(parts.job);
   show(found);
   watch(parts.found, of, "The pairs stand in the slope of an earlier design, or have another strength: press Again. Open takes them as they are here.");
@@ -65,17 +70,18 @@ function show(found) {
 }
 
 export function start() {
-  const input = el("input", { type: "file", accept: ".csv,.txt,text/csv", id: "survey-file", onchange: () => taken(input.files[0]) });
-  const drop = el("div", { class: "drop" }, el("p", {}, el("strong", {}, "Drop a joint survey here"), " (CSV with dip and dip direction, or strike)"),
+  const input = el("input", { type: "file", accept: ".csv,.txt,.ags,text/csv", id: "survey-file", onchange: () => taken(input.files[0]) });
+  const drop = el("div", { class: "drop" }, el("p", {}, el("strong", {}, "Drop a joint survey here"), " (CSV or AGS 4: dip and dip direction, strike, or alpha and beta on core)"),
     el("label", { class: "filed" }, "or choose a file ", input));
   for (const name of ["dragenter", "dragover"]) { drop.addEventListener(name, (event) => { event.preventDefault(); drop.classList.add("over"); }); }
   drop.addEventListener("dragleave", () => drop.classList.remove("over"));
   drop.addEventListener("drop", (event) => { event.preventDefault(); drop.classList.remove("over"); taken(event.dataTransfer.files[0]); });
   const c = el("input", { type: "number", class: "box", min: 0, placeholder: "design's" }), phi = el("input", { type: "number", class: "box", min: 0, max: 89, placeholder: "design's" });
-  for (const one of [c, phi]) { one.addEventListener("input", () => outdate(parts.found)); }
+  const columns = el("input", { type: "text", class: "box", placeholder: "header's", title: "what the columns hold, in order: dip_direction,dip" });
+  for (const one of [c, phi, columns]) { one.addEventListener("input", () => outdate(parts.found)); }
   const job = el("div", { class: "job" }), found = el("div");
   fill(byId("screen-survey"), el("h2", {}, "Joint survey"), el("p", { class: "soft" }, "Every pair is set against the face and upper slope of the present design."), drop,
     el("div", { class: "form" }, el("label", {}, "cohesion, kPa ", c), el("label", {}, "friction angle, ° ", phi),
-      el("button", { type: "button", onclick: read }, "Again")), job, found);
-  parts = { c, phi, job, found };
+      el("label", {}, "columns ", columns), el("button", { type: "button", onclick: () => read() }, "Again")), job, found);
+  parts = { c, phi, columns, job, found };
 }

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.design.reading.canonical import with_canonical_keys
 from slopekit.design.reading.nodes import Document, cut, fail, no_text
 from slopekit.design.reading.on_disk import read_bytes
 from slopekit.design.reading.overrides import with_overrides
@@ -76,7 +77,8 @@ def read_text(text: str, name: str, path: Path | None = None) -> tuple[Document,
         shown = "a list" if isinstance(root.value, list) else f"the text {cut(repr(root.value))}"
         advice = "A design starts with keys: slopekit: 1, then kind: wedge."
         fail("E157", f"{name} holds {shown}, not keys with values", str(root.place), advice)
-    return Document(root, name, path), list(builder.faults)
+    root, faults = with_canonical_keys(root)
+    return Document(root, name, path), [*builder.faults, *faults]
 
 
 def decoded(content: bytes, name: str) -> str:

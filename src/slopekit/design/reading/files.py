@@ -6,12 +6,15 @@ Every value keeps its place, so that each fault names its line and column, whate
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
+from slopekit.core.options import DESIGN
+from slopekit.core.taken import wrong_kind
 from slopekit.design.common import Design
-from slopekit.design.fields import field_at, in_degrees, structure_of
+from slopekit.design.fields import field_in, in_degrees, structure_of
 from slopekit.design.parts import PartialFactors
+from slopekit.design.reading.canonical import with_canonical_keys
 from slopekit.design.reading.document import read_document
 from slopekit.design.reading.nodes import Document, Node, document_from
 from slopekit.design.reading.overrides import with_overrides
@@ -20,6 +23,8 @@ from slopekit.design.reading.structure import KeyGroup, check_structure
 from slopekit.design.registry import KINDS, kind_named, record_of
 
 Overrides = Sequence[tuple[str, object]]
+#: What a call takes for a design: the path of its file, the same as a dict, or the design itself.
+Source: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Design
 VERSION = 1
 
 
@@ -40,7 +45,10 @@ def load(
     """
     faults = Faults()
     if isinstance(source, Mapping):
-        document = with_overrides(document_from(source), overrides)
+        document = document_from(source)
+        root, wrong = with_canonical_keys(document.root)
+        faults += wrong
+        document = with_overrides(replace(document, root=root), overrides)
     else:
         document, wrong = read_document(source, overrides)
         faults += wrong
@@ -58,6 +66,21 @@ def load(
 
         return cases.case_named(design, case).design
     return design
+
+
+def design_from(source: Source, function: str, name: str = "design") -> Design:
+    """The design that a function is given as its parameter `name`, read where it is a path or a dict.
+
+    Raises
+    ------
+    DesignError
+        E405 for anything else, and what `load` raises.
+    """
+    if isinstance(source, Design):
+        return source
+    if not isinstance(source, str | os.PathLike | Mapping):
+        raise wrong_kind(function, name, DESIGN.takes, source)
+    return load(source)
 
 
 def _set_over(
@@ -174,7 +197,8 @@ def with_values(design: Design, values: Mapping[str, object]) -> Design:
 
 
 def _with_unit(design: Design, path: str, value: object) -> object:
-    field = field_at(type(design), path) if isinstance(value, float) else None
+    root = None if design.source is None else design.source.root
+    field = field_in(type(design), root, path) if isinstance(value, float) else None
     return f"{value!r} deg" if field is not None and field.check is in_degrees else value
 
 

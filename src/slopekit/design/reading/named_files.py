@@ -1,31 +1,104 @@
 """Files that a design names, looked for beside it."""
 
 import hashlib
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from slopekit.core.errors import DesignError
-from slopekit.design.parts import MeshFile
-from slopekit.design.reading.nodes import Node
+from slopekit.core.orientation import upward_axis
+from slopekit.design.parts import MeshFile, axis_key
+from slopekit.design.reading.nodes import Node, cut, fail, printable
 from slopekit.design.reading.on_disk import read_bytes
 from slopekit.design.reading.reader import Reader
 
 _MOST_MESH_BYTES = 200_000_000
+_METRES = (1.0, "")
+_INSUNITS = re.compile(rb"\$INSUNITS(?:\s+70\s+(\d+)|\0\x46\0?(.)\0)", re.DOTALL)  # of text and of binary files
+
+
+#: Whether designs may name files outside their own folder: an environment variable, so that workers have it too.
+ALLOW_OUTSIDE = "SLOPEKIT_ALLOW_OUTSIDE"
 
 
 def beside(reader: Reader, node: Node) -> Path:
-    """A file that the design names, relative to the design's own folder."""
-    named = Path(node.text or "")
-    return named if named.is_absolute() or reader.document.path is None else reader.document.path.parent / named
+    """Return the path of a file that the design names, which lies in the folder of the design file or below it.
+
+    A design without a file, of Python, may name any file, and so may a value of `--set`.
+
+    Raises
+    ------
+    DesignError
+        E148 for a file elsewhere, links followed, where that is not allowed.
+    """
+    named, design = Path(node.text or ""), reader.document.path
+    if design is None:
+        return named
+    path = design.parent / named
+    is_of_file = node.place.file == printable(reader.document.name)
+    is_inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(design.parent))
+    if is_of_file and not is_inside and not os.environ.get(ALLOW_OUTSIDE):
+        message = f"{cut(printable(node.text or ''))} lies outside the folder of the design"
+        advice = "Put it beside the design, or allow it: slopekit --allow-outside, load(..., allow_outside=True)."
+        fail("E148", message, str(node.place), advice)
+    return path
 
 
-def mesh_file(reader: Reader, node: Node) -> MeshFile | None:
-    """A mesh that the design names, known by its content; None with the fault E172 where it cannot be read."""
-    path = beside(reader, node)
+def mesh_file(reader: Reader, holder: Node) -> MeshFile | None:
+    """The mesh that a group of keys names, known by its content, and the axis that points up in it.
+
+    None where it names none, or with the fault E172 where it cannot be read.
+    """
+    node, up = holder.get("mesh"), holder.get("up")
+    axis: str | None = None if up is None else reader.field(axis_key(up.path), up)
+    if node is None or node.text is None:
+        if up is not None:
+            reader.fault("E172", f"{up.path} says nothing without a mesh", up, "Leave it out.")
+        return None
     try:
+        path = beside(reader, node)
         content = read_bytes(path, _MOST_MESH_BYTES)
     except DesignError as error:
         fault = error.faults[0]
         advice = fault.advice or "It is looked for beside the design file."
         reader.fault("E172", f"the mesh {node.text} cannot be read: {fault.message}", node, advice)
         return None
-    return MeshFile(path.name, hashlib.sha256(content).hexdigest(), str(path), str(node.place))
+    digest = hashlib.sha256(content).hexdigest()
+    length, unit = _dxf_unit(content) if path.suffix.lower() == ".dxf" else _METRES
+    return MeshFile(
+        path.name,
+        digest,
+        str(path),
+        str(node.place),
+        axis or upward_axis(path.suffix),
+        length_unit=length,
+        unit_name=unit,
+    )
+
+
+def _dxf_unit(content: bytes) -> tuple[float, str]:
+    """Return the unit (m) that a DXF names for its lengths, and its name where that is not the metre."""
+    try:
+        from ezdxf.units import InsertUnits, conversion_factor
+    except ImportError:  # which is a fault where the mesh is read
+        return _METRES
+    found = _INSUNITS.search(content)
+    number = int(found[1] or found[2][0]) if found else 0
+    if number in (0, InsertUnits.Meters) or number not in InsertUnits.__members__.values():
+        return _METRES
+    return conversion_factor(InsertUnits(number), InsertUnits.Meters), InsertUnits(number).name.lower()
+
+
+@contextmanager
+def files_outside(are_allowed: bool) -> Iterator[None]:
+    """Let the designs that are read within name files outside their own folders, where that is allowed."""
+    before = os.environ.get(ALLOW_OUTSIDE)
+    if are_allowed:
+        os.environ[ALLOW_OUTSIDE] = "1"
+    try:
+        yield
+    finally:
+        if are_allowed and before is None:
+            del os.environ[ALLOW_OUTSIDE]

@@ -1,6 +1,7 @@
 """Files from the disk, of at most so many bytes, and what a name may have been meant for that none has."""
 
 import os
+import stat
 from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
@@ -13,8 +14,8 @@ MAX_BYTES = 5_000_000
 _STDIN = "A file is needed; what a command pipes in is read as /dev/stdin, where the system has that."
 
 
-def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
-    """The bytes of a file that has at most so many.
+def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES, advice: str = "Decimate it.") -> bytes:
+    """The bytes of a file that has at most so many; `advice` : what to do where it is larger.
 
     Raises
     ------
@@ -23,6 +24,7 @@ def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
     """
     shown, name = cut(printable(str(path))), cut(printable(Path(path).name or str(path)))
     try:
+        _refuse_device(path, shown)
         with open(path, "rb") as file:
             content = file.read(most + 1)
     except (FileNotFoundError, NotADirectoryError, ValueError):  # ValueError: a NUL or a surrogate in the name
@@ -43,10 +45,21 @@ def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
         message = f"{name} cannot be read: {(error.strerror or 'the system refuses').lower()}"
         raise DesignError([Fault("E148", message, shown)]) from None
     if len(content) > most:
-        what = ", that is no design or joint list" if most == MAX_BYTES else ""
-        advice = "Meshes stand in files of their own: mesh: slip.stl." if what else "Decimate it."
+        what = ", that is no design" if most == MAX_BYTES else ""
+        advice = "Meshes stand in files of their own: mesh: slip.stl." if what else advice
         fail("E149", f"{name} is larger than {most / 1e6:g} MB{what}", shown, advice)
     return content
+
+
+def _refuse_device(path: str | os.PathLike[str], shown: str) -> None:
+    """E148 for a pipe with a name, a socket or a device, whose reading may wait without end.
+
+    What the command's own caller hands over (`/dev/stdin`, the shell's `<(...)`) is open already, and is read.
+    """
+    mode = os.stat(path).st_mode
+    handed_over = os.path.abspath(path).startswith(("/dev/fd/", "/dev/stdin", "/proc/self/fd/")) and stat.S_ISFIFO(mode)
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or handed_over):
+        fail("E148", f"{cut(printable(Path(path).name))} is a pipe or a device, a file is needed", shown)
 
 
 def _names_in(folder: Path) -> list[str]:

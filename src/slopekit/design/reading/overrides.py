@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.design.reading.canonical import canonical_path, with_canonical_keys
 from slopekit.design.reading.nodes import (
     MAX_DEPTH,
     Document,
@@ -78,6 +79,7 @@ def with_overrides(document: Document, overrides: Sequence[tuple[str, object]]) 
             shown = value if isinstance(value, str) else shown_of(value)
             place = Place("--set", 0, 0, cut(f"{path}={shown}"))
             own.add(place)
+        path = canonical_path(root, path)
         if path in seen:
             faults.append(Fault("E151", f"{path} is set twice", str(place), "Leave one of them out."))
             continue
@@ -86,6 +88,9 @@ def with_overrides(document: Document, overrides: Sequence[tuple[str, object]]) 
             parts = _parts(path, place)
             new = _override_value(value, path, place)
             root = _replaced(root, parts, new if new.value is not None else None, place)
+            if new.is_mapping or new.elements:
+                root, twice = with_canonical_keys(root)
+                faults += twice
         except DesignError as error:
             faults += error.faults
             continue

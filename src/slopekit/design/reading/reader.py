@@ -7,11 +7,11 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
-from slopekit.core.orientation import Plane, parse_plane
+from slopekit.core.orientation import Plane, parse_face, parse_plane
 from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, every_field, field_at, fields_of
+from slopekit.design.fields import Field, every_field, field_in, fields_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Document, Kept, Node, as_text
 from slopekit.design.reading.structure import has_angles, is_distribution, orientation_kind
@@ -120,9 +120,11 @@ class Reader:
         scatter: distributions.Scatter
         try:
             if of is None:
-                field = field_at(self.record, node.path)
+                field = field_in(self.record, self.root, node.path)
                 measures = "ratio" if field is None else field.measures
-                scatter = distributions.read_distribution(node, measures, node.path)
+                scatter = distributions.read_distribution(
+                    node, measures, node.path, None if field is None else field.period
+                )
             elif is_distribution(node):
                 scatter = distributions.read_orientation(node, node.path, of)
             else:
@@ -221,7 +223,8 @@ class Reader:
     def plane(self, node: Node, name: str) -> Plane | None:
         """An orientation as a plane."""
         value = node.text if node.text is not None and self.is_sound(node) else self.value(node)
-        return None if value is None else self.kept(parse_plane, value, name, str(node.place))
+        parse = parse_face if node.name in ("face", "upper") else parse_plane
+        return None if value is None else self.kept(parse, value, name, str(node.place))
 
     def word(self, field: Field, node: Node) -> str | None:
         """A text; one of the words that the field knows."""

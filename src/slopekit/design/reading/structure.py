@@ -1,12 +1,16 @@
 """Which keys a design may have, said once as data, and a checker that finds every key that does not fit."""
 
+import math
 import re
 from collections.abc import Iterator, Mapping
-from difflib import SequenceMatcher, get_close_matches
+from dataclasses import replace
+from difflib import SequenceMatcher
 from typing import Any, Literal, TypeAlias
 
-from slopekit.core.errors import Fault
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import parse_plane
 from slopekit.core.records import dataclass
+from slopekit.core.synonyms import TANGENTS, folded, is_likely, nearest, synonym
 from slopekit.design.reading.nodes import Kept, Node
 
 Spec: TypeAlias = "Leaf | KeyGroup | Named | ListOf | AnyOf | Anything"
@@ -17,6 +21,7 @@ ANGLES: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direc
 WRITTEN: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("trend", "plunge")}
 _ORIENTATIONS: Mapping[str, OrientationKind] = {"plane": "plane", "face": "plane", "upper": "plane", "toward": "line"}
 _SHOWN_KEYS = 12
+_SELDOM = ("analysis", "cases")  # of the groups at the top
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,13 +158,20 @@ class _Checker:
             remedies.add(remedy)
             self.fault("E142", f"{key} is not a key {holder}", below, remedy)
         for key in spec.required:
-            if node.get(key) is None and f"Did you mean {key}?" not in remedies:
-                path = f"{node.path}.{key}" if node.path else key
+            path = f"{node.path}.{key}" if node.path else key
+            is_misplaced = any(remedy.endswith((f"mean {key}?", f"under {path}.")) for remedy in remedies)
+            if node.get(key) is None and not is_misplaced:
                 example = spec.keys[key].example
                 self.fault("E143", f"{path} is missing", node, f"Add {key}: {example}" if example else "")
 
     def named(self, node: Node, spec: Named) -> None:
+        nameless = without_name(node, spec.of)
+        if nameless:
+            message = f"{node.path} has {' and '.join(nameless)} of no name"
+            self.fault("E144", message, node, f"Write {node.path}: {{joint: {{{_listed(nameless)}}}}}")
         for name, below in node.items():
+            if name in nameless:
+                continue
             if not name.strip() or (not spec.pairs and re.search(r"[./]", name)):
                 advice = "Dots and slashes join names elsewhere (J1.phi/J2.phi): use letters, digits, - and _."
                 self.fault("E146", f"{name!r} under {node.path} cannot be a name", below, advice)
@@ -215,10 +227,7 @@ class _Checker:
         number = isinstance(spec, Leaf) and spec.number
         orientation = isinstance(spec, AnyOf) and any(_is_orientation(one) for one in spec.of)
         if (number or orientation) and node.is_mapping:
-            near = get_close_matches("dist", [key for key, _ in node.items()], n=1, cutoff=0.5)
-            example = "{dist: normal, mean: 20, sd: 2}" if number else "{dist: fisher, mean: 45/115, k: 100}"
-            advice = f"A distribution is written {example}."
-            advice = f"Write dist: instead of {near[0]}:. {advice}" if near else advice
+            advice = _of_distribution(node, number)
         message = f"{node.path or 'the design'} is {_given(node)}, {_needed(spec)} is needed"
         self.faults.append(Fault("E144", message, str(node.place), advice))
 
@@ -227,18 +236,27 @@ class _Checker:
         name, colon, value = key.partition(":")
         if colon and node.value is None and name.strip() in spec.keys:
             return f"Put a space behind the colon: {name.strip()}: {value.strip()}"
+        for known, below in spec.keys.items():
+            inner = [arm for arm in (below.of if isinstance(below, AnyOf) else (below,)) if isinstance(arm, KeyGroup)]
+            meant = next((key if key in arm.keys else synonym(key, arm.keys) for arm in inner), None)
+            if above.path and meant is not None:
+                return f"{meant} belongs under {above.path}.{known}."
         places = [path for path in _paths_of(key, self.spec) if path != above.path]
-        folded = {known.lower().replace("-", "_"): known for known in spec.keys}
-        near = get_close_matches(key.lower().replace("-", "_").replace(" ", "_"), folded, n=1)
-        sure = bool(near) and SequenceMatcher(None, key.lower(), near[0]).ratio() > 0.8
+        near = nearest(key, spec.keys, cutoff=0.65)
+        sure = bool(near) and (is_likely(key, near[0]) or SequenceMatcher(None, folded(key), near[0]).ratio() > 0.8)
+        is_number = node.text is not None and re.fullmatch(r"\d*\.?\d+", node.text) is not None
+        if is_number and near == ["rules"]:
+            return f'Write rules: "fos >= {node.text}"'
+        if is_number and near == ["phi"] and folded(key) in TANGENTS:
+            return f"Write phi: {math.degrees(math.atan(float(node.text or 0))):.4g}"
         if places and not sure and not (near and len(key) == 1):  # one letter is more likely a slip than a law's a or b
             return f"{key} belongs under {' or '.join(places[:3])}." if all(places) else f"{key} belongs at the top."
         # the other kinds are loaded only here
         if not (above.path or sure) and (kinds := [kind for kind, other in self.others.items() if key in other.keys]):
             return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."
         if near:
-            return f"Did you mean {folded[near[0]]}?"
-        elsewhere = get_close_matches(key.lower(), _all_keys(self.spec), n=1, cutoff=0.75)
+            return f"Did you mean {near[0]}?"
+        elsewhere = nearest(key, _all_keys(self.spec), cutoff=0.75)
         if elsewhere:
             where = _paths_of(elsewhere[0], self.spec)[0]
             return f"Did you mean {elsewhere[0]}, {f'under {where}' if where else 'at the top'}?"
@@ -298,7 +316,62 @@ def _needed(spec: Spec) -> str:
 
 def _example(node: Node, spec: Spec) -> str:
     own = "" if re.fullmatch(r"\d*", node.name) else f"{node.name}: "
-    return f"Write {own}{spec.example}" if spec.example else ""
+    if isinstance(spec, AnyOf):
+        spec = next((arm for arm in spec.of if _rewritten(node, arm)), spec)
+    rewritten = _rewritten(node, spec)
+    return f"Write {own}{rewritten or spec.example}" if rewritten or spec.example else ""
+
+
+def _rewritten(node: Node, spec: Spec) -> str:
+    """The user's value in the shape that is needed: `{plane: 45/245}` of a plane alone; empty where it does not fit."""
+    if isinstance(spec, Named):
+        texts = [part.text or "" for part in node.elements] or (node.text or "").split()
+        parts = [_rewritten(replace(node, value=text), spec.of) for text in texts]
+        is_pair = node.elements and len(parts) == 2 and not all(parts)
+        return "" if is_pair or not parts or not all(parts) else (
+            "{" + ", ".join(f"J{number}: {part}" for number, part in enumerate(parts, 1)) + "}"
+        )  # fmt: skip
+    if not isinstance(spec, KeyGroup):
+        return ""
+    if len(spec.keys) == 1 and (node.text is not None or node.elements):
+        texts = [node.text] if node.text is not None else [part.text or "" for part in node.elements]
+        listed = ", ".join(f'"{text}"' for text in texts)
+        return f"{{{next(iter(spec.keys))}: [{listed}]}}" if all(texts) else ""
+    planes = [
+        key for key, below in spec.keys.items() if isinstance(below, AnyOf) and any(map(_is_orientation, below.of))
+    ]
+    if not planes or [key for key in spec.required if key not in planes]:
+        return ""
+    text = node.text if node.text is not None else "/".join(part.text or "" for part in node.elements)
+    try:
+        parse_plane(text, planes[0])
+    except DesignError:
+        return ""
+    return f"{{{planes[0]}: {text}}}"
+
+
+def _of_distribution(node: Node, is_number: bool) -> str:
+    """How a distribution is written: with the user's mean and standard deviation where they are there."""
+    example = "{dist: normal, mean: 20, sd: 2}" if is_number else "{dist: fisher, mean: 45/115, k: 100}"
+    meant = {key: next(iter(nearest(key, ("dist", "mean", "sd", "min", "max", "mode"))), "") for key, _ in node.items()}
+    values = {meant[key] or key: below.text for key, below in node.items()}
+    if is_number and values.keys() == {"mean", "sd"} and all(values.values()):
+        example = f"{{dist: normal, mean: {values['mean']}, sd: {values['sd']}}}"
+    wrong = next((key for key, name in meant.items() if name == "dist"), None)
+    return f"{f'Write dist: instead of {wrong}:. ' if wrong else ''}A distribution is written {example}."
+
+
+def without_name(node: Node, spec: Spec) -> dict[str, str]:
+    """The keys of a thing, with their values, that stand where its name should: `strength: {c: 50, phi: 20}`."""
+    if not isinstance(spec, KeyGroup):
+        return {}
+    return {key: below.text for key, below in node.items() if below.text is not None and (
+        key in spec.keys or synonym(key, spec.keys) is not None
+    )}  # fmt: skip
+
+
+def _listed(values: Mapping[str, str]) -> str:
+    return ", ".join(f"{key}: {value}" for key, value in values.items())
 
 
 def _count(number: int) -> str:
@@ -321,7 +394,9 @@ def _walk(spec: Spec, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _paths_of(key: str, spec: Spec) -> list[str]:
-    return list(dict.fromkeys(path for known, path in _walk(spec) if known == key))
+    """Where a key may stand, the slope itself before what is rarely given."""
+    paths = dict.fromkeys(path for known, path in _walk(spec) if known == key)
+    return sorted(paths, key=lambda path: (path.partition(".")[0] in _SELDOM, path.count(".") - path.count(".<")))
 
 
 def _all_keys(spec: Spec) -> list[str]:

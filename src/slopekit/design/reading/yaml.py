@@ -139,13 +139,17 @@ def _composed(text: str, source: SourceLines, original: str = "") -> Any:
 
     class Counting(Composer):
         values = 0.0
+        nesting = 0
 
         def compose_node(self, parent: Any, index: Any) -> Any:
             self.values += 1
-            if self.values > MAX_VALUES or self.depth >= MAX_DEPTH:
+            if self.values > MAX_VALUES or self.nesting >= MAX_DEPTH:
                 mark = self.parser.peek_event().start_mark
                 fail_large(source.place(mark.line, mark.column), deep=self.values <= MAX_VALUES)
-            return super().compose_node(parent, index)
+            self.nesting += 1
+            node = super().compose_node(parent, index)
+            self.nesting -= 1
+            return node
 
         def compose_scalar_node(self, anchor: Any) -> Any:
             node = super().compose_scalar_node(anchor)
@@ -167,13 +171,9 @@ def _composed(text: str, source: SourceLines, original: str = "") -> Any:
         return yaml.compose(text)
     except MarkedYAMLError as error:
         raise DesignError([_broken(error, source)]) from None
-    except (
-        YAMLError, YAMLStreamError, ArithmeticError, AssertionError, AttributeError, LookupError, RuntimeError,
-        TypeError, ValueError,
-    ) as error:  # fmt: skip
-        line = getattr(getattr(yaml, "_reader", None), "line", 0)
+    except (YAMLError, YAMLStreamError, ValueError, OverflowError) as error:  # the last two of an escape: "\U00110000"
         message = f"broken YAML: {cut(printable(str(error) or type(error).__name__))}"
-        raise DesignError([Fault("E150", message, str(source.place(line, 0)))]) from None
+        raise DesignError([Fault("E150", message, str(source.place(0, 0)))]) from None
 
 
 def _broken(error: Any, source: SourceLines) -> Fault:

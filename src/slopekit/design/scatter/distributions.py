@@ -5,7 +5,7 @@ from dataclasses import field
 from typing import Literal, TypeAlias, cast
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
-from slopekit.core.orientation import Line, Plane, number, parse_plane
+from slopekit.core.orientation import Line, Plane, number, parse_face, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.reading.nodes import Node
@@ -150,7 +150,7 @@ class Variable:
         return (self.path,) if self.of is None else tuple(name for name in self.angles if name)
 
 
-def read_distribution(node: Node, kind: str, name: str) -> Distribution:
+def read_distribution(node: Node, kind: str, name: str, period: float | None = None) -> Distribution:
     """The distribution of a number.
 
     Parameters
@@ -158,6 +158,7 @@ def read_distribution(node: Node, kind: str, name: str) -> Distribution:
     node : a mapping with the key dist
     kind : the kind of quantity, as `slopekit.core.units.quantity` takes it
     name : what it is, for the messages
+    period : of a direction, whose range may lie across north: from min 350 to max 10 it goes the short way
 
     Raises
     ------
@@ -184,9 +185,24 @@ def read_distribution(node: Node, kind: str, name: str) -> Distribution:
         value = faults.of(number_of, given, kind, f"{key} of {name}")
         if value is not None:
             values[key] = value
+    if period is not None:
+        values = _across_north(values, period)
     faults += _impossible(node, dist, values, name)
     faults.refuse()
     return Distribution(cast(Name, dist), values, kind)
+
+
+def _across_north(values: dict[str, float], period: float) -> dict[str, float]:
+    """Parameters of a direction whose min is beyond its max: that and a centre beyond the max are turned back.
+
+    >>> _across_north({"min": 350.0, "mode": 355.0, "max": 10.0}, 360.0)
+    {'min': -10.0, 'mode': -5.0, 'max': 10.0}
+    """
+    low, high = values.get("min"), values.get("max")
+    if low is None or high is None or low <= high:
+        return values
+    turned = [key for key in ("min", "mean", "mode") if values.get(key, high) > high]
+    return {key: value - period if key in turned else value for key, value in values.items()}
 
 
 def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fisher:
@@ -245,7 +261,8 @@ def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
         if given is None or given.value is None:
             angles.append(None)  # the checker of the structure says so
         elif is_distribution(given):
-            angles.append(faults.of(read_distribution, given, "angle", f"{angle} of {name}"))
+            period = 360.0 if angle == ANGLES[of][1] else None
+            angles.append(faults.of(read_distribution, given, "angle", f"{angle} of {name}", period))
         else:
             angles.append(faults.of(number_of, given, "angle", f"{angle} of {name}"))
     if faults or len(angles) != 2 or angles[0] is None or angles[1] is None:
@@ -316,7 +333,8 @@ def _value(node: Node) -> object:
 def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
     where = str(node.key_place)
     if of == "plane":
-        return parse_plane(_value(node), name, where)
+        is_face = {"face", "upper"} & {*node.path.split(".")[-2:]}
+        return (parse_face if is_face else parse_plane)(_value(node), name, where)
     return line_of_words(_value(node), name, "E166", where)
 
 

@@ -20,11 +20,11 @@ _SHORT = ("rhr", "lhr")
 
 #: What a column may be called, as `spelled` writes it; of several columns of names the first name given here wins.
 COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "dip": ("dip", "dip_angle", "dip_deg", "fallwinkel", "einfallwinkel", "einfallen", "neigung"),
+    "dip": ("dip", "dip_angle", "dip_deg", "disc_dip", "fallwinkel", "einfallwinkel", "einfallen", "neigung"),
     "dip_direction": (
         "dip_direction", "dipdirection", "dip_dir", "dipdir", "dip_dirn", "dipdirn", "dd", "ddr", "dip_azimuth",
-        "dipazimuth", "azimuth", "azi", "direction", "dip_direction_deg", "fallrichtung", "einfallrichtung",
-        "einfallsrichtung", "fallazimut", "azimut",
+        "dipazimuth", "azimuth", "azi", "direction", "dip_direction_deg", "disc_dir", "fallrichtung",
+        "einfallrichtung", "einfallsrichtung", "fallazimut", "azimut",
     ),
     "strike": (
         "strike", "strike_deg", "streichen", "streichrichtung", "strike_right", "strike_rhr", "strike_r", "strike_left",
@@ -39,36 +39,74 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "clar": ("clar", "clarwert", "dd/dip", "dip_direction/dip", "dipdir/dip", "fallrichtung/fallwinkel"),
     "strike/dip": ("strike/dip", "streichen/fallen", "streichen/einfallen"),
     "name": (
-        "name", "id", "joint", "joint_id", "kluft", "trennfläche", "bezeichnung", "nr", "index",
+        "name", "id", "joint", "joint_id", "kluft", "trennfläche", "bezeichnung", "nr", "index", "disc_numb",
     ),
-    "set": ("set", "joint_set", "set_id", "family", "family_ind", "schar", "kluftschar", "kluftset"),
+    "set": (
+        "set", "joint_set", "set_id", "family", "family_ind", "frac_set", "disc_set", "schar", "kluftschar", "kluftset",
+    ),
     "c": ("c", "cohesion", "c_kpa", "cohesion_kpa", "kohäsion"),
     "phi": ("phi", "φ", "friction", "friction_angle", "phi_deg", "reibungswinkel"),
-    "quantity": ("quantity", "qty", "count", "anzahl", "häufigkeit", "weight", "terzaghi_weight"),
+    "quantity": ("quantity", "qty", "count", "anzahl", "häufigkeit", "weight", "terzaghi_weight", "disc_weight"),
+    "alpha": ("alpha", "alpha_angle", "alpha_deg", "α", "core_angle", "angle_to_core_axis", "tca"),
+    "beta": ("beta", "beta_angle", "beta_deg", "β", "beta_bottom", "beta_top"),
+    "hole_trend": (
+        "hole_trend", "trend_of_hole", "borehole_trend", "drillhole_trend", "core_trend", "hole_azimuth",
+        "borehole_azimuth", "drillhole_azimuth", "core_azimuth",
+    ),
+    "hole_plunge": (
+        "hole_plunge", "plunge_of_hole", "borehole_plunge", "drillhole_plunge", "core_plunge", "hole_dip",
+        "borehole_dip", "drillhole_dip",
+    ),
+    "reference": (
+        "reference", "reference_line", "reference_mark", "ref", "ref_line", "orientation_line", "orientation_mark",
+    ),
+    "hole": (
+        "hole", "hole_id", "holeid", "borehole", "borehole_id", "drillhole", "drillhole_id", "bhid", "bh_id", "bh",
+        "loca_id", "bohrung",
+    ),
 }  # fmt: skip
 #: Columns of the sizes of joints, which only a study that asks for them reads.
 SIZES: Mapping[str, tuple[str, ...]] = {
     "spacing": ("spacing", "spacing_m", "joint_spacing", "true_spacing", "abstand", "kluftabstand"),
     "position": (
         "position", "position_m", "distance", "distance_m", "chainage", "station", "scanline_position", "depth",
-        "depth_m", "meter", "stationierung",
+        "depth_m", "meter", "stationierung", "disc_top",
     ),
-    "trace": ("trace", "trace_m", "trace_length", "trace_length_m", "length", "length_m", "spurlänge", "länge"),
+    "trace": (
+        "trace", "trace_m", "trace_length", "trace_length_m", "length", "length_m", "spurlänge", "länge", "disc_pers",
+    ),
     "ends": ("ends", "ends_seen", "visible_ends", "ends_visible", "sichtbare_enden"),
 }  # fmt: skip
-#: Of these two columns may stand in a list: the name that is given first above is taken.
-RANKED = ("name", "quantity")
+#: Of these, two columns may stand in a list: the name that is given first above is taken.
+RANKED = ("name", "quantity", "hole", "reference")
 #: Numbers that are names only where each stands once.
-COUNTERS = ("nr", "index")
-ORIENTATIONS = ("dip", "dip_direction", "strike", "trend", "plunge")
+COUNTERS = ("nr", "index", "disc_numb")
+ORIENTATIONS = (
+    "dip", "dip_direction", "strike", "trend", "plunge", "alpha", "beta", "hole_trend", "hole_plunge",
+)  # fmt: skip
+#: Columns of oriented core, with the line that beta is measured from.
+CORE = ("alpha", "beta", "hole_trend", "hole_plunge", "reference")
+BOTTOM, TOP = "bottom", "top"
+#: What the line that beta is measured from may be called.
+REFERENCE_LINES: Mapping[str, str] = {
+    "bottom": BOTTOM, "bottom_of_core": BOTTOM, "boc": BOTTOM, "boh": BOTTOM, "low": BOTTOM, "low_side": BOTTOM,
+    "lower": BOTTOM, "unten": BOTTOM, "top": TOP, "top_of_core": TOP, "toc": TOP, "toh": TOP, "high": TOP,
+    "high_side": TOP, "upper": TOP, "oben": TOP,
+}  # fmt: skip
 #: Columns that give a plane together, best first.
 WAYS: tuple[tuple[str, ...], ...] = (
-    ("dip", "dip_direction"), ("strike", "dip"), ("plane",), ("clar",), ("strike/dip",), ("trend", "plunge"),
+    ("dip", "dip_direction"), ("strike", "dip"), ("plane",), ("clar",), ("strike/dip",), CORE[:4],
+    ("trend", "plunge"),
 )  # fmt: skip
+#: Headings of a dip direction that might be meant for a strike: how they are read is said.
+AMBIGUOUS_DIRECTIONS = ("azimuth", "azi", "azimut", "direction")
 #: A strike, a dip, and the side it dips to where a dip direction would stand.
 STRIKE_WITH_SIDE = ("strike", "dip", "dip_direction")
 WORDS: Mapping[str, str] = {key: key.replace("_", " ") for key in COLUMNS}
-_DEGREES = ("", "°", "deg", "degree", "degrees", "º", "grad")
+_DEGREES = ("", "°", "deg", "degree", "degrees", "º")
+_GERMAN = re.compile(r"fall|neigung|streich|azimut\b|pol(trend|plunge)|reibung|lage", re.IGNORECASE)
+#: Columns whose heading may hold a convention, and the words for it.
+_WORDS_IN_HEADING: Mapping[str, Mapping[str, str]] = {"strike": _CONVENTIONS, "beta": REFERENCE_LINES}
 _HEADER = re.compile(r"^(.*?)\s*(?:\(([^)]*)\)|\[([^\]]*)\])?\s*$")
 
 
@@ -128,7 +166,7 @@ def spelled(heading: str) -> str:
     >>> spelled(" Dip-Direction (°)"), spelled("Family ind."), spelled("DIP / DIP DIRECTION")
     ('dip_direction', 'family_ind', 'dip/dip_direction')
     """
-    bare = _split(heading)[0].strip().lower().rstrip(".")
+    bare = _split(heading)[0].strip().lower().lstrip("#* ").rstrip(".")
     return re.sub(r"_*/_*", "/", re.sub(r"[\s\-]+", "_", bare))
 
 
@@ -149,12 +187,20 @@ def size_of(heading: str) -> str | None:
 
 
 def column_of(index: int, heading: str) -> SurveyColumn:
-    """A column from its heading; `Strike (RHR)` and `strike_right` carry their convention."""
+    """A column from its heading; `Strike (RHR)`, `strike_right` and `beta (bottom)` carry their convention.
+
+    Grad in a German heading are degrees; in an English one they are gon.
+    """
     bare, within = _split(heading)
     last = spelled(within) if within else spelled(bare).rpartition("_")[2]
-    convention = _CONVENTIONS.get(last) if key_of(bare) == "strike" else None
-    unit = "" if within.lower() in _DEGREES or (within and convention) else within
-    return SurveyColumn(index, heading, unit, convention)
+    convention = _WORDS_IN_HEADING.get(key_of(bare) or "", {}).get(last)
+    is_degrees = within.lower() in _DEGREES or (within.lower() == "grad" and _GERMAN.search(bare) is not None)
+    return SurveyColumn(index, heading, "" if is_degrees or (within and convention) else within, convention)
+
+
+def unit_in_heading(heading: str) -> str:
+    """What stands in brackets behind a heading, empty where there is nothing."""
+    return _split(heading)[1]
 
 
 def way_of(keys: Iterable[str]) -> tuple[str, ...] | None:

@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import field
 from difflib import get_close_matches
@@ -15,13 +16,18 @@ from slopekit.core.orientation import (
     number,
     parse_quadrants,
     plane_by_side,
+    plane_without_side,
 )
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.reading.nodes import fail
 from slopekit.design.reading.on_disk import read_bytes
+from slopekit.design.survey.bad_rows import BadRow, grouped_faults, skipped_rows
+from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVertical, beyond_vertical
 from slopekit.design.survey.columns import (
+    AMBIGUOUS_DIRECTIONS,
     COLUMNS,
+    CORE,
     COUNTERS,
     ORIENTATIONS,
     RANKED,
@@ -38,13 +44,19 @@ from slopekit.design.survey.columns import (
     spelled,
     way_of,
 )
-from slopekit.design.survey.planes import DIP_FIRST, PlaneReader
+from slopekit.design.survey.ordering import columns_advice, named_in_order, swapped_columns
+from slopekit.design.survey.oriented_core import CoreLog, core_columns
+from slopekit.design.survey.planes import DIP_FIRST, PlaneReader, dip_and_azimuth, is_horizontal
 from slopekit.design.survey.preamble import Preamble, preamble_of
 from slopekit.design.survey.tables import SurveyTable, frame_table, table_of
+from slopekit.design.survey.units_row import headings_with_units
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _PLANE = re.compile(r"^\d+([.,]\d+)?°?\s*/\s*\d+([.,]\d+)?°?$")
 _THOUSANDS = re.compile(r"^\d{1,3},\d{3}$")
+#: Bytes of a list: 100,000 joints with ten columns, and room.
+MOST_BYTES = 50_000_000
+_TOO_LARGE = "Leave out the columns that are not used, or take a domain of the slope."
 _HIGHEST_HEADER = 60  # rows among which the header is looked for
 _FEW = 4  # columns that are listed one by one
 _NAME_THE_COLUMNS = "Name the columns in the first line: name,dip,dip_direction."
@@ -74,75 +86,105 @@ class MeasuredJoint:
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """The joints of a list, in words what of it was left out, and what was read in another way than it stands there."""
+    """The joints of a list, in words what of it was left out, and what was read in another way than it stands there.
+
+    shared_names : that stand more than once in the list, so that they name no joint
+    """
 
     joints: tuple[MeasuredJoint, ...]
     left_out: tuple[str, ...] = field(default=())
     read_as: tuple[str, ...] = field(default=())
+    shared_names: frozenset[str] = field(default=frozenset())
 
 
 def read_joints(
-    path: str | os.PathLike[str], convention: str | None = None, skip_bad: bool = False, option: str = "convention:",
+    path: str | os.PathLike[str],
+    convention: str | None = None,
+    skip_bad: bool = False,
+    option: str = "convention:",
     sizes: bool = False,
-) -> Survey:  # fmt: skip
+    columns: str | Sequence[str] | None = None,
+) -> Survey:
     """Read a joint list.
 
     Comma, semicolon, tab or blanks between the columns; decimal commas with all but the comma, or in quotes; lines that
     start with # or * are comments; or the first sheet of an .xlsx workbook. Columns are known by their names in any
-    case, in English and German; two columns of numbers without a header are dip and dip direction. Lines above the
-    header are a preamble as Dips writes it. A column of sets serves as the names where no column of names is there and
-    no set stands twice.
+    case, in English and German, in the header, which may be a comment, or in `columns`; two columns of numbers without
+    either are dip and dip direction where the second cannot be a dip. Lines above the header are a preamble as Dips
+    writes it. A column of sets serves as the names where no column of names is there and no set stands twice; a column
+    of names most of which are shared is taken as one of sets. AGS 4 is read by its group DISC. alpha and beta on
+    oriented core give planes with the trend and plunge of the hole, see `oriented_core`.
 
     Parameters
     ----------
     convention : what a strike column means: right-hand-rule, RHR (dip direction = strike + 90) or left-hand-rule, LHR
         (- 90)
-    skip_bad : leave bad rows out, and say so, where they would stop the run
+    skip_bad : leave bad rows out, and say so, where they would stop the run; not where more than a tenth are bad
     option : how `convention` is called where the user can give it
     sizes : read columns of spacing, position, trace and its ends too
+    columns : what the columns hold, from the first on, in place of a header
 
     Raises
     ------
     DesignError
         E101 to E108 and E113 to E115 for the values, E140 a workbook without openpyxl, E147 to E149 and E159 for the
         file, E173 quantities, E190 no joints, E191 columns missing, unknown or twice, E192 a strike without its
-        convention, or two formats, E193 a row that does not fit, E194 a name twice, E428 a size: every bad row of the
-        file.
+        convention, or two formats, E193 a row that does not fit, or too many to be skipped, E428 a size: every bad row
+        of the file, those of one kind together.
     """
-    table = table_of(Path(path).name, read_bytes(path))
-    return _Reader(table, convention, skip_bad, option, sizes).survey()
+    table = table_of(Path(path).name, read_bytes(path, MOST_BYTES, _TOO_LARGE))
+    return _Reader(table, convention, skip_bad, option, sizes, columns).survey()
 
 
-def read_joints_text(name: str, text: str, skip_bad: bool = False) -> Survey:
+def read_joints_text(
+    name: str, text: str, skip_bad: bool = False, columns: str | Sequence[str] | None = None
+) -> Survey:
     """Read the text of a joint list as `read_joints` reads a file of that name."""
-    return _Reader(table_of(name, text.encode()), None, skip_bad, "convention:", False).survey()
+    return _Reader(table_of(name, text.encode()), None, skip_bad, "--convention", False, columns).survey()
 
 
 def read_frame(
-    frame: Any, convention: str | None = None, skip_bad: bool = False, option: str = "convention =",
+    frame: Any,
+    convention: str | None = None,
+    skip_bad: bool = False,
+    option: str = "convention =",
     sizes: bool = False,
-) -> Survey:  # fmt: skip
+    columns: str | Sequence[str] | None = None,
+) -> Survey:
     """Read a frame of pandas or polars as `read_joints` reads a file; its columns are named likewise."""
-    return _Reader(frame_table(frame), convention, skip_bad, option, sizes).survey()
+    return _Reader(frame_table(frame), convention, skip_bad, option, sizes, columns).survey()
 
 
 class _Reader:
     """Reads the rows one after the other and collects their faults."""
 
-    def __init__(self, table: SurveyTable, convention: str | None, skip_bad: bool, option: str, sizes: bool) -> None:
+    def __init__(
+        self,
+        table: SurveyTable,
+        convention: str | None,
+        skip_bad: bool,
+        option: str,
+        sizes: bool,
+        columns: str | Sequence[str] | None,
+    ) -> None:
         self.sizes = sizes
         self.table, self.name, self.skip_bad, self.option = table, table.name, skip_bad, option
         self.given = self.convention = convention
+        self.order = named_in_order(columns)
         self.width = 2
         self.columns: dict[str, SurveyColumn] = {}
+        self.headings: list[str] = list(WAYS[0])
         self.way: tuple[str, ...] = ("dip", "dip_direction")
+        self.core: CoreLog | None = None
         self.may_repeat = False
         self.said = Preamble()
         self.faults = Faults()
         self.left_out: list[str] = list(table.left_out)
-        self.read_as: list[str] = []
-        self.first_lines: dict[str, int] = {}
-        self.repeated = 0
+        self.read_as: list[str] = list(table.read_as)
+        self.taken_names = set[str]()
+        self.shared_names = Counter[str]()
+        self.next_number: dict[str, int] = {}
+        self.repeated = self.rows_read = 0
 
     def survey(self) -> Survey:
         if self.given is not None:
@@ -154,33 +196,60 @@ class _Reader:
         if not self.table.rows:
             advice = "The first line names the columns: name,dip,dip_direction."
             fail("E190", f"{self.name} holds no joints", self.name, advice)
-        rows = self.header()
-        self.planes = PlaneReader(self.way, self.convention, self.conventions(), self.said.declination_deg)
+        rows = self.along_holes(self.header())
+        beyond = self.beyond_vertical(rows)
+        self.planes = PlaneReader(self.way, self.convention, self.conventions(), self.said.declination_deg, beyond)
         self.names_of_rows(rows)
-        joints = []
+        joints, bad, names_of_bad = list[MeasuredJoint](), list[BadRow](), list[str]()
         for line in rows:
             joint = self.joint(line)
             if joint is not None:
                 joints.append(joint)
-            elif self.skip_bad and self.faults:
-                said = "; ".join(f"{part.code} {part.message}" for part in self.faults)
-                self.left_out.append(f"{self.table.noun} {line} ({said})")
+                self.taken_names.add(joint.name)
+            elif self.faults:
+                bad.append((line, tuple(self.faults)))
+                names_of_bad.append(self.name_in(self.table.cells(line), line))
                 self.faults.clear()
-                if "name" in self.columns:  # a name that went with its row may be used again
-                    self.first_lines = {name: at for name, at in self.first_lines.items() if at != line}
-        if not joints and not self.faults:
-            bad = sum(part.startswith(f"{self.table.noun} ") for part in self.left_out)
-            if self.skip_bad and bad:
-                message = f"{self.name} holds no joints: {bad} rows are bad"
-                fail("E190", message, self.name, f"The first: {self.left_out[-bad]}")
+        if bad:
+            self.bad_rows(bad, names_of_bad, len(joints), beyond)
+        elif not joints:
             fail("E190", f"{self.name} has a header and no joints", self.name, "Each row below it is one joint.")
         self.faults += self.planes.radians(self.name)
         self.faults.refuse()
+        self.read_as += self.planes.read_as()
+        self.read_as += self.core.read_as() if self.core is not None else []
         if self.repeated:
             many = self.repeated > 1
             names, them = ("names that stand", "them") if many else ("name that stands", "it")
             self.read_as.append(f"{self.repeated} {names} more than once got a number behind {them}")
-        return Survey(tuple(joints), tuple(self.left_out), tuple(self.read_as))
+        shared = frozenset(name for name, times in self.shared_names.items() if times > 1)
+        return Survey(tuple(joints), tuple(self.left_out), tuple(self.read_as), shared)
+
+    def bad_rows(self, bad: Sequence[BadRow], names: Sequence[str], good: int, beyond: BeyondVertical) -> None:
+        """Leave bad rows out where that is allowed and they are few; else keep their faults, by kind."""
+        too_many = len(bad) > SHARE_OF_BAD_ROWS * (len(bad) + good)
+        if self.skip_bad and not too_many:
+            self.left_out += skipped_rows(self.table.noun, bad, names)
+            return
+        if self.skip_bad:
+            message = f"{len(bad)} of {len(bad) + good} rows of {self.name} are bad: more than a tenth is not skipped"
+            self.faults.append(Fault("E193", message, self.name, "Mend the list: what is wrong with it follows."))
+        if beyond.columns_are_swapped:
+            suspects = [
+                (line, faults) for line, faults in bad if any(fault.code in ("E101", "E103") for fault in faults)
+            ]
+            where = "; ".join(self.where(line) for line, _ in suspects[:3])
+            self.faults.append(swapped_columns(self.name, where, self.headings, self.way, beyond, self.option))
+            bad = [(line, [fault for fault in faults if fault.code not in ("E101", "E103")]) for line, faults in bad]
+        self.faults += grouped_faults(bad, names)
+
+    def beyond_vertical(self, rows: Sequence[int]) -> BeyondVertical:
+        """What the dips and azimuths of the rows say of dips beyond 90°."""
+        if self.way in (STRIKE_WITH_SIDE, CORE):
+            return BeyondVertical()
+        places = [self.columns[key].index for key in self.way]
+        cells = [row for row in map(self.table.cells, rows) if len(row) > max(places)]
+        return beyond_vertical(dip_and_azimuth(self.way, [row[place] for place in places]) for row in cells)
 
     def where(self, line: int) -> str:
         text = " ".join(self.table.shown(line).split())
@@ -197,27 +266,77 @@ class _Reader:
         at = next((k for k in range(min(len(rows), _HIGHEST_HEADER)) if self.is_header(k)), None)
         above = rows if at is None else rows[:at]
         self.said = preamble_of([self.table.shown(row) for row in above[:_HIGHEST_HEADER]])
-        if at is None and self.said.columns:
+        if at is None and self.said.columns and not self.order:
             at = self.first_of_numbers(rows)
             if at is not None:
                 if self.way == ("strike", "dip") and self.convention is None:
                     self.without_convention(rows[at], rows[at:])
                 self.preamble(rows[:at])
                 return list(rows[at:])
-        if at is None:
-            at = 0
-        self.table.start(rows[at])
+        commented = self.commented_header(rows) if at is None else None
+        at = at or 0
+        self.table.start(rows[at], blanks=commented is not None)
         cells = self.table.cells(rows[at])
         self.width = len(cells)
-        if at == 0 and all(_NUMBER.match(cell) for cell in cells if cell):
-            if len(cells) != 2:
-                message = f"{self.name} has no header, and {len(cells)} columns of numbers"
-                raise DesignError([Fault("E191", message, self.where(rows[at]), _NAME_THE_COLUMNS)])
-            self.columns = {"dip": SurveyColumn(0), "dip_direction": SurveyColumn(1)}
-            return list(rows)
-        self.named_columns(cells, rows[at], rows[at + 1 :])
+        below = list(rows[at + 1 :])
+        header = rows[at]
+        if commented is not None:
+            below = list(rows)
+            header, cells = commented
+        elif at == 0 and self.is_bare(cells):
+            if not self.order:
+                self.bare_columns(cells, rows)
+                return list(rows)
+            below, cells = list(rows), [""] * self.width
+        if self.order:
+            cells = self.ordered(cells, header)
+        with_units = headings_with_units(cells, self.table.cells(below[0])) if below else None
+        if with_units is not None:
+            self.read_as.append(f"{self.table.noun} {below[0]} holds units")
+            cells, below = with_units, below[1:]
+        self.named_columns(cells, header, below)
         self.preamble(rows[:at])
-        return list(rows[at + 1 :])
+        return below
+
+    def is_bare(self, cells: Sequence[str]) -> bool:
+        """Whether the first row holds a joint in place of a header: numbers alone, or in the columns that are named."""
+        if self.order:
+            return any(_NUMBER.match(cell) or _PLANE.match(cell) for cell in cells[: len(self.order)])
+        return all(_NUMBER.match(cell) for cell in cells if cell)
+
+    def ordered(self, cells: Sequence[str], line: int) -> list[str]:
+        """The headings with those that the user gives in their place."""
+        if len(self.order) > len(cells):
+            message = f"{len(self.order)} columns are named, {self.name} has {len(cells)}"
+            raise DesignError([Fault("E191", message, self.where(line), ", ".join(self.order))])
+        return [*self.order, *cells[len(self.order) :]]
+
+    def bare_columns(self, cells: Sequence[str], rows: Sequence[int]) -> None:
+        """Two columns of numbers without a header: dip and dip direction, where only the first can be a dip."""
+        name_them = f"{_NAME_THE_COLUMNS} Or {columns_advice(self.option, WAYS[0])}."
+        if len(cells) != 2:
+            message = f"{self.name} has no header, and {len(cells)} columns of numbers"
+            raise DesignError([Fault("E191", message, self.where(rows[0]), name_them)])
+        self.columns = {"dip": SurveyColumn(0), "dip_direction": SurveyColumn(1)}
+        if self.beyond_vertical(rows).fits_both_orders:
+            message = f"{self.name} has no header, and no number over 90 says which of its two columns is the dip"
+            exchanged = columns_advice(self.option, WAYS[0][::-1])
+            raise DesignError([Fault("E191", message, self.where(rows[0]), f"{name_them[:-1]}, or {exchanged}.")])
+
+    def commented_header(self, rows: Sequence[int]) -> tuple[int, list[str]] | None:
+        """The nearest comment above the rows that names columns which give planes, and its cells."""
+        self.table.start(rows[0], blanks=True)
+        first = self.table.cells(rows[0])
+        if not any(_NUMBER.match(cell) or _PLANE.match(cell) or parse_quadrants(cell) for cell in first):
+            return None
+        for row in reversed(self.table.comments):
+            for blanks in (False, True):
+                self.table.start(row, blanks)
+                cells = [cell.lstrip("#* ") if k == 0 else cell for k, cell in enumerate(self.table.cells(row))]
+                cells = cells[1:] if len(cells) == len(first) + 1 and not cells[0] else cells
+                if len(cells) == len(first) and way_of(key for key in map(key_of, cells) if key) is not None:
+                    return row, cells
+        return None
 
     def is_header(self, k: int) -> bool:
         """Whether the columns of a row give planes; a line DIP/DIPDIRECTION may be a preamble's: planes stand below."""
@@ -257,8 +376,9 @@ class _Reader:
         said = self.said
         if said.traverses:
             self.left_out.append(f"{said.traverses} traverses (no joint is weighted by them)")
-        if said.core or said.others:
-            what = "alpha and beta on core" if said.core else f"{said.written} and {', '.join(said.others)}"
+        is_of_core = said.core and self.core is None
+        if is_of_core or said.others:
+            what = "alpha and beta on core" if is_of_core else f"{said.written} and {', '.join(said.others)}"
             advice = "Save the processed file in Dips: one format for all rows."
             self.fault("E192", f"the orientations of {self.name} are {what}: not all mean the same", above[0], advice)
         self.strikes(above[0] if above else self.table.rows[0])
@@ -304,18 +424,25 @@ class _Reader:
             self.left_out.append(f"{len(ignored)} columns ({', '.join(ignored)})")
         else:
             self.left_out += [f"column {cell}" for cell in ignored]
+        self.columns = core_columns(self.name, self.columns, cells, map(self.table.cells, below), self.where(line))
         way = way_of(self.columns)
         if way is None:
             missing = [key for key in WAYS[0] if key not in self.columns]
             names = " and ".join(WORDS[key] for key in missing)
             self.fault("E191", f"{self.name} has no column for {names}", line, self.near_columns(cells))
             raise DesignError(self.faults)
-        self.way = way
         if way == WAYS[0] and "strike" in self.columns:
             column = self.columns["dip_direction"].index
             sides = [row[column] for row in map(self.table.cells, below) if len(row) > column and row[column]]
-            if sides and all(azimuth_of(side) is not None for side in sides):
+            if not sides:
+                way = ("strike", "dip")
+                del self.columns["dip_direction"]
+            elif all(azimuth_of(side) is not None for side in sides):
                 self.way = STRIKE_WITH_SIDE
+        if way == CORE[:4]:
+            way, self.core = CORE, CoreLog(self.columns, cells)
+        self.way = self.way if self.way == STRIKE_WITH_SIDE else way
+        self.headings = [key if (key := key_of(cell)) in self.way else cell for cell in cells]
         for key in [key for key in self.columns if key not in self.way and any(key in way for way in WAYS)]:
             given = WORDS[way[-1]] if way == WAYS[0] else " and ".join(WORDS[part] for part in way)
             verb = "is" if way == WAYS[0] or len(way) == 1 else "are"
@@ -323,6 +450,8 @@ class _Reader:
                 f"column {key if key == 'strike' else self.columns[key].heading} (the {given} {verb} given)"
             )
             del self.columns[key]
+        if self.way == WAYS[0] and spelled(heading := self.columns["dip_direction"].heading) in AMBIGUOUS_DIRECTIONS:
+            self.read_as.append(f"{heading} is read as the dip direction")
         if way == ("strike", "dip") and self.convention is None and self.columns["strike"].convention is None:
             self.without_convention(line, below)
         self.faults.refuse()
@@ -332,11 +461,14 @@ class _Reader:
         column = self.columns["dip"].index
         dips = [row[column] for row in map(self.table.cells, below) if len(row) > column and row[column]]
         says = self.said.convention is not None and "strike" in self.said.columns
-        if not says and not (dips and all(plane_by_side(0.0, dip) or plane_by_side(45.0, dip) for dip in dips)):
+        sided = (plane_by_side(0.0, dip) or plane_by_side(45.0, dip) or plane_without_side(0.0, dip) for dip in dips)
+        if not says and not (dips and all(sided)):
             self.fault("E192", "a strike column has two meanings, its convention is not said", line, self.conventions())
 
     def conventions(self) -> str:
         right, left = "right-hand-rule (RHR: dip direction = strike + 90)", "left-hand-rule (LHR: strike - 90)"
+        if not self.option:
+            return "Say so in the header of the list: strike (RHR) or strike (LHR)."
         return f"Say {self.option} {right} or {left}."
 
     def column(self, index: int, cell: str, cells: Sequence[str], line: int) -> None:
@@ -364,6 +496,8 @@ class _Reader:
         near = [(cell, matches[0]) for cell in free if (matches := get_close_matches(cell.lower(), known, n=1))]
         if near:
             return f"Did you mean {near[0][1]} by {near[0][0]}?"
+        if any(map(_NUMBER.match, cells)):
+            return f"{_NAME_THE_COLUMNS} Or {columns_advice(self.option, ('name', *WAYS[0]))}."
         if len(cells) == 1:
             return "Columns are separated by a comma, a semicolon or a tab: dip,dip_direction."
         return _NAME_THE_COLUMNS
@@ -376,6 +510,39 @@ class _Reader:
             del self.columns["name"]
         elif name is None and group is not None and self.once(group, rows):
             self.columns["name"] = self.columns.pop("set")
+        elif name is not None and not self.may_repeat:
+            self.shared(name, rows)
+
+    def shared(self, column: SurveyColumn, rows: Sequence[int]) -> None:
+        """Take a column of names most of which are shared for the sets; else names may repeat, and are numbered."""
+        cells = (row[column.index] for row in map(self.table.cells, rows) if len(row) > column.index)
+        self.shared_names = Counter(name for name in cells if name)
+        alike = sum(times for times in self.shared_names.values() if times > 1)
+        if alike and "set" not in self.columns and 2 * alike > self.shared_names.total():
+            self.columns["set"] = self.columns.pop("name")
+            self.read_as.append(f"column {column.heading} is taken as the set: its names stand more than once")
+        self.may_repeat = alike > 0
+
+    def along_holes(self, rows: list[int]) -> list[int]:
+        """The rows of joints, without survey stations; depths in several holes are no positions along one line."""
+        hole, position = self.columns.get("hole"), self.columns.get("position")
+        holes = (
+            set()
+            if hole is None
+            else {cells[hole.index] for cells in map(self.table.cells, rows) if cells[hole.index :]}
+        )
+        if position is not None and len(holes) > 1:
+            del self.columns["position"]
+            self.left_out.append(f"column {position.heading} (it runs along {len(holes)} holes)")
+        joints = rows if self.core is None else [row for row in rows if not self.core.is_station(self.table.cells(row))]
+        used = {"reference"} if self.core is not None else set()
+        used |= {"hole"} if len(joints) < len(rows) else set()
+        self.left_out += [
+            f"column {self.columns[key].heading}"
+            for key in ("hole", "reference")
+            if key in self.columns and key not in used
+        ]
+        return joints
 
     def once(self, column: SurveyColumn, rows: Sequence[int]) -> bool:
         entries = [cells[column.index] for cells in map(self.table.cells, rows) if len(cells) > column.index]
@@ -402,6 +569,7 @@ class _Reader:
             self.left_out.append(f"{self.table.noun} {line} (quantity 0)")
             return None
         faults_before = len(self.faults) - (weight is None)
+        self.rows_read += 1
         name = self.joint_name(cells, line)
         plane = self.plane(name, cells, line)
         cohesion = self.strength("c", name, cells, line)
@@ -434,25 +602,31 @@ class _Reader:
             return None
         return value
 
-    def joint_name(self, cells: Sequence[str], line: int) -> str:
+    def name_in(self, cells: Sequence[str], line: int) -> str:
+        """What a row calls its joint, or J and a number where it has no name."""
         column = self.columns.get("name")
-        name = (cells[column.index] if column else "") or f"J{line if column else len(self.first_lines) + 1}"
-        if name in self.first_lines and self.may_repeat:
-            self.repeated += 1
-            name = next(new for k in range(2, line + 3) if (new := f"{name}-{k}") not in self.first_lines)
-        elif name in self.first_lines:
-            advice = "Give each joint a name of its own, in a column called name or id."
-            self.fault(
-                "E194", f"{name} stands in the {self.table.noun}s {self.first_lines[name]} and {line}", line, advice
-            )
-        self.first_lines.setdefault(name, line)
-        return name
+        name = cells[column.index] if column and len(cells) > column.index else ""
+        return name or f"J{line if column else self.rows_read}"
+
+    def joint_name(self, cells: Sequence[str], line: int) -> str:
+        """The name of a joint, with a number behind it where another joint has it already."""
+        name = self.name_in(cells, line)
+        if name not in self.taken_names:
+            return name
+        self.repeated += 1
+        numbers = range(self.next_number.get(name, 2), line + 3)
+        number_behind = next(k for k in numbers if f"{name}-{k}" not in self.taken_names)
+        self.next_number[name] = number_behind + 1
+        return f"{name}-{number_behind}"
 
     def plane(self, name: str, cells: Sequence[str], line: int) -> Plane | None:
         texts = {key: self.cell(key, cells) for key in self.way}
-        empty = [WORDS[key] for key in sorted(texts, key=DIP_FIRST) if not texts[key]]
+        texts = texts if self.core is None else self.core.completed(texts, cells)
+        empty = [key for key in sorted(texts, key=DIP_FIRST) if not texts[key]]
+        if empty == ["dip_direction"] and (self.way == STRIKE_WITH_SIDE or is_horizontal(texts["dip"])):
+            empty.clear()
         if empty:
-            self.fault("E193", f"{name} has no {' and no '.join(empty)}", line)
+            self.fault("E193", f"{name} has no {' and no '.join(WORDS[key] for key in empty)}", line)
             return None
         return self.faults.of(self.planes.plane, name, tuple(texts.values()), self.where(line))
 

@@ -3,14 +3,18 @@
 import csv
 import re
 import warnings
+from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import BytesIO
 from typing import Any, Protocol
 from zipfile import BadZipFile
 from zlib import error as ZlibError
 
+from slopekit.core.degrees import decimal_degrees
 from slopekit.core.orientation import number
 from slopekit.design.reading.nodes import fail
+from slopekit.design.survey.ags import ags_table, is_ags
+from slopekit.design.survey.blanks import headings_by_blanks, is_row_of_numbers
 
 #: What zipfile, the parser of XML and openpyxl raise over a part that is broken, missing or encrypted.
 _BROKEN = (
@@ -28,7 +32,9 @@ class SurveyTable(Protocol):
     Attributes
     ----------
     name : of the list; noun : what a row is called; rows : numbers of those that are neither empty nor comments
+    comments : numbers of the comments above the first of them, which may hold the header
     delimiter : between the cells of a text, `,` where there is none; left_out : parts that are not looked at
+    read_as : what is read in another way than it stands there
     """
 
     @property
@@ -38,9 +44,13 @@ class SurveyTable(Protocol):
     @property
     def rows(self) -> Sequence[int]: ...
     @property
+    def comments(self) -> Sequence[int]: ...
+    @property
     def delimiter(self) -> str: ...
     @property
     def left_out(self) -> Sequence[str]: ...
+    @property
+    def read_as(self) -> Sequence[str]: ...
 
     def start(self, row: int, blanks: bool = False) -> None:
         """Take a row for the first: it says what stands between the cells; `blanks` : a single blank may."""
@@ -55,32 +65,42 @@ class SurveyTable(Protocol):
 class Text:
     """Lines with a semicolon, a tab, a comma or blanks between the cells; # and * begin comments."""
 
-    noun, left_out = "line", ()
+    noun, left_out, read_as = "line", (), ()
 
     def __init__(self, name: str, content: bytes) -> None:
         self.name, self.delimiter, self.width = name, ",", 0
+        self.headings: dict[int, list[str]] = {}  # of a header whose columns are separated by single blanks
         self.lines = re.split(r"\r\n|\n|\r", _decoded(content, name))
-        self.rows = [
-            k for k, line in enumerate(self.lines, 1) if line.strip() and not line.lstrip().startswith(_COMMENTS)
-        ]
+        filled = [k for k, line in enumerate(self.lines, 1) if line.strip()]
+        self.rows, self.comments = _rows_and_comments(filled, lambda k: self.lines[k - 1].lstrip())
 
     def start(self, row: int, blanks: bool = False) -> None:
-        text = self.lines[row - 1]
-        self.delimiter, self.width = next((mark for mark in (";", "\t", ",") if mark in text), ","), 0
-        cells = text.split() if blanks else _BLANKS.split(text.strip())
-        if self.delimiter not in text and len(cells) > 1:
+        text = decimal_degrees(self.lines[row - 1])
+        self.delimiter, self.width, self.headings = (
+            next((mark for mark in (";", "\t", ",") if mark in text), ","),
+            0,
+            {},
+        )
+        if self.delimiter in text:
+            return
+        cells = text.split() if blanks or is_row_of_numbers(text) else _BLANKS.split(text.strip())
+        if len(cells) == 1 and not blanks:
+            two = (self.lines[k - 1] for k in self.rows[bisect(self.rows, row) :][:2])  # the first may hold units
+            cells = headings_by_blanks(text, next(filter(re.compile(r"\d").search, two), "")) or cells
+            self.headings = {row: cells}
+        if len(cells) > 1:
             self.delimiter, self.width = " ", len(cells)
 
     def cells(self, row: int) -> list[str]:
         text = self.lines[row - 1]
         if self.delimiter == " ":
-            cells = text.split()
+            cells = self.headings.get(row) or decimal_degrees(text).split()
             return cells if len(cells) == self.width else _BLANKS.split(text.strip())
         try:
             fields = next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=self.delimiter != "\t"), [])
         except csv.Error:  # a field longer than csv takes
             fields = text.split(self.delimiter)
-        return [cell.strip() for cell in fields]
+        return [decimal_degrees(cell.strip()) for cell in fields]
 
     def shown(self, row: int) -> str:
         return self.lines[row - 1]
@@ -89,15 +109,13 @@ class Text:
 class Grid:
     """Rows of values: of a sheet of a workbook, or of a frame, whose columns' names are its row 0."""
 
-    noun, delimiter = "row", "\t"
+    noun, delimiter, read_as = "row", "\t", ()
 
     def __init__(self, name: str, values: Iterable[Sequence[Any]], first: int, left_out: Sequence[str] = ()) -> None:
         self.name, self.left_out, self.first = name, left_out, first
         self.values = [[_text(value) for value in row] for row in values]
-        self.rows = [
-            k for k, row in enumerate(self.values, first)
-            if any(row) and not next(cell for cell in row if cell).startswith(_COMMENTS)
-        ]  # fmt: skip
+        filled = [k for k, row in enumerate(self.values, first) if any(row)]
+        self.rows, self.comments = _rows_and_comments(filled, lambda k: next(cell for cell in self.cells(k) if cell))
 
     def start(self, row: int, blanks: bool = False) -> None:
         """There is nothing between cells that are values."""
@@ -109,16 +127,23 @@ class Grid:
         return "; ".join(self.cells(row)).rstrip("; ")
 
 
+def _rows_and_comments(filled: Sequence[int], begins: Callable[[int], str]) -> tuple[list[int], list[int]]:
+    """The rows that are no comments, and the comments above the first of them."""
+    rows = [k for k in filled if not begins(k).startswith(_COMMENTS)]
+    return rows, [k for k in filled if not rows or k < rows[0]]
+
+
 def table_of(name: str, content: bytes) -> SurveyTable:
     """The table in a file, known by how its content begins.
 
     Raises
     ------
     DesignError
-        E140 a workbook without openpyxl, E159 neither a text nor a workbook.
+        E140 a workbook without openpyxl, E159 neither a text nor a workbook, E191 AGS without discontinuities.
     """
     made: Callable[[str, bytes], SurveyTable] = Text
-    return next((read for mark, read in _KNOWN_BY.items() if content.startswith(mark)), made)(name, content)
+    table = next((read for mark, read in _KNOWN_BY.items() if content.startswith(mark)), made)(name, content)
+    return ags_table(name, table.lines) if isinstance(table, Text) and is_ags(table.lines) else table
 
 
 def frame_table(frame: Any) -> SurveyTable:
@@ -168,7 +193,7 @@ def _text(value: Any) -> str:
     """A cell as it would stand in a CSV; what stands for nothing is empty."""
     if isinstance(value, float) and value.is_integer():
         return number(value)
-    text = str(value).strip()
+    text = decimal_degrees(str(value).strip())
     return "" if text.lower() in _EMPTY else text
 
 

@@ -12,11 +12,22 @@ from manifold3d import triangulate
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault
 from slopekit.core.records import dataclass
-from slopekit.geometry.fit import Gaps, Overlaps, contact_tolerance, refuse, size_faults
+from slopekit.geometry.fit import (
+    Closeness,
+    ContactTolerance,
+    Gaps,
+    Overlaps,
+    contact_tolerance,
+    corner_unit,
+    fitting_tolerance,
+    refuse,
+    size_faults,
+    widest_rounding,
+)
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.box_search import box_pairs
 from slopekit.geometry.sections.clipping import are_apart, clip_convex, polygon_sums
-from slopekit.geometry.tolerances import NEARLY_TOUCHES, OPPOSITE, OUTLINE_CLEAN, TINY
+from slopekit.geometry.tolerances import DOUBT, NEARLY_TOUCHES, OPPOSITE, OUTLINE_CLEAN, TINY
 
 _LARGEST_PIECE = 8  # corners of a convex polygon that is clipped whole; more are cut into triangles
 
@@ -208,7 +219,7 @@ class SectionCut:
     assembly : in_section; volumes are areas times thickness, y = 0, patches have two corners and joint 0. The plus
         block is the one that is not fixed, else the later one
     outlines : (k, 2) x and z of each block, anticlockwise, without repeated corners or corners on a straight line
-    tolerance : m; edges nearer than this touch
+    tolerance : edges nearer than this touch, and what depends on it
     contact_length : m of all patches
     free_length : m of all edges less what is in contact, both sides counted: the outer boundary where there is no gap
     overlaps, gaps : between blocks of which one at least is not fixed
@@ -218,7 +229,7 @@ class SectionCut:
 
     assembly: Assembly
     outlines: tuple[Floats, ...]
-    tolerance: float
+    tolerance: ContactTolerance
     contact_length: float
     free_length: float
     overlaps: Overlaps
@@ -238,7 +249,8 @@ def section_assembly(
     polygons : (k, 2) x and z of each block in m, either way round, convex or not
     fixed : (n,) blocks that are bedrock
     thickness : m, along y
-    tolerance : m, edges nearer than this touch; None for 1e-5 of the mean size (square root of the area) of the blocks
+    tolerance : m, edges nearer than this touch; None for 1e-5 of the mean size (square root of the area) of the
+        blocks, or √2 units of the last decimal of the corners where that loses contacts
     names : of the blocks, for messages
 
     Raises
@@ -254,21 +266,27 @@ def section_assembly(
     ([1.0], [[0.0, 0.0, 1.0]])
     """
     called = list(names) if names is not None else [f"block {k + 1}" for k in range(len(polygons))]
-    outlines, tolerance = clean_outlines(polygons, tolerance, called)
+    outlines, usual = clean_outlines(polygons, tolerance, called)
+    unit = corner_unit(np.concatenate([np.ravel(polygon) for polygon in polygons])) if tolerance is None else 0.0
     bedrock = np.asarray(fixed, dtype=bool)
-    reach = NEARLY_TOUCHES * float(np.sqrt(outlines.areas).mean())
+    sizes = np.sqrt(outlines.areas)
+    reach = NEARLY_TOUCHES * float(sizes.mean())
     edges = _OutlineEdges(outlines, bedrock)
-    first, second = edges.candidates(max(reach, tolerance))
+    around = np.bincount(edges.block, edges.length)
+    widest = widest_rounding(sizes, 2.0 * outlines.areas / around)
+    first, second = edges.candidates(max(reach, DOUBT * max(usual, widest)))
     own = edges.block[first] == edges.block[second]
-    crossing = edges.crossing(first[own], second[own], OUTLINE_CLEAN * tolerance / 2.0)
-    check_outlines(outlines, tolerance, crossing, called)
+    crossing = edges.crossing(first[own], second[own], OUTLINE_CLEAN * usual / 2.0)
+    check_outlines(outlines, usual, crossing, called)
     first, second = first[~own], second[~own]
 
     faced = edges.facing(first, second)
-    touches = (faced.most <= tolerance) & (faced.least >= -tolerance) & (faced.length > tolerance)
+    movable = ~bedrock[faced.plus] | ~bedrock[faced.minus]
+    contact = fitting_tolerance(usual, unit, 2, widest, faced.closeness(movable))
+    tolerance = contact.distance
+    touches = faced.closeness().touches(tolerance, tolerance)
     patches = _patches(faced, touches, outlines.origin, thickness)
     pieces, counts, owner = convex_pieces(outlines)
-    movable = ~bedrock[faced.plus] | ~bedrock[faced.minus]
     near = movable & (faced.most > tolerance) & (faced.most <= reach) & (faced.least >= -tolerance)
     near &= (faced.length > reach) & (faced.least + faced.most > 0.0)
     near[near] = ~_filled(faced, near, pieces, owner, tolerance)
@@ -287,7 +305,7 @@ def section_assembly(
         empty.astype(np.int64), np.zeros(0, dtype=np.int64),
     )  # fmt: skip
     return SectionCut(
-        assembly, tuple(frozen(outlines.outline(k)) for k in range(count)), tolerance, contact_length,
+        assembly, tuple(frozen(outlines.outline(k)) for k in range(count)), contact, contact_length,
         float(edges.length.sum()) - 2.0 * contact_length, _overlaps(pieces, counts, owner, bedrock, tolerance), gaps,
         edges.point_contacts(first, second, tolerance, patches), np.flatnonzero(~touched),
     )  # fmt: skip
@@ -312,6 +330,11 @@ class _FacingEdges:
     length: Floats
     least: Floats
     most: Floats
+
+    def closeness(self, chosen: Bools | slice = slice(None)) -> Closeness:
+        """Return how near the chosen edges lie."""
+        pairs = np.sort(np.stack([self.plus[chosen], self.minus[chosen]], axis=1), axis=1)
+        return Closeness(pairs, self.least[chosen], self.most[chosen], self.length[chosen])
 
 
 class _OutlineEdges:
@@ -352,7 +375,9 @@ class _OutlineEdges:
         turned = np.where(self.fixed[self.block[first]] == self.fixed[self.block[second]], later,
                           ~self.fixed[self.block[first]])  # fmt: skip
         plus, minus = np.where(turned, first, second), np.where(turned, second, first)
-        mean = self.direction[minus] - self.direction[plus]
+        # of the longer edge above all: rounding of its corners turns it less
+        squared = (self.length * self.length)[:, None]
+        mean = squared[minus] * self.direction[minus] - squared[plus] * self.direction[plus]
         mean /= np.sqrt((mean * mean).sum(axis=1))[:, None]
         normal = np.stack([mean[:, 1], -mean[:, 0]], axis=1)  # out of the minus block, to the right of its edge
         base = self.start[minus]

@@ -1,7 +1,9 @@
 """Mesh files (STL, OBJ, PLY, OFF, GLB, DXF) as closed bodies or open sheets, read in double precision."""
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -9,20 +11,26 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import upward_axis
+from slopekit.geometry.solids.mesh_rounding import file_rounding
+from slopekit.geometry.solids.polygon_faces import CrossedFaceError, triangulated
+from slopekit.geometry.solids.polygon_files import PolygonBody, obj_bodies, off_bodies, ply_bodies
+from slopekit.geometry.tolerances import COARSEST_SINGLE
 
-#: The node of slopekit's own GLB files that turns z upward into glTF's y upward; below it are the user's axes.
-Z_UP = "slopekit: z is up"
 _METRES = 6  # $INSUNITS
-
+_TRIANGLE_FAN = 6  # mode of a primitive of glTF
 MeshBody = tuple[str, Floats, Ints]
 _MOST_TRIANGLES = 400_000
 
 
-def mesh_bodies(path: Path) -> list[MeshBody]:
+def mesh_bodies(path: Path, up: str = "") -> list[MeshBody]:
     """Name, vertices (v, 3) and triangles (t, 3) of every solid, object, group or node of a file, in its order.
 
-    Vertices at one place are one. GLB files of slopekit come back in the user's axes and without their bolts, others as
-    they are written.
+    Axes are x east, y north, z up. Vertices at one place are one. GLB files of slopekit come back without their bolts.
+
+    Parameters
+    ----------
+    up : the axis of the file that points up, y or z; empty for that of its format
 
     Raises
     ------
@@ -30,32 +38,53 @@ def mesh_bodies(path: Path) -> list[MeshBody]:
         E140 a DXF without the extra `cad`. Other exceptions, of the readers, where the file is no mesh.
     """
     suffix = path.suffix.lower()
-    if suffix == ".dxf":
-        return [merged(body) for body in _of_dxf(path)]
+    readers = {".dxf": _of_dxf, ".obj": obj_bodies, ".off": off_bodies, ".ply": ply_bodies}
+    if suffix in readers:
+        bodies = [(name, vertices, triangulated(vertices, faces)) for name, vertices, faces in readers[suffix](path)]
+    elif suffix in (".stl", ".glb", ".gltf"):
+        bodies = _of_scene(path)
+    else:
+        raise ValueError(f"its suffix is {suffix or 'missing'}")
+    if (up or upward_axis(suffix)) == "y":
+        bodies = [
+            (name, vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0] + 0.0, triangles) for name, vertices, triangles in bodies
+        ]
+    return [merged(body) for body in bodies]
+
+
+def _of_scene(path: Path) -> list[MeshBody]:
+    """The solids of an STL, or the nodes of a glTF scene where its matrices take them, along the file's own axes."""
     import trimesh
 
-    options, names = _of_objects(path) if suffix == ".obj" else ({}, [])
-    scene = trimesh.load_scene(path, process=False, **options)
-    base = Z_UP if Z_UP in scene.graph.nodes else scene.graph.base_frame
-    rank = {name: k for k, name in enumerate([*names, *(name for name in scene.geometry if name not in names)])}
+    if path.suffix.lower() != ".stl":
+        _refuse_unread_gltf(path)
+    # of the bytes alone: a glTF may name further files, anywhere
+    content = BytesIO(path.read_bytes())
+    scene = trimesh.load_scene(content, file_type=path.suffix.lower().lstrip("."), process=False)
+    rank = {name: k for k, name in enumerate(scene.geometry)}
     bodies = []
     for node in sorted(scene.graph.nodes_geometry, key=lambda node: (rank[scene.graph[node][1]], str(node))):
-        matrix, name = scene.graph.get(node, frame_from=base)
+        matrix, name = scene.graph[node]
         mesh = scene.geometry[name]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces) and mesh.metadata.get("part") != "bolt":
             points = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-            bodies.append(merged((str(node), points, np.asarray(mesh.faces, dtype=np.int64))))
+            triangles = np.asarray(mesh.faces, dtype=np.int64)
+            is_mirrored = np.linalg.det(matrix[:3, :3]) < 0.0
+            bodies.append((str(node), points, triangles[:, ::-1] if is_mirrored else triangles))
     return bodies
 
 
-def _of_objects(path: Path) -> tuple[dict[str, bool], list[str]]:
-    """What an OBJ's bodies are, objects, or groups where it has none, but never materials; their names in order."""
-    with path.open(encoding="utf-8", errors="replace") as lines:
-        marked = [line for line in lines if line.startswith(("o ", "g "))]
-    objects = [line[2:].strip() for line in marked if line.startswith("o ")]
-    names = objects or [line[2:].strip() for line in marked]
-    options = {"group_material": False, "split_objects": bool(objects), "split_groups": not objects}
-    return options, list(dict.fromkeys(names))
+def _refuse_unread_gltf(path: Path) -> None:
+    """ValueError for what trimesh passes over in glTF: whole numbers that stand for -1 to 1, and fans of triangles."""
+    content = path.read_bytes()
+    if content.startswith(b"glTF"):
+        content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
+    document = json.loads(content)
+    for primitive in (part for mesh in document.get("meshes", ()) for part in mesh["primitives"]):
+        if primitive.get("mode") == _TRIANGLE_FAN:
+            raise ValueError("it has fans of triangles; save it with triangles")
+        if document["accessors"][primitive["attributes"]["POSITION"]].get("normalized"):
+            raise ValueError("its coordinates are normalized whole numbers; save it with floats")
 
 
 def one_mesh(bodies: Sequence[MeshBody]) -> tuple[Floats, Ints]:
@@ -89,7 +118,7 @@ def merged(body: MeshBody) -> MeshBody:
 # -- DXF --------------------------------------------------------------------------------------------------------------
 
 
-def _of_dxf(path: Path) -> list[MeshBody]:
+def _of_dxf(path: Path) -> list[PolygonBody]:
     """Polyface meshes and MESH entities one by one, and the 3DFACEs of each layer together; in metres."""
     try:
         import ezdxf
@@ -118,9 +147,8 @@ def _of_dxf(path: Path) -> list[MeshBody]:
     bodies = []
     for name, mesh in named_meshes:
         vertices = np.array([tuple(vertex) for vertex in mesh.vertices], dtype=np.float64).reshape(-1, 3) * scale
-        triangles = [(face[0], face[k], face[k + 1]) for face in mesh.faces for k in range(1, len(face) - 1)]
-        if triangles:
-            bodies.append((name, vertices, np.array(triangles, dtype=np.int64)))
+        if len(mesh.faces):
+            bodies.append((name, vertices, [list(face) for face in mesh.faces]))
     return bodies
 
 
@@ -131,26 +159,32 @@ def _name_of(entity: Any) -> str:
     return f"{entity.dxf.layer}-{entity.dxf.handle}"
 
 
-def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, bool]:
+def read_mesh(path: Path, name: str, where: str = "", up: str = "") -> tuple[Floats, Ints, bool]:
     """Vertices (n, 3), triangles (m, 3) and whether they close a body; duplicate vertices are merged.
 
     Parameters
     ----------
     name, where : how the mesh is called in messages, and where the design names it
+    up : the axis of the file that points up, as for `mesh_bodies`
 
     Raises
     ------
     DesignError
-        E172 the file is no mesh that can be read; E140 a DXF without the extra `cad`.
+        E172 the file is no mesh that can be read, a face of it crosses itself, or it is in single precision too far
+        from the origin; E140 a DXF without the extra `cad`.
     """
     import trimesh
 
     try:
-        _, vertices, triangles = merged((name, *one_mesh(mesh_bodies(path))))  # a body may be spread over groups
+        _, vertices, triangles = merged((name, *one_mesh(mesh_bodies(path, up))))  # a body may be spread over groups
     except DesignError as error:
         raise DesignError([replace(fault, where=where or name) for fault in error.faults]) from None
+    except CrossedFaceError as error:
+        message = f"the mesh {name} has a face that crosses itself: {error}"
+        raise DesignError([Fault("E172", message, where or name, "Split it, or order its corners.")]) from None
     except Exception as error:  # trimesh's readers raise whatever their format makes them stumble over
-        reason = f"{type(error).__name__}: {error}".splitlines()[0][:120]
+        words = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
+        reason = words.splitlines()[0][:120] if words else type(error).__name__
         advice = "STL, OBJ, PLY, OFF, GLB and DXF are read."
         raise DesignError(
             [Fault("E172", f"the mesh {name} cannot be read ({reason})", where or name, advice)]
@@ -160,9 +194,28 @@ def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, boo
     if len(triangles) > _MOST_TRIANGLES:
         message = f"the mesh {name} has {len(triangles)} triangles, more than {_MOST_TRIANGLES}"
         raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
+    _refuse_coarse(path, name, where, vertices)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
     return vertices, np.ascontiguousarray(triangles), closed
+
+
+def _refuse_coarse(path: Path, name: str, where: str, vertices: Floats) -> None:
+    """E172 for a body whose corners single precision has moved by more than a thousandth of it: map coordinates."""
+    largest, size = float(np.abs(vertices).max()), float(np.ptp(vertices, axis=0).max())
+    if np.spacing(np.float32(largest)) <= COARSEST_SINGLE * size:
+        return
+    resolution = file_rounding(path, vertices)[1]
+    if resolution > COARSEST_SINGLE * size:
+        message = (
+            f"the mesh {name} has coordinates up to {largest:.0f} m in single precision (float32), which rounds them "
+            f"to {resolution:.2g} m: too coarse for a body of {size:.3g} m"
+        )
+        advice = (
+            "Shift the origin in the program that wrote it (the same whole kilometres off every file), or write text "
+            "or doubles: OBJ, ASCII STL or PLY, DXF."
+        )
+        raise DesignError([Fault("E172", message, where or name, advice)])
 
 
 def outward(vertices: Floats, triangles: Ints) -> Ints:

@@ -53,6 +53,11 @@ class Pieces:
     normals: Floats
     block: Ints
 
+    def areas(self) -> Floats:
+        """Return the areas (p,) of the pieces in m²."""
+        sides = self.corners[:, 1:] - self.corners[:, :1]
+        return np.asarray(_size(np.cross(sides[:, :-1], sides[:, 1:]).sum(axis=1)) / 2.0)
+
 
 def clean_solids(
     meshes: Sequence[tuple[Floats, Ints]], tolerance: float | None, names: Sequence[str]

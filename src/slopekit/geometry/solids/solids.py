@@ -11,12 +11,12 @@ from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.records import dataclass
-from slopekit.geometry.fit import Gaps, Overlaps
+from slopekit.geometry.fit import Closeness, ContactTolerance, Gaps, Overlaps, fitting_tolerance, widest_rounding
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.box_search import box_pairs, chunks, ragged
 from slopekit.geometry.sections.clipping import clip_convex, polygon_sums, without_near
 from slopekit.geometry.solids.solid_faces import ClosedMeshes, Pieces, clean_solids, convex_faces
-from slopekit.geometry.tolerances import NEARLY_TOUCHES, OPPOSITE, TINY
+from slopekit.geometry.tolerances import DOUBT, NEARLY_TOUCHES, OPPOSITE, TINY
 
 _AT_ONCE = 100_000  # pairs of faces clipped in one go: bounds the memory
 _MOST_SUPPORTS = 100_000  # faces times vertices of a block whose faces are tried as separating planes
@@ -29,7 +29,7 @@ class SolidCut:
     Attributes
     ----------
     assembly : with the meshes; joint is 0. The plus block is the one that is not fixed, else the later one
-    tolerance : m; faces nearer than this touch
+    tolerance : faces nearer than this touch, and what depends on it
     contact_area : m² of all patches
     free_area : m² of all surfaces less what is in contact, both sides counted
     overlaps, gaps : between blocks of which one at least is not fixed
@@ -40,7 +40,7 @@ class SolidCut:
     """
 
     assembly: Assembly
-    tolerance: float
+    tolerance: ContactTolerance
     contact_area: float
     free_area: float
     overlaps: Overlaps
@@ -53,7 +53,7 @@ class SolidCut:
 
 def mesh_assembly(
     meshes: Sequence[tuple[Floats, Ints]], fixed: Bools, tolerance: float | None = None,
-    names: Sequence[str] | None = None,
+    names: Sequence[str] | None = None, corner_rounding: float = 0.0,
 ) -> SolidCut:  # fmt: skip
     """The blocks of closed meshes and their contacts.
 
@@ -61,8 +61,10 @@ def mesh_assembly(
     ----------
     meshes : vertices (v, 3) in m and triangles (t, 3) of each block
     fixed : (n,) blocks that are bedrock
-    tolerance : m, faces nearer than this touch; None for 1e-5 of the mean size (cube root of the volume) of the blocks
+    tolerance : m, faces nearer than this touch; None for 1e-5 of the mean size (cube root of the volume) of the
+        blocks, or √3 times `corner_rounding` where that loses contacts
     names : of the blocks, for messages
+    corner_rounding : m, the unit to which the vertices are rounded, 0 where they are exact
 
     Raises
     ------
@@ -71,14 +73,22 @@ def mesh_assembly(
         tolerance is as large as a block.
     """
     called = list(names) if names is not None else [f"block {k + 1}" for k in range(len(meshes))]
-    solids, tolerance = clean_solids(meshes, tolerance, called)
+    solids, usual = clean_solids(meshes, tolerance, called)
     bedrock = np.asarray(fixed, dtype=bool)
-    pieces = convex_faces(solids, tolerance)
-    reach = NEARLY_TOUCHES * float(np.cbrt(solids.volumes).mean())
-    faced = _facing(pieces, bedrock, max(reach, tolerance), tolerance)
-    touches = (faced.most <= tolerance) & (faced.least >= -tolerance) & (faced.width > tolerance)
+    pieces = convex_faces(solids, usual)
+    a, b, c = (solids.vertices[solids.triangles[:, k]] for k in range(3))
+    surfaces = np.bincount(solids.block, np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1))) / 2.0
+    sizes = np.cbrt(solids.volumes)
+    reach = NEARLY_TOUCHES * float(sizes.mean())
+    widest = widest_rounding(sizes, 2.0 * solids.volumes / surfaces)
+    faced = _facing(pieces, bedrock, max(reach, DOUBT * max(usual, widest)), usual)
+    movable = ~bedrock[faced.plus] | ~bedrock[faced.minus]
+    rounding = corner_rounding if tolerance is None else 0.0
+    contact = fitting_tolerance(usual, rounding, 3, widest, faced.closeness(movable))
+    tolerance = contact.distance
+    touches = faced.closeness().touches(tolerance, tolerance)
     patches = _patches(faced, touches, solids.origin)
-    near = (~bedrock[faced.plus] | ~bedrock[faced.minus]) & (faced.most > tolerance) & (faced.most <= reach)
+    near = movable & (faced.most > tolerance) & (faced.most <= reach)
     near &= (faced.least >= -tolerance) & (faced.least + faced.most > 0.0) & (faced.width > reach)
     gaps = Gaps(
         np.sort(np.stack([faced.plus[near], faced.minus[near]], axis=1), axis=1), frozen(faced.least[near]),
@@ -86,8 +96,6 @@ def mesh_assembly(
     )  # fmt: skip
     touched = np.zeros(len(solids.volumes), dtype=bool)
     touched[patches.plus] = touched[patches.minus] = True
-    a, b, c = (solids.vertices[solids.triangles[:, k]] for k in range(3))
-    surface = float(np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1)).sum()) / 2.0
     contact_area = float(patches.areas.sum())
     overlaps, unchecked = _overlaps(solids, pieces, bedrock, tolerance)
     assembly = Assembly(
@@ -95,8 +103,8 @@ def mesh_assembly(
         frozen(solids.vertices + solids.origin), solids.triangles, solids.block,
     )  # fmt: skip
     return SolidCut(
-        assembly, tolerance, contact_area, surface - 2.0 * contact_area, overlaps, gaps, np.flatnonzero(~touched),
-        solids.turned, solids.shells, unchecked,
+        assembly, contact, contact_area, float(surfaces.sum()) - 2.0 * contact_area, overlaps, gaps,
+        np.flatnonzero(~touched), solids.turned, solids.shells, unchecked,
     )  # fmt: skip
 
 
@@ -122,6 +130,11 @@ class _FacingFaces:
     width: Floats
     least: Floats
     most: Floats
+
+    def closeness(self, chosen: Bools | slice = slice(None)) -> Closeness:
+        """Return how near the chosen faces lie."""
+        pairs = np.sort(np.stack([self.plus[chosen], self.minus[chosen]], axis=1), axis=1)
+        return Closeness(pairs, self.least[chosen], self.most[chosen], self.width[chosen])
 
 
 def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _FacingFaces:
@@ -152,7 +165,9 @@ def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Fa
 
 
 def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: float) -> _FacingFaces:
-    normal = pieces.normals[minus] - pieces.normals[plus]
+    # of the larger face above all: rounding of its corners turns it less
+    by_area = pieces.areas()[:, None] * pieces.normals
+    normal = by_area[minus] - by_area[plus]
     normal /= np.sqrt((normal * normal).sum(axis=1))[:, None]
     base = pieces.corners[minus, 0]
     # faces that lie beside each other in parallel planes farther apart than what is reported
@@ -228,7 +243,7 @@ def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: flo
         shared = one ^ two
         volume, surface = float(shared.volume()), float(shared.surface_area())
         depth = volume / (surface / 2.0) if surface > 0.0 else 0.0
-        if depth > tolerance / 2.0:
+        if depth > tolerance:
             overlapping.append((a, b, volume, depth))
     table = np.array(overlapping, dtype=np.float64).reshape(-1, 4)
     failed: Ints = np.array(unchecked, dtype=np.int64).reshape(-1, 2)

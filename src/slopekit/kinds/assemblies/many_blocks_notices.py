@@ -14,9 +14,9 @@ from slopekit.kinds.words import many_times, mass_in_words, size_number
 from slopekit.notices import (
     SQUARE,
     Bonds,
+    bolt_notices,
     bond_notices,
     common_notices,
-    headless_notices,
     mesh_notices,
     undrawn_notice,
 )
@@ -50,7 +50,7 @@ def notices_of(
         return
     first, limit = mechanisms[0], ravelling.failures[0].limit
     yield from said_of_size(design, scene, ravelling)
-    yield from headless_notices(design)
+    yield from bolt_notices(design)
     if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
         yield undrawn_notice()
     if limit.outcome is Outcome.NO_STRENGTH:

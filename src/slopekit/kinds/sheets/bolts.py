@@ -5,6 +5,7 @@ from dataclasses import replace
 from operator import attrgetter
 from typing import Any, overload
 
+from slopekit.core.orientation import millimetre
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Table
 from slopekit.kinds.words import first_and_last
@@ -124,15 +125,6 @@ def forces_in_words(values: Sequence[float]) -> str:
     if low == high:
         return f"{low} kN each" if len(values) > 1 else f"{low} kN"
     return f"{low} to {high} kN"
-
-
-def millimetre(value: float) -> str:
-    """A length or coordinate in m, fixed to the millimetre.
-
-    >>> millimetre(4000123.4567), millimetre(-0.0001)
-    ('4000123.457', '0.000')
-    """
-    return _plain(value, 3)
 
 
 def _plain(value: float, digits: int) -> str:

@@ -16,8 +16,6 @@ RULES = {
     "forces_alone": "forces only",
 }  # fmt: skip
 
-_ROUNDING = 1e-12  # of the greatest of three coordinates: what a balance leaves of 0
-
 
 @dataclass(frozen=True, slots=True)
 class _OnJoint:

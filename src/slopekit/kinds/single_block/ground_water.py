@@ -10,6 +10,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, MisfitError
+from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.design.ground_water import TABLE, GroundWater, SlopeDesign
 from slopekit.geometry.pressure import Height, Pressure, in_strips, plane_table, under_planes
@@ -94,8 +95,7 @@ def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Flo
     """
     over, at = max((water.above(polygon) for polygon in free), key=lambda excess: excess[0], default=(0.0, np.zeros(3)))
     if over > _ABOVE * size:
-        x, y, z = at @ axes
-        message = f"the water table lies {over:.4g} m above the ground at ({x:.4g}, {y:.4g}, {z:.4g})"
+        message = f"the water table lies {over:.4g} m above the ground at {coordinates(at @ axes)}"
         advice = "Give a table at or below the ground; open water at the toe is a pond."
         raise MisfitError([Fault("E456", message, "", advice)])
 

@@ -28,7 +28,8 @@ class Bounds:
     Attributes
     ----------
     outward : (k, n, 3) unit normals; offsets : (k, n) m: `outward · x <= offset` within a block
-    joints, free : the planes that rock lies behind, and those that a head may stand on; a crack is neither
+    joints, free : the planes that rock lies behind, and those that a head may stand on; a crack is neither: a bolt
+        goes on behind it
     size : (n,) m of the blocks
     """
 
@@ -89,9 +90,9 @@ def _with_heads(bolts: Sequence[Bolt], designs: int) -> list[list[int]]:
 
 
 def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Bools]:
-    """How far (m) from their heads the lines of bolts enter and leave each block, and whether they hold it, (b, n).
+    """How far (m) from their heads bolts enter each block and reach sound rock, and whether they hold it, (b, n).
 
-    A bolt does where its line goes in through a free face and out through a joint.
+    A bolt does where its line goes in through a free face and out through a joint, drawn on behind a tension crack.
     """
     heads = np.array([bolt.head_m for bolt in bolts])
     ways = np.stack([bolt.toward.vector() for bolt in bolts])
@@ -102,13 +103,16 @@ def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Boo
     along = np.abs(slope) < 1e-12
     going_in = np.where((slope < 0.0) & ~along, at, -np.inf)
     going_out = np.where((slope > 0.0) & ~along, at, np.inf)
-    enters, leaves = going_in.max(axis=0), going_out.min(axis=0)
-    beside = (along & (gap < -_CLEAR * bounds.size)).any(axis=0)
-    passes = ~beside & (leaves - enters > _CLEAR * bounds.size) & np.isfinite(enters) & np.isfinite(leaves)
     planes = np.arange(len(bounds.offsets))
     is_free, is_joint = np.isin(planes, bounds.free), np.isin(planes, bounds.joints)
-    passes &= is_free[going_in.argmax(axis=0)] & is_joint[going_out.argmin(axis=0)]
-    return enters, leaves, passes
+    onward = np.where((is_free | is_joint)[:, None, None], going_out, np.inf)
+    enters, sound = going_in.max(axis=0), onward.min(axis=0)
+    beside = (along & (gap < -_CLEAR * bounds.size)).any(axis=0)
+    passes = (
+        ~beside & (going_out.min(axis=0) - enters > _CLEAR * bounds.size) & np.isfinite(enters) & np.isfinite(sound)
+    )
+    passes &= is_free[going_in.argmax(axis=0)] & is_joint[onward.argmin(axis=0)]
+    return enters, sound, passes
 
 
 def with_held(design: D, bounds: Bounds, before: Floats) -> D:

@@ -44,7 +44,7 @@ from slopekit.kinds.single_block.one_block_states import (
 )
 from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.loads import Loads
+from slopekit.loads import Hull, Loads
 from slopekit.notices import Facts, Interface, notices_of_factor
 from slopekit.notices import notices as common_notices
 from slopekit.preie.motion.balance import balance, of_one_block
@@ -109,7 +109,7 @@ class Cut:
     scene_at : its node pairs and their model, by how often the parts of the joints are split; `refine` times here
     interfaces : its joints; faces : names of those that water can press on
     geometry : made where a result asks for it; left_out : what is not modelled
-    face : the free face that bolts go into, None where support is not looked for
+    face : the free face that bolts go into, None where support is not looked for; hull : the planes that they meet
     limit : how a model is solved
     origin : (3,) what takes local coordinates back to the user's
     axes : (3, 3) rows are the local axes in those of the user, None where they are the same
@@ -123,6 +123,7 @@ class Cut:
     left_out: Sequence[str]
     faces: Mapping[int, str] = field(default_factory=dict)
     face: int | None = None
+    hull: Callable[[], Hull] | None = None
     refine: int = 0
     limit: Callable[[Model], LimitAnalysis] = limit_analysis
     origin: Floats = field(default_factory=lambda: np.zeros(3))

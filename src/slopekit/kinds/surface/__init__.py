@@ -13,7 +13,7 @@ from slopekit.closed_form.rotation import rotational_failure
 from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.onlooker import Clock, say
-from slopekit.core.orientation import Line
+from slopekit.core.orientation import Line, coordinates, millimetre
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
@@ -226,14 +226,15 @@ def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
     """A mass that lies wholly where the profile says nothing is no slope: a centre in other coordinates, as a rule."""
     low, high, first, last = float(across.min()), float(across.max()), min(profile), max(profile)
     if low >= last or high <= first:
-        message = f"the mass lies at x {low:.6g} to {high:.6g} m, the profile goes from {first:.6g} to {last:.6g} m"
+        mass, ground = f"{millimetre(low)} to {millimetre(high)}", f"{millimetre(first)} to {millimetre(last)}"
+        message = f"the mass lies at x {mass} m, the profile goes from {ground} m"
         advice = "Are slip and profile in the same coordinates? Beyond its ends the ground is taken as level."
         raise GeometryError([Fault("E551", message, "", advice)])
 
 
 def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:
     """Vertices, triangles and whether they close; one that is inside out is turned, and its name kept."""
-    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where)
+    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where, file.up)
     triangles = outward(vertices, given) if closed else given
     if (triangles != given).any():
         turned.append(file.name)
@@ -533,9 +534,9 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     assert isinstance(geometry, SurfaceGeometry)
     area = size_number(geometry.areas_m2["slip surface"])
     ground = (
-        f"ground mesh {design.ground_mesh.name}"
+        f"ground mesh {design.ground_mesh.label}"
         if design.ground_mesh is not None
-        else "ground profile " + " ".join(f"({x:.6g}, {z:.6g})" for x, z in design.profile_m or ())
+        else "ground profile " + " ".join(map(coordinates, design.profile_m or ()))
     )
     lets = {0: "no motion exactly", 1: "one motion"}.get(geometry.motions, f"{geometry.motions} motions")
     turned = f", turned by {geometry.misfit_deg:.2g}° to follow it" if geometry.misfit_deg else ""
@@ -548,13 +549,13 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     return (
         Section("SURFACE", entries),
         size_part(result, heights),
-        loads_part(_water_in_words(design), result, x_is_east=True),
+        loads_part(_water_in_words(design, result), result, x_is_east=True),
     )
 
 
-def _water_in_words(design: SurfaceDesign) -> list[str]:
+def _water_in_words(design: SurfaceDesign, result: Result) -> list[str]:
     if not design.is_cut_for_loads:
-        return water_in_words(design)
+        return water_in_words(result)
     return list(ground_in_words(design, " (x)"))
 
 

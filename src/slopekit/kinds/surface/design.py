@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
+from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
@@ -17,7 +18,7 @@ from slopekit.design.ground_water import (
     table_plane,
     table_points,
 )
-from slopekit.design.parts import MeshFile, Strength, Water
+from slopekit.design.parts import MeshFile, Strength, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -61,6 +62,7 @@ class Slip:
             label="length of the slip surface",
             doc="of a cylinder",
         ),
+        axis_key("up"),
     )
 
     shape: Literal["ellipsoid", "sphere", "cylinder", "mesh"] = text(
@@ -107,9 +109,8 @@ class Slip:
     def in_words(self) -> str:
         """The surface as the sheet prints it."""
         if self.mesh is not None:
-            return f"mesh {self.mesh.name}"
-        x, y, z = self.centre_m
-        at = f"about ({x:.6g}, {y:.6g}, {z:.6g})"
+            return f"mesh {self.mesh.label}"
+        at = f"about {coordinates(self.centre_m)}"
         if self.shape == "ellipsoid":
             return "ellipsoid {:.6g} x {:.6g} x {:.6g} m ".format(*self.radii_m) + at
         if self.shape == "sphere":
@@ -121,6 +122,7 @@ class Slip:
 class SurfaceDesign(Design):
     """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 
+    ALSO: ClassVar[tuple[Field, ...]] = (axis_key("slope.up"),)
     REQUIRED: ClassVar[tuple[str, ...]] = ("slope", "strength", "rock")
     UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m")
 
@@ -212,10 +214,9 @@ def _mesh(reader: Reader, holder: Node | None, other: str) -> MeshFile | None:
     if node is None or node.text is None:
         if holder.get(other) is None:
             reader.fault("E143", f"{holder.path}.{other} is missing", holder, f"Add {other}: or mesh:.")
-        return None
-    if holder.get(other) is not None:
+    elif holder.get(other) is not None:
         reader.fault("E112", f"{holder.path} has mesh and {other}", node, "Give one of the two.")
-    return mesh_file(reader, node)
+    return mesh_file(reader, holder)
 
 
 def _profile(reader: Reader, node: Node | None) -> Points | None:

@@ -374,10 +374,11 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
 
         size = replace(size, entries=[*size.entries, *limits.in_words(design)])
     yield size
-    wet = [] if design.water.mode == "table" else water_in_words(design)
+    wet = [] if design.water.mode == "table" else water_in_words(result, 3.0 if design.basal is None else 1.0)
     if design.crack_water_m:
-        wet = [f"water {design.crack_water_m:.4g} m deep in the crack, on the joints falling to nothing at their other "
-               "edges"]  # fmt: skip
+        highest = f"{design.crack_water_m * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
+        wet = [f"water {design.crack_water_m:.4g} m deep in the crack, {highest}, on the joints falling to nothing at "
+               "their other edges"]  # fmt: skip
     yield loads_part([*wet, *design.ground_in_words()], result)
 
 

@@ -64,6 +64,10 @@ class Shape:
         """The plane ids of face and upper slope."""
         return self.planes.index("face"), self.planes.index("upper slope")
 
+    def hull(self) -> Hull:
+        """The planes that bolts through the block meet."""
+        return Hull.of(self.block, self.ids, self.crack)
+
     @property
     def crack(self) -> int:
         """The plane id of the crack."""
@@ -107,7 +111,8 @@ def cut(design: WedgeDesign) -> Cut:
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
         [Interface(joint, name, own) for (joint, name), own in zip(shape.joints, design.strengths, strict=True)],
         lambda: _geometry(design, shape), left_out_of_slope(left_out, shape.crack in block.faces, design.strengths),
-        shape.interfaces | design.ponded(*shape.free), face, design.refine, origin=np.array(design.origin_m),
+        shape.interfaces | design.ponded(*shape.free), face, shape.hull, design.refine,
+        origin=np.array(design.origin_m),
     )  # fmt: skip
 
 
@@ -132,10 +137,10 @@ def height_of(design: WedgeDesign) -> float:
 def _loads(design: WedgeDesign, shape: Shape) -> Loads:
     block, origin = shape.block, np.array(design.origin_m)
     trend = shape.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
-    hull = cache(lambda: Hull.of(block))  # which a block without bolts does not need
+    hull = cache(shape.hull)  # which a block without bolts does not need
     active, passive = bolt_forces(
         design, origin,
-        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, shape.ids, where),
+        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, where),
     )  # fmt: skip
     pushes: dict[str, PointForce] = {}
     if design.is_cut_for_loads:  # ground water and surcharge are integrated over the faces: plain wedges do not pay

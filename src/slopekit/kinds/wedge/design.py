@@ -391,7 +391,7 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Wate
     elif joints is not None and len(joints) <= count:
         each = joints * count if len(joints) == 1 else [*joints, 0.0]
         return read([*each[:count], value], node)
-    advice = "Give the crack's water in one place; beside full joints it is a part of full: crack: {water: 50 %}."
+    advice = "Give the crack's water in one place; beside full joints it is a part of that: crack: {water: 50 %}."
     reader.fault("E198", f"the crack's water is {node.text}, and water says another thing", node, advice)
     return Water()
 

@@ -34,7 +34,7 @@ from slopekit.preie.one_block.passes import Limit, Outcome, exact_limit, opens, 
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST, NO_FORCE, NO_NUMBER, SAME_LIMIT
+from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST, NO_FORCE, NO_NUMBER, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:
@@ -272,7 +272,12 @@ def forces_only_limit(model: Model) -> Limit:
     normals, first, which = np.unique(held.normal_rows.round(12), axis=0, return_index=True, return_inverse=True)
     which = which.ravel()
     share = held.control_area / np.bincount(which, held.control_area)[which]
-    columns = np.concatenate([normals, held.bolt_rows]).T
+    # bolts that pull one way are one of all their capacity
+    _, alike, bolt = np.unique(held.bolt_rows.round(12), axis=0, return_index=True, return_inverse=True)
+    pulling, bolt = held.bolt_rows[alike], bolt.ravel()
+    capacity = np.bincount(bolt, held.bolt_capacity, minlength=len(pulling)).astype(np.float64)
+    bolt_share = held.bolt_capacity / np.maximum(capacity[bolt], TINY)
+    columns = np.concatenate([normals, pulling]).T
     # all that slips along one normal slips alike
     cohesion: Floats = np.bincount(which, held.cohesion).astype(np.float64)
     tan_friction: Floats = np.bincount(which, held.tan_friction * share).astype(np.float64)
@@ -281,7 +286,7 @@ def forces_only_limit(model: Model) -> Limit:
 
     def at(reduction: float, near: bool = True) -> _Resultant:
         nonlocal pattern
-        upper = np.concatenate([np.full(len(normals), np.inf), reduction * held.bolt_capacity])
+        upper = np.concatenate([np.full(len(normals), np.inf), reduction * capacity])
         pushes, rest = bounded_least_squares(columns, -held.load, upper, pattern=pattern if near else None)
         pattern = np.where(pushes <= 0.0, 0, np.where(pushes >= upper, 2, 1))
         pushes, pulls = pushes[: len(normals)], pushes[len(normals) :]
@@ -291,7 +296,9 @@ def forces_only_limit(model: Model) -> Limit:
         slips = np.ones(len(normals))
         if driving > NO_FORCE:
             slips = np.sqrt(((tangents @ rest) ** 2).sum(axis=1)) / driving
-        return _Resultant(-rest, driving, float(strength @ slips), pushes[which] * share, touching[which], pulls)
+        return _Resultant(
+            -rest, driving, float(strength @ slips), pushes[which] * share, touching[which], pulls[bolt] * bolt_share
+        )
 
     def limit(outcome: Outcome, factor: float | None, push: _Resultant) -> Limit:
         bond = push.touching.astype(np.float64)

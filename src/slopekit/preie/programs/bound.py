@@ -17,6 +17,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.solvers.linear import bounded_least_squares
+from slopekit.preie.solvers.work_limit import SECOND, WorkSpentError, allowed
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import BOUND_ACCURACY, BOUND_BEYOND, EQUILIBRIUM, PARALLEL, ROUNDING, SAME_LIMIT
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 _MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
+_WORK = 5.0 * SECOND  # for the bound of one block, which judges nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,14 +173,21 @@ def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
 
 
 def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
-    """The least λ at which some forces balance the loads, as for many blocks; the limit's own do at 1/limit."""
+    """The least λ at which some forces balance the loads, as for many blocks; the limit's own do at 1/limit.
+
+    There is no bound where that takes more than its work.
+    """
     none = StaticBound(None, False, False, velocity, np.zeros(len(model.control_area)), 0)
     if len(model.control_area) > _MOST_PAIRS:
         return none
     from slopekit.preie.programs.distance import bound_by_programs
     from slopekit.preie.system.assembly import one_block  # only a bound that moments govern pays for SciPy and Clarabel
 
-    bound = bound_by_programs(one_block(model), 1.0 / limit)
+    try:
+        with allowed(_WORK):
+            bound = bound_by_programs(one_block(model), 1.0 / limit)
+    except WorkSpentError:
+        return none
     if bound is None or bound.factor is None or not (1.0 - SAME_LIMIT) * limit < bound.factor < BOUND_BEYOND * limit:
         return none
     normal = bound.normal_force[: len(model.control_area)]

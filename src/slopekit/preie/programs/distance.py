@@ -40,6 +40,7 @@ _SPARE = -1.0  # of the lighter block's load, that friction may fall short of it
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _MOST_TRIALS = 60  # of λ
 _ROUNDED = 1e-4  # λ below which distances are rounding: blocks are locked unless a motion proves their bound
+_PAIRS_AN_UNKNOWN = 4.0  # node pairs that a program works on as on one unknown: one block may have thousands
 _LONGEST_STRIDE = 10.0  # of λ: where one is known roughly, less to begin with
 
 
@@ -135,7 +136,7 @@ class Distance:
         """The distance at one λ."""
         import clarabel
 
-        spend(factorisation(len(self.parts)), PROGRAM)
+        spend(factorisation(max(len(self.parts), self.pairs / _PAIRS_AN_UNKNOWN)), PROGRAM)
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance

@@ -5,7 +5,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.preie.tolerances import PARALLEL, ROUNDING, TINY
 
-_MOST = 400  # columns let in, one after the other
+_MOST, _TIMES = 400, 3  # columns let in, one after the other: at least so many, and so many times all there are
 
 
 def split_space(rows: Floats) -> tuple[Floats, Floats]:
@@ -69,7 +69,7 @@ def bounded_least_squares(
         if not (gain[~free & (upper > 0.0)] > ROUNDING).any() and ((known > 0.0) & (known < upper))[free].all():
             return known, rest
         free = np.zeros(count, dtype=bool)
-    for _ in range(_MOST):
+    for _ in range(max(_MOST, _TIMES * count)):
         gain = (matrix.T @ (target - matrix @ solution)) / scale
         gain = np.where(free, -np.inf, np.where(solution >= upper, -gain, gain))
         gain[upper <= 0.0] = -np.inf

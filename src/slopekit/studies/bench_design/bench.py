@@ -308,7 +308,7 @@ def sliding_columns(ground: BenchSite, trials: Trials, bench: Bench) -> SlidingC
     along, weight = np.radians(out), ground.unit_weight_kn_m3 * high * widths
     bond = cohesion * widths / np.sin(np.radians(dip) + along)
     factor = (bond + weight * np.cos(along) * np.tan(np.radians(friction))) / (weight * np.sin(along))
-    slides = known & (factor < ground.target)
+    slides = known & ~(factor >= ground.target)
     any_fails: Bools = np.logical_or.reduce(bench.fails)
     return SlidingColumns(
         int(slides.sum()), int(known.sum()), int((slides & ~any_fails[stands]).sum()), int(any_fails.sum()), len(trials)
@@ -321,7 +321,7 @@ def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target:
     free = [name in ("lifted", "falls") for name in names]
     slides = np.array(words)[outcome]
     with np.errstate(invalid="ignore"):
-        fails: Bools = (slides & (factor < target)) | np.array(free)[outcome]
+        fails: Bools = (slides & ~(factor >= target)) | np.array(free)[outcome]  # no factor reaches no target
     return np.where(slides, factor, np.nan), fails
 
 

@@ -160,7 +160,14 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     faults = Faults()
     numbers = {name: faults.of(partial(_number, name, given[name], option(name))) for name in _NUMBERS}
     reading = partial(
-        joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"), True
+        joint_list,
+        given["joints"],
+        given["convention"],
+        given["skip_bad"],
+        2,
+        option("convention"),
+        True,
+        columns=given["columns"],
     )
     if is_sets(given["joints"]):
         reading = partial(joints_of_sets, given["joints"], int(numbers["seed"] or 0))

@@ -28,7 +28,7 @@ from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
-from slopekit.studies.surveys import Convention, SkipBad, survey_head
+from slopekit.studies.surveys import Columns, Convention, SkipBad, survey_head
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -159,6 +159,7 @@ def bench_design(
     gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
     water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
     convention: Convention = None,
+    columns: Columns = None,
     skip_bad: SkipBad = False,
     seed: Annotated[Any, Option("Seed of the random numbers: the same seed gives the same numbers [1].")] = None,
     jobs: Jobs = 1,

@@ -14,7 +14,7 @@ from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, OfCohesion
 from slopekit.studies.bench_design.run import BenchDesigns
 from slopekit.studies.bench_design.strengths import in_words
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.surveys import head, survey_entry
+from slopekit.studies.surveys import codes_of, head, survey_entry
 
 
 def sheet_of(study: BenchDesigns) -> Sheet:
@@ -43,12 +43,15 @@ def line_of(study: BenchDesigns) -> str:
     checked = study.checked
     agree = "" if checked is None else f"  PRE-IE agrees on {checked.said.agree} of {checked.said.samples}"
     steepest = study.steepest_accepted
-    if steepest is not None:
-        return f"steepest accepted: {_in_words(steepest)}{agree}{said}"
-    return (
-        f"steepest: {number(best.height_m)} m at {number(best.face_dip_deg)}°, berm {best.berm_needed_m:.1f} m for "
-        f"{number(100.0 * wanted)} %, inter-ramp {best.inter_ramp_deg:.1f}°{agree}{said}"
+    line = (
+        f"steepest accepted: {_in_words(steepest)}{agree}{said}"
+        if steepest is not None
+        else (
+            f"steepest: {number(best.height_m)} m at {number(best.face_dip_deg)}°, berm {best.berm_needed_m:.1f} m for "
+            f"{number(100.0 * wanted)} %, inter-ramp {best.inter_ramp_deg:.1f}°{agree}{said}"
+        )
     )
+    return "  ".join([line, *codes_of(study.warnings)])
 
 
 # -- what was given ---------------------------------------------------------------------------------------------------
@@ -66,7 +69,7 @@ def _strength(study: BenchDesigns) -> str:
         friction = _scatters("φ", asked.drawn["phi"], "°", asked.own[1])
     water = asked.slope.water
     wet = "dry" if water.mode == "dry" or (not water.fill and not water.pressures_kpa) else (
-        f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {number(100.0 * water.fill)} %"
+        f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {water.in_words()}"
     )  # fmt: skip
     quake = asked.slope.seismic.coefficient
     return f"{cohesion}, {friction}, {number(asked.slope.unit_weight_kn_m3)} kN/m³, {wet}" + (

@@ -331,7 +331,9 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, 
         return Finding(
             name, None, None, None, f"finer than {result.model.node_pairs} were not tried: they would take long"
         )
-    limit, last, other = (value or math.nan for value in (result.fos.limit, finest.factor, before.factor))
+    limit, last, other = result.fos.limit, finest.factor, before.factor
+    if not limit or not last or not other:
+        return Finding(name, None, None, False, "a mesh gave no factor to compare with")
     off = max(abs(limit / last - 1.0), abs(other / last - 1.0))
     shown = ", ".join(f"{order:.1f}" for order in orders)
     if off > within:

@@ -183,7 +183,15 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
     """Read and check what `combos` is given, by the names of its parameters; every fault at once."""
     faults, fos = Faults(), given["fos"]
     listed: JointList | None = faults.of(
-        partial(joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"))
+        partial(
+            joint_list,
+            given["joints"],
+            given["convention"],
+            given["skip_bad"],
+            2,
+            option("convention"),
+            columns=given["columns"],
+        )
     )
     face: Plane | None = faults.of(partial(plane_of, given["face"], "face", option("face")))
     slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
@@ -292,8 +300,9 @@ class JointPairs:
 
     def fails(self, target: float) -> Bools:
         """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
-        slides = np.isin(self.outcome, _SLIDES)
-        failing: Bools = self.is_removable & ((slides & (self.factor < target)) | (~slides & (self.outcome != _STANDS)))
+        with np.errstate(invalid="ignore"):
+            reaches = np.isin(self.outcome, _SLIDES) & (self.factor >= target)  # what has no factor does not
+        failing: Bools = self.is_removable & ~reaches & (self.outcome != _STANDS)
         return failing
 
 

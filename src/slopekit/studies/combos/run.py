@@ -28,7 +28,7 @@ from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
 from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, survey_head
+from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, partners, survey_head
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
@@ -65,10 +65,10 @@ class PairCheck(Factors):
         return self.status in _NOTHING_HOLDS or (self.limit is not None and self.limit < target)
 
     def severity(self) -> tuple[int, float, float]:
-        """Where it stands among others by PRE-IE: what nothing holds, then by factor, then what stands."""
-        if self.status in _NOTHING_HOLDS:
-            return 0, 0.0, -self.volume_m3
-        return (2, 0.0, -self.volume_m3) if self.factor is None else (1, self.factor, -self.volume_m3)
+        """Where it stands among others by PRE-IE: what has no factor, then by factor, then what stands."""
+        if self.status == "no_driving_force":
+            return 2, 0.0, -self.volume_m3
+        return (0, 0.0, -self.volume_m3) if self.factor is None else (1, self.factor, -self.volume_m3)
 
     def to_dict(self) -> dict[str, Any]:
         """The pair as JSON values."""
@@ -264,6 +264,7 @@ def combos(
     gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
     water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
     convention: Convention = None,
+    columns: Columns = None,
     skip_bad: SkipBad = False,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,

@@ -13,7 +13,7 @@ from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck, Target
-from slopekit.studies.surveys import head, partners_entry, survey_entry
+from slopekit.studies.surveys import codes_of, head, partners_entry, survey_entry
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -70,7 +70,7 @@ def line_of(combos: Combos) -> str:
         parts.append(f"{combos.target.below} below {combos.target.fos:g} by {_judges(combos.target)}")
     if combos.worst:
         parts.append(_agreement(combos).split(";")[0])
-    return "  ".join(parts)
+    return "  ".join([*parts, *codes_of(combos.warnings)])
 
 
 def _every_pair(combos: Combos) -> Table[int]:

@@ -28,10 +28,30 @@ from slopekit.design.parts import Strength
 from slopekit.design.words import between
 from slopekit.studies.axes import Axes, axes_of
 from slopekit.studies.keys import Key
-from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of, planes_of_poles
-from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented
+from slopekit.studies.kinematic.criteria import (
+    OF_JOINTS,
+    Lines,
+    Modes,
+    lines_of,
+    modes_of,
+    planes_of_poles,
+    tested_pairs,
+)
+from slopekit.studies.protocol import DESK, Option, Seed, StudyOutcome, Workplace, documented
 from slopekit.studies.ranges import as_steps, parse_values
-from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, range_of, survey_head
+from slopekit.studies.surveys import (
+    MOST_JOINTS,
+    AFace,
+    AJointList,
+    Columns,
+    Convention,
+    SkipBad,
+    check_seed,
+    left_out,
+    partners,
+    range_of,
+    survey_head,
+)
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 _MOST_FACES = 200
@@ -46,6 +66,7 @@ class Kinematic(StudyOutcome):
     ----------
     friction_deg : (n,) of each joint; measured : how many have their own
     lines, modes : see there; a stereonet needs no more than these, the joints and the limits
+    pairs : whose lines these are, all or as many as were drawn, with `seed`
     over_faces : (dip of the face, counts) for each face that was asked for
     percent, percent_of_faces : parts of the joints and of the lines, of the face and of each face that was asked for.
         A joint counts by its quantity, a line by the product of those of its two joints, as that many joints would
@@ -59,6 +80,8 @@ class Kinematic(StudyOutcome):
     lateral_deg: float
     lateral_toppling_deg: float
     lines: Lines
+    pairs: int
+    seed: int
     modes: Modes
     over_faces: tuple[tuple[float, Mapping[str, int]], ...]
     percent: Mapping[str, float | None]
@@ -76,6 +99,11 @@ class Kinematic(StudyOutcome):
     def counts(self) -> dict[str, int]:
         """How many joints and lines of intersection, by what could happen to them."""
         return self.modes.counts()
+
+    @property
+    def is_sample(self) -> bool:
+        """Whether pairs were drawn, as there are too many to test all."""
+        return self.pairs < len(self.joints) * (len(self.joints) - 1) // 2
 
     @property
     def toppling(self) -> tuple[bool, bool]:
@@ -139,6 +167,7 @@ class Kinematic(StudyOutcome):
         limits = (self.lateral_deg, self.lateral_toppling_deg)
         exact = [face, faces, limits, self.joints.rows(), self.friction_deg.tolist()]
         exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
+        exact += [self.seed] if self.is_sample else []
         return digest(exact)
 
     def to_dict(self) -> dict[str, Any]:
@@ -152,7 +181,7 @@ class Kinematic(StudyOutcome):
                 "face": str(self.face),
                 "friction_deg": range_of(self.friction_deg, self.measured),
                 "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
-            },
+            } | ({"seed": self.seed} if self.is_sample else {}),
             "defaults": list(self.defaults),
             "joints": n,
             "orientations": [
@@ -162,6 +191,7 @@ class Kinematic(StudyOutcome):
                 )
             ],
             "pairs": n * (n - 1) // 2,
+            **({"drawn_pairs": self.pairs} if self.is_sample else {}),
             "intersections": m,
             "counts": counts,
             "percent": dict(self.percent),
@@ -201,7 +231,9 @@ def kinematic(
     lateral_toppling: Annotated[Any, Option("Lateral limit of toppling [30].")] = None,
     faces: Annotated[Any, Option("Dips of the face to go through: 45:90:+5 (in steps of 5), or 45,60,75.")] = None,
     convention: Convention = None,
+    columns: Columns = None,
     skip_bad: SkipBad = False,
+    seed: Seed = 1,
     desk: Workplace = DESK,
 ) -> Kinematic:
     """Planar and wedge sliding, flexural and direct toppling of every joint and pair, by orientation and friction.
@@ -210,12 +242,12 @@ def kinematic(
     ------
     DesignError
         With every fault: of the list, E113, E115 for phi, E143 without a face, E312 and E333 for the faces, E337 for
-        the lateral limits.
+        the lateral limits, E307 the seed.
 
     Notes
     -----
     In Python `joints` are the path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array of dip and dip
-    direction, or {name: plane}; `faces` may be a list.
+    direction, or {name: plane}; `faces` may be a list. Of more than 3000 joints a million pairs are drawn.
 
     With face dip ψ_f, plane or line ψ and friction φ: planar and wedge sliding where φ < ψ < the apparent dip of the
     face that way, planes within `lateral` of the dip direction of the face; flexural toppling where
@@ -235,7 +267,9 @@ def kinematic(
     began = time.perf_counter()
     faults, defaults = Faults(), list[str]()
 
-    listed: JointList | None = faults.of(lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention")))
+    listed: JointList | None = faults.of(
+        lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention"), most=MOST_JOINTS, columns=columns)
+    )
     plane: Plane | None = faults.of(lambda: plane_of(face, "face", desk.named("face")))
     friction_angle = faults.of(lambda: _friction(phi, f"{desk.named('phi')} {phi}")) if phi is not None else PHI_DEG
     limits: list[float | None] = []
@@ -246,19 +280,22 @@ def kinematic(
             defaults.append(key)
         limits.append(standard if value is None else faults.of(partial(_limit, value, desk.named(key))))
     dips = faults.of(lambda: _faces(faces, Key(desk.named("faces"), "angle", None, 0.0, 90.0)))
+    check_seed(faults, seed)
     faults.refuse()
     assert listed is not None and plane is not None and dips is not None  # noqa: PT018  # no fault: nothing is missing
     lateral_deg, toppling_deg = (0.0 if limit is None else limit for limit in limits)
     friction, measured, _ = own_or_given(listed, "phi", friction_angle, desk.named("phi"))
     if phi is None and measured < len(listed):
         defaults.append("phi")
-    lines = lines_of(listed)
+    pairs = tested_pairs(listed, np.random.default_rng(seed))
+    lines = lines_of(listed, pairs)
     limits_deg = lateral_deg, toppling_deg
     weights = listed.quantities, listed.quantities[lines.first] * listed.quantities[lines.second]
     over = [modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits_deg) for dip in dips]
     modes = modes_of(listed, lines, plane, friction, *limits_deg)
     return Kinematic(
-        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, modes,
+        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, len(pairs[0]), seed,
+        modes,
         tuple((dip, face_modes.counts()) for dip, face_modes in zip(dips, over, strict=True)), modes.shares(*weights),
         tuple(face_modes.shares(*weights) for face_modes in over), tuple(defaults),
         tuple(_notices(listed, plane, friction, measured, modes)), time.perf_counter() - began,

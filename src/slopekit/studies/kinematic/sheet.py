@@ -19,7 +19,7 @@ from slopekit.studies.kinematic.criteria import (
     SLIDING_BASE,
 )
 from slopekit.studies.kinematic.run import Kinematic, mean_plane
-from slopekit.studies.surveys import head, partners_entry, survey_entry
+from slopekit.studies.surveys import codes_of, head, partners_entry, survey_entry
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set
@@ -33,10 +33,11 @@ _Counted: TypeAlias = tuple[Any, Mapping[str, Any]]
 def sheet_of(analysis: Kinematic) -> Sheet:
     """The sheet of the kinematic tests."""
     n, m, of = len(analysis.joints), len(analysis.lines.first), _Shares(analysis)
-    parallel = n * (n - 1) // 2 - m
-    few = f", {parallel} of them parallel, without a line of intersection" if parallel else ""
+    parallel = analysis.pairs - m
+    few = f", {analysis.pairs} of them drawn at random (seed {analysis.seed})" if analysis.is_sample else ""
+    few += f", {parallel} of them parallel, without a line of intersection" if parallel else ""
     return Sheet(head("kinematic", analysis.joints, analysis.input_hash()), (
-        Section("SURVEY", [survey_entry(analysis.joints) + few]),
+        Section("SURVEY", [survey_entry(analysis.joints) + few, *_drawn(analysis)]),
         Section("SLOPE", [f"face {analysis.face}  {analysis.face.in_words()}; horizontal behind the crest"]),
         Section("LIMITS", [_limits(analysis)]),
         Section("PLANAR", [
@@ -62,10 +63,19 @@ def line_of(analysis: Kinematic) -> str:
     counts = analysis.counts
     direct, oblique = analysis.toppling
     toppling = "direct toppling" if direct else "oblique toppling" if oblique else "no direct toppling"
-    return (
+    line = (
         f"planar {counts['planar']}  wedge {counts['wedge_primary']}+{counts['wedge_secondary']} "
         f"({counts['wedge_by_friction']} by friction)  flexural {counts['flexural']}  {toppling}"
     )
+    return "  ".join([line, *codes_of(analysis.warnings)])
+
+
+def _drawn(analysis: Kinematic) -> list[str]:
+    """What counts of lines mean where pairs were drawn: twice the standard error of a share of a half is 0.1 %."""
+    if not analysis.is_sample:
+        return []
+    within = "" if analysis.joints.has_quantities else "; their shares are within 0.1 % (95 %)"
+    return [f"lines are counted among the pairs drawn{within}"]
 
 
 def _joints(analysis: Kinematic) -> Table[int]:

@@ -24,7 +24,7 @@ from slopekit.studies.prob.judged import Judged
 from slopekit.studies.prob.sampling import Samples
 from slopekit.studies.prob.sources import fisher
 from slopekit.studies.sets.run import FoundSet, sets
-from slopekit.studies.surveys import left_out
+from slopekit.studies.surveys import MOST_JOINTS, left_out
 
 Draw = Literal["joints", "sets"]
 _WAYS = ("joints", "sets")
@@ -134,10 +134,10 @@ class SurveySource:
         self, possible: Bools, forms: Bools, fails: Bools, seed: int, confidence: float
     ) -> tuple[Resampled, Resampled, Resampled] | None:
         first, second, rng = self.pairs(len(possible), seed)
-        times = rng.multinomial(len(self.listed), np.full(len(self.listed), 1.0 / len(self.listed)), _RESAMPLED)
-        probabilities = []
-        for one in times:
-            weights = (one[first] * one[second]).astype(float)
+        probabilities, even = [], np.full(len(self.listed), 1.0 / len(self.listed))
+        for _ in range(_RESAMPLED):
+            times = rng.multinomial(len(self.listed), even)
+            weights = (times[first] * times[second]).astype(float)
             whole, formed, failed = (float(weights[some].sum()) for some in (possible, forms, fails))
             if whole > 0.0:
                 probabilities.append((formed / whole, failed / formed if formed else math.nan, failed / whole))
@@ -184,7 +184,7 @@ def surveyed(
             message = f"{one} and {other} are correlated, the planes come from a survey"
             faults.append(Fault("E432", message, "correlation", "Leave this correlation out."))
     faults.refuse()
-    listed = joint_list(survey, None, False, 2)
+    listed = joint_list(survey, None, False, 2, "", most=MOST_JOINTS)
     joint_sets: tuple[FoundSet, ...] = ()
     if draw == "sets":
         joint_sets = sets(survey, seed=seed).sets

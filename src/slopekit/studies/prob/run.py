@@ -20,9 +20,9 @@ from slopekit.core.errors import DesignError, Fault, Faults, Notice, SlopekitErr
 from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column
+from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
-from slopekit.design.fields import field_at
+from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import AlsoJudged, WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
@@ -230,13 +230,32 @@ class Probability(StudyOutcome):
     def accepted(self) -> bool | None:
         """Whether the upper confidence limit is not above the probability accepted, and nothing speaks against it.
 
-        Samples that fail by PRE-IE only, or that were not judged, do.
+        What `doubts` has speaks against it.
         """
         if self.asked.accept is None:
             return None
-        checked = self.confirmation
-        doubted = self.unjudged or (checked is not None and (checked.unsafe or checked.settled < checked.samples))
-        return not doubted and self.all_samples.high <= self.asked.accept
+        return not self.doubts and self.all_samples.high <= self.asked.accept
+
+    @property
+    def methods_disagree(self) -> bool:
+        """Whether closed form and PRE-IE disagree at the means or in a sample."""
+        return bool(self.disagree or (self.confirmation is not None and self.confirmation.disagree))
+
+    @property
+    def doubts(self) -> list[str]:
+        """Why nothing is accepted, however low the limit is."""
+        checked, doubts = self.confirmation, []
+        if self.methods_disagree:
+            doubts.append("the methods disagree")
+        if self.forming.of == 0 and not self.unjudged:
+            doubts.append("no sample forms a block")
+        if self.unjudged:
+            doubts.append(f"{counted(self.unjudged, 'sample')} not judged")
+        if checked is not None and checked.unsafe:
+            doubts.append(f"{checked.unsafe} fail by PRE-IE only")
+        if checked is not None and checked.settled < checked.samples:
+            doubts.append(f"PRE-IE answers for {checked.settled} of the {checked.samples} samples it was asked of")
+        return doubts
 
     @property
     def margin(self) -> float | None:
@@ -264,7 +283,7 @@ class Probability(StudyOutcome):
     @property
     def exit_code(self) -> int:
         """0 done, 1 not accepted, 3 no sample forms a block, 4 the methods disagree, or no convergence."""
-        if self.disagree or (self.confirmation is not None and self.confirmation.disagree):
+        if self.methods_disagree:
             return 4
         if self.forming.of == 0 and not self.unjudged:
             return 3
@@ -478,7 +497,7 @@ class _AtWork:
         run = [*drawn_from, asked.n, asked.seed, asked.method, asked.by, *part]
         self.journals.append(Journal.of(folder or Path.cwd(), "prob", run, streamed=folder is not None))
         with self.desk.bar(label, len(tasks)) as advance:
-            work = Sampled(design, pre_ie, tuple(as_laid_out(design).tolist()))
+            work = Sampled(design, pre_ie, before=tuple(as_laid_out(design).tolist()))
             records = run_all(work, tasks, self.crew, journal=self.journals[-1], advance=advance,
                               given_up=GIVEN_UP)  # fmt: skip
         return tuple(Point.from_record(record) for record in records)
@@ -575,8 +594,9 @@ def _holding(samples: Samples, design: Design, fast: Vectorised | None) -> Bools
 def _impossible(design: Design, samples: Samples) -> Bools:
     """Samples with a value that no design can have."""
     impossible = np.zeros(len(samples.values), dtype=bool)
+    root = None if design.source is None else design.source.root
     for column, path in enumerate(samples.names):
-        limits = field_at(type(design), path)
+        limits = field_in(type(design), root, path)
         if limits is not None and not limits.turns:
             impossible |= (samples.values[:, column] < limits.least) | (samples.values[:, column] > limits.most)
     return impossible

@@ -52,6 +52,7 @@ _FARTHEST_M = 1000.0  # no slope slides so far while it is shaken
 _HARDLY_STANDS = 1e-3  # a k_y below which shaking of any kind moves the slope far
 _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
+_ALIKE, _ALIKE_M = 0.05, 1e-3  # of a displacement, and m: two models that lie so near agree
 Way = Literal["as recorded", "reversed"]
 
 
@@ -108,6 +109,18 @@ class Motion:
         return {"record": self.record, "way": self.way, "every": every} | {
             name: [float(f"{value:.7g}") for value in column[::every]] for name, column in columns.items()
         }
+
+
+@dataclass(frozen=True, slots=True)
+class Displacement:
+    """How far the block goes by one model: median over the records of the mean of both polarities, the largest; m.
+
+    Both are None where the model has no answer.
+    """
+
+    model: Literal["six", "one_way"]
+    median_m: float | None
+    largest_m: float | None
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -183,7 +196,7 @@ class Quake(StudyOutcome):
     @property
     def charts(self) -> tuple[str, ...]:
         """Acceleration, velocity and displacement; displacement and turning in six degrees of freedom."""
-        return (*(["motion"] if self.motion is not None else []), *(["six"] if self.in_six is not None else []))
+        return (*(["six"] if self.in_six is not None else []), *(["motion"] if self.motion is not None else []))
 
     @property
     def has_spread(self) -> bool:
@@ -198,6 +211,8 @@ class Quake(StudyOutcome):
             "mean": [one.mean_m for one in self.shaken], "larger": [one.larger_m for one in self.shaken],
             "newmark": [0.5 * (one.newmark_m + one.newmark_reversed_m) for one in self.shaken],
         }  # fmt: skip
+        if self.in_six is not None and self.in_six.is_settled:
+            columns = {"six": self.in_six.means_m(), **columns}
         quantiles: dict[str, dict[str, float | None]] = {}
         for name, values in columns.items():
             low, median, high = np.percentile(values, (16.0, 50.0, 84.0)).tolist()
@@ -206,9 +221,32 @@ class Quake(StudyOutcome):
         return quantiles
 
     @property
-    def median_m(self) -> float:
-        """Median over the records of the mean of both polarities, m."""
-        return float(np.median([one.mean_m for one in self.shaken]))
+    def one_way(self) -> Displacement:
+        """By the rigid block that slides one way."""
+        median = float(np.median([one.mean_m for one in self.shaken]))
+        return Displacement("one_way", median, max(one.larger_m for one in self.shaken))
+
+    @property
+    def leading(self) -> Displacement:
+        """By the model that was asked for: in six degrees of freedom where it was, else one way."""
+        if self.in_six is None:
+            return self.one_way
+        if not self.in_six.is_settled:
+            return Displacement("six", None, None)
+        return Displacement("six", float(np.median(self.in_six.means_m())), max(one.slid_m for one in self.six))
+
+    @property
+    def why_apart(self) -> str:
+        """Why six degrees of freedom and sliding one way differ, or that they do not; empty where one has no answer."""
+        ours, other = self.leading.median_m, self.one_way.median_m
+        if self.in_six is None or ours is None or other is None:
+            return ""
+        apart = abs(ours - other)
+        if apart <= max(_ALIKE * max(ours, other), _ALIKE_M):
+            return "both models agree: the block slides one way as a whole"
+        way = "farther" if ours > other else "less far"
+        has_residual = any(strength.residual for strength in kind_of(self.design).strengths(self.design))
+        return f"it goes {way} than the block that slides one way: {', '.join(self.in_six.causes(has_residual))}"
 
     @property
     def natural(self) -> tuple[Shaken, ...]:
@@ -240,6 +278,9 @@ class Quake(StudyOutcome):
             **self.head(self.design),
             "toward_deg": self.toward_deg,
             "scale_pga_g": self.scale_pga,
+            "leading": json_of(self.leading),
+            "beside": None if self.in_six is None else json_of(self.one_way),
+            "why_apart": self.why_apart or None,
             "yield": json_of(self.yields),
             "agree": self.agree,
             "moments_govern": self.moments_govern,

@@ -9,7 +9,7 @@ import numpy as np
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_text
 from slopekit.studies.quake.regressions import LEAST_K
-from slopekit.studies.quake.run import Motion, Quake, Shaken
+from slopekit.studies.quake.run import Displacement, Motion, Quake, Shaken
 from slopekit.studies.quake.six import Shaking, springs_in_words
 from slopekit.studies.quake.yielding import Yield, shown_k
 from slopekit.studies.words import METHODS, head, status_words
@@ -28,9 +28,9 @@ def sheet_of(quake: Quake) -> Sheet:
         Section("RECORDS", [f"{counted(len(quake.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
         Section("NOW", [_now(quake)]),
         Section("YIELD", [*(_yield(quake, one) for one in quake.yields), *_agree(quake)], hang=14),
-        Section("SLIDES", [records, *_stands_for_none(quake)]),
+        Section("SIX", [*_leading(quake), _six(quake), *_six_notes(quake)] if quake.six else []),
+        Section("SLIDES", [*_beside(quake), records, *_stands_for_none(quake)]),
         Section("OVERALL", [_percentiles(quake)] if len(quake.shaken) > 1 else []),
-        Section("SIX", [_six(quake), *_six_notes(quake)] if quake.six else []),
         Section("COMPARE", _compared(quake) if quake.compared() else []),
         Section("MODEL", [_model(quake)]),
         Section("TIME", [f"{quake.seconds:.2f} s"]),
@@ -49,15 +49,31 @@ def line_of(quake: Quake) -> str:
     """The yield coefficient, the displacements, the check on one line."""
     k, factor = quake.coefficient, quake.factor
     parts = [f"k_y {shown_k(k)}", f"factor {factor:.4f}" if factor is not None else "no factor"]
-    larger = max(one.larger_m for one in quake.shaken)
     mark = " (W465)" if quake.yields[0].jumps else ""
-    parts.append(f"median {_length(quake.median_m)}, most {_length(larger)}{mark}")
+    if quake.in_six is not None:
+        parts.append(f"six degrees of freedom: {_moves(quake.leading)}")
+        parts.append(f"one way: {_moves(quake.one_way)}{mark}")
+    else:
+        parts.append(f"{_moves(quake.leading)}{mark}")
     parts.append({True: "agree", False: "disagree", None: "not compared"}[quake.agree])
     return "  ".join([*parts, *dict.fromkeys(notice.code for notice in quake.warnings)])
 
 
-def _length(metres: float) -> str:
-    return f"{_centimetres(metres)} cm"
+def _moves(displacement: Displacement) -> str:
+    """Median and largest displacement in words."""
+    if displacement.median_m is None or displacement.largest_m is None:
+        return "no displacement, a step did not settle (W466)"
+    return f"median {_centimetres(displacement.median_m)} cm, most {_centimetres(displacement.largest_m)} cm"
+
+
+def _leading(quake: Quake) -> list[str]:
+    """What six degrees of freedom say, what sliding one way says, and why they differ."""
+    lead = f"{_moves(quake.leading)} in six degrees of freedom; one way, rigid: {_moves(quake.one_way)}"
+    return [lead, *([quake.why_apart] if quake.why_apart else [])]
+
+
+def _beside(quake: Quake) -> list[str]:
+    return ["one way, rigid, for comparison with SIX:"] if quake.six else []
 
 
 def _centimetres(metres: float) -> str:
@@ -140,8 +156,8 @@ def _cut(name: str, width: int = _NAME) -> str:
 
 def _percentiles(quake: Quake) -> Table[Any]:
     called = {
-        "as_recorded": "as recorded", "reversed": "reversed", "mean": "mean of both", "larger": "larger of both",
-        "newmark": "mean of both, factor 1",
+        "six": "six degrees of freedom", "as_recorded": "as recorded", "reversed": "reversed", "mean": "mean of both",
+        "larger": "larger of both", "newmark": "mean of both, factor 1",
     }  # fmt: skip
     rows = [(called[name], values) for name, values in quake.percentiles().items()]
 

@@ -27,6 +27,7 @@ SETTLED = 0.01
 _SLIDES = 1e-3  # m: what slides less does not ask for finer ones
 _MOST_REFINED = 4  # times that the parts of the joints are split
 _MOST_PAIRS = 2000
+_TURNS_DEG = 0.05  # a rotation that is a cause, not the give of the springs
 #: Polarities by their names.
 WAYS = {"as recorded": 1.0, "reversed": -1.0}
 
@@ -97,12 +98,38 @@ class InSix:
     shaken : each record in both polarities; motion : in the one that slides farthest
     pairs : node pairs; change : what the last refinement of them did to the strongest record's sliding, in parts of
         it, None where none was made
+    components : which further records shake it, across or vertical
     """
 
     shaken: tuple[Shaking, ...]
     motion: SixMotion
     pairs: int
     change: float | None
+    components: tuple[str, ...] = ()
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether every step of every record settled, without which there is no displacement."""
+        return all(one.ended != "refused" for one in self.shaken)
+
+    def means_m(self) -> list[float]:
+        """The displacement in each record, the mean of both polarities, m."""
+        slid = [one.slid_m for one in self.shaken]
+        return [0.5 * (first + second) for first, second in zip(slid[::2], slid[1::2], strict=True)]
+
+    def causes(self, has_residual: bool) -> list[str]:
+        """What the block does in six degrees of freedom that one sliding one way does not, in words."""
+        most = {name: max(getattr(one, name) for one in self.shaken) for name in ("opened", "debonded", "rotation_deg")}
+        words = [f"the {' and '.join(self.components)} shaking acts here alone"] if self.components else []
+        if has_residual:
+            words.append("joints that have slipped keep their residual strength alone")
+        if most["debonded"]:
+            words.append(f"{100.0 * most['debonded']:.3g} % of the area of the joints opens and loses its cohesion")
+        elif most["opened"]:
+            words.append(f"{100.0 * most['opened']:.3g} % of the area of the joints is open at once")
+        if most["rotation_deg"] >= _TURNS_DEG:
+            words.append(f"the block turns by {most['rotation_deg']:.2g}°")
+        return words or ["the springs of its joints give as the shaking turns round"]
 
     @property
     def percent(self) -> str:
@@ -146,7 +173,8 @@ def shaken_in_six(
                 most = shaken[-1].slid_m, motion
             advance(1)
     assert most is not None  # there is a record
-    return InSix(tuple(shaken), most[1], len(block.area), change)
+    components = (*(["across"] if across is not None else []), *(["vertical"] if vertical is not None else []))
+    return InSix(tuple(shaken), most[1], len(block.area), change, components)
 
 
 def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake], float | None]:

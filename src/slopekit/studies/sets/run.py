@@ -29,9 +29,17 @@ from slopekit.studies.protocol import DESK, Option, Seed, StudyOutcome, Workplac
 from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of, girdle_of
 from slopekit.studies.sets.density import CONTOURS, Contours, densest
 from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
-from slopekit.studies.surveys import AJointList, Convention, SkipBad, left_out, survey_head
+from slopekit.studies.surveys import (
+    MOST_JOINTS,
+    AJointList,
+    Columns,
+    Convention,
+    SkipBad,
+    check_seed,
+    left_out,
+    survey_head,
+)
 
-MOST_JOINTS = 50_000
 BIAS_ANGLE_DEG = 15.0
 _FEW = 10  # joints of a set below which its K says little
 _CLOSE = 6.0  # difference of BIC up to which two numbers of sets are hard to tell apart (Kass & Raftery 1995: strong)
@@ -221,6 +229,7 @@ def sets(
     confidence: Annotated[float, Option("Of the limits and cones of means [95%].", number_of)] = 0.95,
     contours: Annotated[Contours, Option("Density by kamb or schmidt [kamb].")] = "kamb",
     convention: Convention = None,
+    columns: Columns = None,
     skip_bad: SkipBad = False,
     seed: Seed = 1,
     desk: Workplace = DESK,
@@ -255,7 +264,7 @@ def sets(
     began = time.perf_counter()
     faults, defaults = Faults(), list[str]()
     listed: JointList | None = faults.of(
-        lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention"), True, MOST_JOINTS)
+        lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention"), True, MOST_JOINTS, columns)
     )
     where = desk.named("scanline")
     line = None if scanline is None else faults.of(
@@ -328,8 +337,7 @@ def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Wo
     if contours not in CONTOURS:
         message = f"{contours} is not a way to count poles"
         faults.append(Fault("E429", message, desk.named("contours"), f"Known: {', '.join(CONTOURS)}."))
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
-        faults.append(Fault("E307", f"the seed is {seed}, it is a whole number from 0 to {2**63 - 1}"))
+    check_seed(faults, seed)
 
 
 def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Workplace) -> None:

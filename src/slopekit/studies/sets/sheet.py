@@ -9,7 +9,7 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, 
 from slopekit.studies.sets.clustering import Clusters
 from slopekit.studies.sets.run import FoundSet, JointSets, tenths
 from slopekit.studies.sets.sizes import metres
-from slopekit.studies.surveys import head
+from slopekit.studies.surveys import codes_of, head
 
 _MOST_NAMES = 24
 _UNITS = {
@@ -46,7 +46,7 @@ def line_of(joint_sets: JointSets) -> str:
     """The sets on one line."""
     each = [f"{one.name} {one.rounded} ({len(one.members)}, K {_k(one.axes.k)})" for one in joint_sets.sets]
     alone = [f"{len(joint_sets.without_set)} of no set"] if joint_sets.without_set else []
-    return "  ".join([*(each or ["no sets"]), *alone])
+    return "  ".join([*(each or ["no sets"]), *alone, *codes_of(joint_sets.warnings)])
 
 
 def _survey(joint_sets: JointSets) -> list[Entry]:

@@ -216,7 +216,7 @@ def _of_nearest(solution: Solution, asked: FactorRequest) -> Iterator[Notice]:
 def _rounded(solution: Solution, asked: FactorRequest) -> tuple[float, float] | None:
     """The first root in four digits, rounded to where the factor is the greater."""
     answer = solution.answer
-    if answer is None or not answer.value or answer.from_path:
+    if answer is None or not answer.value or answer.from_path or solution.key.is_place:
         return None
     step = 10.0 ** (math.floor(math.log10(abs(answer.value))) - 3)
     up: Callable[[float], int] = math.ceil if answer.rises else math.floor

@@ -13,6 +13,7 @@ from typing import Annotated, Any, overload
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.common import Design
+from slopekit.design.reading.files import Source
 from slopekit.studies.cases import Cases
 from slopekit.studies.prob import Probability, prob
 from slopekit.studies.protocol import (
@@ -38,14 +39,14 @@ _ABOUT = 60  # evaluations: for the bar
 
 @overload
 def solve(
-    design: Design, key: str, *, fos: float | None = None, pf: None = None, within: Within | None = None,
+    design: Source, /, key: str, *, fos: float | None = None, pf: None = None, within: Within | None = None,
     n: None = None, seed: None = None, jobs: Any = 1, scheduler: str | None = None, desk: Workplace = DESK,
 ) -> Solution | Cases[Solution]: ...  # fmt: skip
 
 
 @overload
 def solve(
-    design: Design, key: str, *, pf: float, fos: float | None = None, within: Within | None = None,
+    design: Source, /, key: str, *, pf: float, fos: float | None = None, within: Within | None = None,
     n: int | None = None, seed: int | None = None, jobs: Any = 1, scheduler: str | None = None, desk: Workplace = DESK,
 ) -> ProbabilitySolution | Cases[ProbabilitySolution]: ...  # fmt: skip
 

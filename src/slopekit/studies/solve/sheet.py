@@ -129,7 +129,7 @@ def _probable_values(solution: ProbabilitySolution) -> Table[Any]:
 
 
 def _value_column(key: Key, of: Callable[[Any], float]) -> Column[Any]:
-    return Column(key.path, lambda row: key.reduced(of(row)), key.path, key.unit, key.shown)
+    return Column(key.path, lambda row: key.reduced(of(row)), key.path, key.unit, key.shown, exact=key.in_csv)
 
 
 # -- entries -----------------------------------------------------------------------------------------------------------
@@ -167,7 +167,8 @@ def _change(key: Key, value: float) -> str:
     if key.value is None or value == key.value:
         return "as it is now"
     off = value - key.value
-    share = f" ({off / key.value * 100:+.3g} %)" if key.value and key.kind != "angle" else ""
+    is_size = key.kind != "angle" and not key.is_place
+    share = f" ({off / key.value * 100:+.3g} %)" if key.value and is_size else ""
     unit = key.unit if key.unit in ("", "°") else f" {key.unit}"
     return f"{off:+.6g}{unit}{share} from now"
 

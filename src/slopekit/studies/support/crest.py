@@ -4,8 +4,8 @@ With an anchor of T per metre at an angle θ off the normal of the plane, Hoek &
 
     F = (c A + (W cos ψ_p - U - V sin ψ_p + T cos θ) tan φ) / (W sin ψ_p + V cos ψ_p - T sin θ)
 
-which needs least T where the plunge is tan⁻¹(tan φ / F) - ψ_p. From the crest only those plunges cross the plane that
-are steeper than the line from there to its back end, at the foot of the crack or on the upper slope.
+which needs least T where the plunge is tan⁻¹(tan φ / F) - ψ_p. From the crest all anchors cross the plane that are
+steeper than the upper slope, some of them behind a tension crack, where rock hangs on the same plane.
 """
 
 import math
@@ -17,7 +17,7 @@ from slopekit.core.records import dataclass
 from slopekit.kinds import kind_of
 from slopekit.studies.support.search import Site
 
-_CLEAR_DEG = 0.1  # off the line to the back end of the plane
+_CLEAR_DEG = 0.1  # off the upper slope
 _ON = 1e-9  # of the size of the block
 
 
@@ -53,12 +53,12 @@ def crest_of(site: Site) -> PlaneCrest | None:
     if crest_point is None:
         return None
     head, joint = crest_point(site.design), site.joints[0]
-    polygon, size = site.block.faces[joint], float(np.ptp(site.block.corners, axis=0).max())
+    polygon, size = site.block.faces[joint], site.hull.size
     inside = (float(normal @ (site.block.faces[face][0] - head)) for face, normal in site.outward.items())
     if min(inside) < -_ON * size:
         return None
-    end = polygon[int(np.argmin(polygon[:, 0]))]
-    steepest = math.degrees(math.atan2(head[2] - end[2], head[0] - end[0]))
-    low = math.ceil(steepest / _CLEAR_DEG + 1.0) * _CLEAR_DEG
+    ground = site.hull.outward[~site.hull.is_joint & ~site.hull.is_crack & (site.hull.outward[:, 2] > _ON)]
+    flattest = -math.degrees(float(np.arctan2(ground[:, 0], ground[:, 2]).min()))
+    low = math.ceil(flattest / _CLEAR_DEG + 1.0) * _CLEAR_DEG
     normal = site.outward[joint]
     return PlaneCrest(head, round(low, 6), 90.0, normal, float(normal @ polygon[0]))

@@ -28,6 +28,7 @@ _FIRST = 1000  # directions of passive bolts that are looked at closely, the mos
 _SAME = 1e-9
 _ROUNDING = 1e-12
 _FLAT = 1e-9  # what rounding a direction may add to the least force
+STEP_DEG = 5.0  # of trend and plunge as they are set out
 INTO_FACE_DEG = 5.0  # the practical optimum points into the face by at least that
 _SAMPLES = np.concatenate([[0.0], np.logspace(-4.0, 4.0, 33)])  # forces in parts of the loads, where none reaches
 NO_STRENGTH = Notice(
@@ -178,7 +179,7 @@ class BoltDirections:
             ends += [(self.site.axes @ self._sphere[k], float(scan[k])) for k in np.argsort(scan)[:_STARTS]]
             # the second to the last only where the closed form refuses the first
             best_way = self._first_met(ends, best_way, target, at_zero)
-        return best_way, None if best_way is None else self._evidence(best_way, np.ones(len(scan), dtype=bool))
+        return best_way, None if best_way is None else self._evidence(best_way)
 
     def _first_met(
         self, ends: Sequence[tuple[Floats, float]], best_way: Way | None, target: float, at_zero: Answer
@@ -192,10 +193,10 @@ class BoltDirections:
                 break
         return best_way
 
-    def within(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
+    def within(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> Way | None:
         """The same among the directions that plunge between limits (degrees) and point into the face."""
         if self._balances_only():
-            return None, None
+            return None
         low, high = plunges
         trends = np.arange(0.0, 360.0, 2.0)
         steps = np.linspace(low, high, 2 + int((high - low) / 2.0))
@@ -206,11 +207,32 @@ class BoltDirections:
         starts = np.concatenate([starts, [[line.trend_deg, line.plunge_deg] for line in every]]) if every else starts
         polish = polished(self._of_angles, starts, (-1e9, low), (1e9, high))
         if polish is None:
-            return None, None
+            return None
         best_way = self._put_back(*self._rounded(self._direction(polish[0]), polish[1]), target, at_zero)
-        if best_way.force is None:
-            return None, None
-        return best_way, self._evidence(best_way, self._allowed(self._sphere, plunges), plunges)
+        return None if best_way.force is None else best_way
+
+    def drillable(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> Way | None:
+        """The best way within limits of plunge at angles that are set out: full steps of 5° beside the best of all.
+
+        In a section the trend stays across the slope. Without such angles within the limits, or where no force along
+        them reaches the target, it is the best way itself.
+        """
+        best_way = self.within(plunges, target, at_zero)
+        if best_way is None:
+            return None
+        line = self.site.line(best_way.direction)
+        trends, steps = ([math.floor(angle / STEP_DEG) * STEP_DEG, math.ceil(angle / STEP_DEG) * STEP_DEG]
+                         for angle in (line.trend_deg, line.plunge_deg))  # fmt: skip
+        trends = [line.trend_deg] if self.site.in_section else trends
+        angles = np.array([
+            [trend % 360.0, plunge] for trend in trends for plunge in steps if plunges[0] <= plunge <= plunges[1]
+        ]).reshape(-1, 2)  # fmt: skip
+        forces = self._of_angles(angles)
+        if not np.isfinite(forces).any():
+            return best_way
+        least = int(forces.argmin())
+        rounded = self._put_back(self._direction(angles[least]), float(forces[least]), target, at_zero)
+        return best_way if rounded.force is None else rounded
 
     def _of_angles(self, angles: Floats) -> Floats:
         world = _vectors(angles)
@@ -219,11 +241,6 @@ class BoltDirections:
     def _into_face(self, world: Floats) -> Bools:
         into: Bools = world @ self.site.world(self.site.inward) >= math.sin(math.radians(INTO_FACE_DEG)) - _ROUNDING
         return into
-
-    def _allowed(self, world: Floats, plunges: tuple[float, float]) -> Bools:
-        plunge = -np.degrees(np.arcsin(np.clip(world[:, 2], -1.0, 1.0)))
-        allowed: Bools = self._into_face(world) & (plunge >= plunges[0] - 1e-9) & (plunge <= plunges[1] + 1e-9)
-        return allowed
 
     def _balances_only(self) -> bool:
         """Whether nothing has strength that could be divided by a factor: loads balance exactly, or not at all."""
@@ -257,17 +274,12 @@ class BoltDirections:
         least = float(self.forces(self.site.world(short)[None, :])[0])
         return (short, least) if least <= force * (1.0 + _FLAT) else (direction, force)
 
-    def _evidence(self, way: Way, allowed: Bools, plunges: tuple[float, float] | None = None) -> Optimum:
+    def _evidence(self, way: Way) -> Optimum:
         assert way.force is not None
-        scan = self._scan()[allowed]
-        ring = around(self.site.world(way.direction), 1.0)
-        if plunges is not None:
-            ring = ring[self._allowed(ring, plunges)]
-        near = self.forces(ring)
-        least = float(scan.min()) if len(scan) else math.inf
-        low, high = (float(near.min()), float(near.max())) if len(near) else (math.inf, math.inf)
+        scan, near = self._scan(), self.forces(around(self.site.world(way.direction), 1.0))
+        least, low, high = float(scan.min()), float(near.min()), float(near.max())
         sound = min(least, low) >= way.force * (1.0 - _SAME)
-        return Optimum(int(allowed.sum()), least, (low, high), sound)
+        return Optimum(len(scan), least, (low, high), sound)
 
     # -- one direction --------------------------------------------------------------------------------------
 
@@ -288,10 +300,15 @@ class BoltDirections:
         if not self.passive:
             most = most_along(self.held, self.site.local(self.site.world(direction)[None, :])[0], force)
         answer = self.ask(direction, force)
-        if abs(answer.level / self.factor - 1.0) <= _SAME:
+        if abs(answer.search_level / self.factor - 1.0) <= _SAME:
             return Way(direction, force, most, answer, None, None)
         root = least_force(
-            lambda tried: self.ask(direction, tried), target, self.factor / target - 1.0, force, at_zero.level, most
+            lambda tried: self.ask(direction, tried),
+            target,
+            self.factor / target - 1.0,
+            force,
+            at_zero.search_level,
+            most,
         )
         if root.force is None:
             return Way(direction, None, math.inf, root.answer, None, None)
@@ -302,7 +319,7 @@ class BoltDirections:
         notice = None
         if root.below is not None:
             from_ = f"{root.below:.4g}" if root.below > 0.0 else "none (the block has no hold)"
-            to = "no driving force" if math.isinf(root.answer.level) else f"{root.answer.level:.4g}"
+            to = "no driving force" if math.isinf(root.answer.search_level) else f"{root.answer.search_level:.4g}"
             notice = Notice("E325", f"FoS jumps over the target at {root.force:.6g} {self.site.unit}, from {from_} to "
                             f"{to}: contact is won there. A little less force loses it: go above")  # fmt: skip
         return Way(direction, root.force, most, root.answer, root.below, notice)
@@ -312,19 +329,19 @@ class BoltDirections:
         size, best, best_force = self.held.size, at_zero, 0.0
         answers = [at_zero] + [self.ask(direction, share * size) for share in _SAMPLES[1:]]
         for share, answer in zip(_SAMPLES, answers, strict=True):
-            if answer.level > best.level:
+            if answer.search_level > best.search_level:
                 best, best_force = answer, share * size
-        enough = next((k for k, answer in enumerate(answers) if answer.level >= target), None)
+        enough = next((k for k, answer in enumerate(answers) if answer.reaches(target)), None)
         if enough is not None:  # where bolts pull in part, the sets do not have it
             root = least_force(
                 lambda tried: self.ask(direction, tried), target, self.factor / target - 1.0,
-                float(_SAMPLES[enough]) * size, at_zero.level, math.inf,
+                float(_SAMPLES[enough]) * size, at_zero.search_level, math.inf,
             )  # fmt: skip
             if root.force is not None:
                 return self._found(direction, root, math.inf)
-        unit, shown = self.site.unit, f"{best.level:.4g}"
+        unit, shown = self.site.unit, f"{best.search_level:.4g}"
         level = [answer.level for answer in answers]
-        gained = best.level > at_zero.level * (1.0 + _SAME)
+        gained = best.search_level > at_zero.search_level * (1.0 + _SAME)
         last = answers[-1].status
         if self.passive:
             why = (

@@ -13,12 +13,12 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of
 from slopekit.studies.cases import InCase, in_each_case
-from slopekit.studies.support.records import Acts, BoltCase, Support, snippet, written
-from slopekit.studies.support.search import Answer
+from slopekit.studies.support.records import Acts, BoltCase, Support, built_force, enough, snippet, written
+from slopekit.studies.support.search import closed_form_answer, limit_answer
 
 _RAISED, _LEAST, _MOST = 16, 1.001, 1.5  # rounds in which forces are raised; by so much at least, at most
 _CLOSE = 1.002  # of forces that satisfy all and that do not
-_OVER = 1e-9  # of a bolt's capacity: rounding
+_OVER = 1e-4  # of a bolt's capacity: the force on a metre of slope is written with five digits, rounded up
 
 
 def options(design: Design, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -34,8 +34,9 @@ class Tried:
     Attributes
     ----------
     acts : how they act; governing : the case that they were found for
-    bolts : as they are written; raised : how much more force they have than that case alone needs, 1 for none
-    inside : every case with them; most : force of the strongest, kN; capacity : that a bolt may have, kN
+    bolts : as they are built; raised : how much more force they have than that case alone needs, 1 for none
+    inside : every case with them; most : force of the strongest, kN
+    capacity : of a bolt, kN; slice_m : the length of slope that a force in the design stands for, 1 in space
     """
 
     acts: Acts
@@ -44,6 +45,7 @@ class Tried:
     raised: float
     inside: tuple[InCase, ...]
     capacity: float
+    slice_m: float
 
     @property
     def force(self) -> float:
@@ -58,7 +60,7 @@ class Tried:
     @property
     def most(self) -> float:
         """The force of the strongest bolt, kN."""
-        return max((bolt.force_kn for bolt in self.bolts), default=0.0)
+        return self.slice_m * max((bolt.force_kn for bolt in self.bolts), default=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,21 +184,32 @@ def _for_all(acts: Acts, built: Mapping[str, BoltCase], supports: Mapping[str, S
         return sum(bolt.force_kn for bolt in built[name].bolts)
 
     names = sorted(built, key=total, reverse=True)
-    first = _tried(acts, names[0], built[names[0]].bolts, 1.0, supports)
+    first = _tried(acts, names[0], built[names[0]], supports)
     if first.met:
         return first
-    raised = [_raised(first if name == names[0] else _tried(acts, name, built[name].bolts, 1.0, supports), supports)
+    raised = [_raised(first if name == names[0] else _tried(acts, name, built[name], supports), supports)
               for name in names]  # fmt: skip
     return min(raised, key=lambda one: (not one.met, one.force))
 
 
-def _tried(
-    acts: Acts, governing: str, bolts: tuple[Bolt, ...], raised: float, supports: Mapping[str, Support]
-) -> Tried:  # fmt: skip
-    """Every case with these bolts."""
-    inside = tuple(_in_case(name, one, bolts) for name, one in supports.items())
-    capacity = max(supports[governing].options.capacity, max((bolt.force_kn for bolt in bolts), default=0.0) / raised)
-    return Tried(acts, governing, bolts, raised, inside, capacity)
+def _tried(acts: Acts, governing: str, case: BoltCase, supports: Mapping[str, Support]) -> Tried:
+    """Every load case with the bolts that were found for one of them."""
+    capacity = supports[governing].options.capacity
+    return Tried(acts, governing, case.bolts, 1.0, _in_cases(case.bolts, supports), capacity, case.slice_m)
+
+
+def _with_more(first: Tried, factor: float, supports: Mapping[str, Support]) -> Tried:
+    """Every load case with bolts of so much more force, up to full steps as they are built."""
+    slice_m = first.slice_m
+    bolts = tuple(
+        written(replace(bolt, force_kn=built_force(slice_m * bolt.force_kn * factor, first.capacity) / slice_m))
+        for bolt in first.bolts
+    )
+    return replace(first, bolts=bolts, raised=factor, inside=_in_cases(bolts, supports))
+
+
+def _in_cases(bolts: tuple[Bolt, ...], supports: Mapping[str, Support]) -> tuple[InCase, ...]:
+    return tuple(_in_case(name, one, bolts) for name, one in supports.items())
 
 
 def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:
@@ -205,16 +218,14 @@ def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:
         both = factors_of(design)
     except GeometryError as error:  # another block, which these bolts miss
         return InCase(name, one.target, error.codes[0], None, None, False)
-    level = Answer(both.limit, both.status).level
-    if not dilates(design):
-        level = min(level, Answer(both.closed_form, both.closed_status or both.status).level)
-    met = level >= one.target and not also_falls_short(both.also, one.target, "")
+    reached = enough(one.target, closed_form_answer(both), limit_answer(both), dilates(design))
+    met = reached and not also_falls_short(both.also, one.target, "")
     return InCase(name, one.target, both.status, both.limit, both.closed_form, met)
 
 
 def _raised(one: Tried, supports: Mapping[str, Support]) -> Tried:
     """Bolts with so much force that all cases are satisfied, within a part of it; the last where no force does it."""
-    first, low, high = one.bolts, 1.0, math.inf
+    first, low, high = one, 1.0, math.inf
     best = one
     for _ in range(_RAISED):
         lacking = [row for row in one.inside if not row.met]
@@ -225,16 +236,14 @@ def _raised(one: Tried, supports: Mapping[str, Support]) -> Tried:
         if high <= low * _CLOSE:
             break
         step = max(_more(row, supports[row.case]) for row in lacking) if math.isinf(high) else math.sqrt(high / low)
-        factor = low * step
-        bolts = tuple(written(replace(bolt, force_kn=bolt.force_kn * factor)) for bolt in first)
-        one = _tried(one.acts, one.governing, bolts, factor, supports)
+        one = _with_more(first, low * step, supports)
     return best
 
 
 def _more(row: InCase, support: Support) -> float:
     """By how much force has to grow, from what it has brought so far."""
     level = min((value for value in (row.limit, row.closed_form) if value is not None), default=0.0)
-    bare = min(support.pre_ie.level, support.closed_form.level)
+    bare = min(support.pre_ie.search_level, support.closed_form.search_level)
     rise = level - bare
     if not (rise > 0.0 and math.isfinite(rise)):
         return _MOST

@@ -1,6 +1,6 @@
 """Where bolts of one force stand on the face, and how long each must be: rows and columns at even spacing.
 
-A head is taken only where its bolt, drawn on through the block, leaves it through a joint: there it can be anchored.
+A head is left out only where its bolt misses the block, or comes out of the ground: elsewhere sound rock holds it.
 """
 
 import math
@@ -15,12 +15,12 @@ from slopekit.studies.support.search import Site
 MOST_BOLTS = 5000
 CLOSEST_M = 0.25  # bolts that stand closer hold the same rock
 _MARGIN = 0.25  # of the spacing: the least distance of a head from the edge of the face
-_FINER = 0.98  # of the spacing, from one try to the next
+_FINER, _TRIES = 0.98, 228  # of the spacing, from one try to the next; down to a hundredth of the widest
 _STARTS = np.array([(a, b) for a in (0.0, 0.25, 0.5, 0.75) for b in (0.0, 0.25, 0.5, 0.75)])  # of the spacing
 _PLACES = 401  # along the face of a section that are looked at
 _CLEAR = 1e-9  # of the size of the block
 _NO_PLACE = Notice(
-    "E326", "no place on the face is left: bolts that way leave the block through a free face, anchored in nothing"
+    "E326", "no place on the face is left: bolts that way come out of a free face, anchored in nothing"
 )  # fmt: skip
 
 
@@ -31,17 +31,17 @@ class Layout:
     Attributes
     ----------
     heads_m : (n, 3) in east, north, up of the design; local_m : the same in local axes
-    leaves_m : (n,) from the head to where each bolt leaves the block through a joint
+    sound_m : (n,) from the head to where sound rock begins, behind the last joint
     row : (n,) and column : (n,) of each head, from 0, the lowest row first
     rows, columns : how many
     across_m, up_m : spacing along the rows and from row to row
-    left_out : places of the grid on the face whose bolts would leave the block through a free face
+    left_out : places of the grid on the face whose bolts would miss the block, or come out of the ground
     needed : bolts that the force asks for; a section's: None, its bolts stand along the slope
     """
 
     heads_m: Floats
     local_m: Floats
-    leaves_m: Floats
+    sound_m: Floats
     row: Ints
     column: Ints
     rows: int
@@ -56,28 +56,14 @@ class Layout:
 
 
 def depths(site: Site, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
-    """How far (n,) from its head each bolt leaves the block, and whether rock lies behind the face it leaves through.
+    """How far (n,) from its head each bolt reaches sound rock, and whether it passes the block and does reach it.
 
     Parameters
     ----------
     heads : (n, 3) and direction : (3,), local axes; not of unit length in a section where the bolt points aside
     """
-    size = float(np.ptp(site.block.corners, axis=0).max())
-    enters, leaves = np.zeros(len(heads)), np.full(len(heads), np.inf)
-    behind = np.full(len(heads), -1)
-    for plane, polygon in site.block.faces.items():
-        outward = site.outward[plane]
-        gap, slope = (polygon[0] - heads) @ outward, float(outward @ direction)
-        if abs(slope) < 1e-12:
-            enters = np.where(gap < -_CLEAR * size, np.inf, enters)
-        elif slope < 0.0:
-            enters = np.maximum(enters, gap / slope)
-        else:
-            nearer = gap / slope < leaves
-            leaves, behind = np.where(nearer, gap / slope, leaves), np.where(nearer, plane, behind)
-    joint = (behind[:, None] == np.array(site.joints)).any(axis=1)
-    anchored = joint & (leaves > enters + _CLEAR * size)
-    return leaves, anchored
+    passage = site.hull.passage(heads, direction)
+    return passage.sound, passage.meets & passage.is_anchored
 
 
 def layout(site: Site, direction: Floats, force: float, capacity: float, spacing: float | None) -> Layout | Notice:
@@ -111,8 +97,8 @@ def _face_layout(
             )
             return Notice("E328", message)
         return grid.layout(best, needed)
-    tried = 2.0 * math.sqrt(site.area / needed)
-    while tried > 0.02 * math.sqrt(site.area / needed):
+    widest = 2.0 * math.sqrt(site.area / needed)
+    for tried in dict.fromkeys(_set_out(widest * _FINER**k) for k in range(_TRIES)):
         enough = [one for one in grid.at(tried) if len(one.points) >= needed]
         if enough and needed > 1 and tried < CLOSEST_M:
             message = (
@@ -122,8 +108,12 @@ def _face_layout(
             return Notice("E328", message)
         if enough:
             return grid.layout(max(enough, key=lambda one: one.rank(needed)), needed)
-        tried *= _FINER
     return _NO_PLACE
+
+
+def _set_out(spacing: float) -> float:
+    """A spacing as it is set out: down to 0.1 m, where it is that wide."""
+    return math.floor(spacing * 10.0 + 1e-9) / 10.0 if spacing >= 0.3 else spacing
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,9 +176,9 @@ class _Grid:
         columns, column = np.unique(chosen.points[:, 0].round(9), return_inverse=True)
         rows, row = np.unique(chosen.points[:, 1].round(9), return_inverse=True)
         local = self.local(chosen.points)
-        leaves, _ = depths(self.site, local, self.direction)
+        sound, _ = depths(self.site, local, self.direction)
         return Layout(
-            frozen(self.site.world(local) + self.site.origin), frozen(local), frozen(leaves), row.ravel(),
+            frozen(self.site.world(local) + self.site.origin), frozen(local), frozen(sound), row.ravel(),
             column.ravel(), len(rows), len(columns), chosen.spacing, chosen.spacing, chosen.left_out, needed,
         )  # fmt: skip
 
@@ -221,7 +211,7 @@ def _section_layout(
     if spacing is None:
         even = math.sqrt(reach * capacity / force)
         rows = max(1, math.ceil(reach / even * (1.0 - 1e-9)))
-        across = min(rows * capacity / force, reach)
+        across = _set_out(min(rows * capacity / force, reach))
     else:
         across = spacing
         rows = max(1, math.ceil(across * force / capacity * (1.0 - 1e-9)))
@@ -233,13 +223,13 @@ def _section_layout(
         return Notice("E328", message)
     shares = low + (np.arange(rows) + 0.5) / rows * (high - low)
     local = foot + shares[:, None] * (top - foot)
-    leaves, anchored = depths(site, local, direction)
+    sound, anchored = depths(site, local, direction)
     if not anchored.all():
-        return Notice("E326", "bolts that way leave the block through a free face from some of the rows")
+        return Notice("E326", "bolts that way come out of a free face from some of the rows")
     left_out = round((length - reach) / (reach / rows)) if reach < length * (1.0 - 3.0 * step) else 0
     none = np.zeros(rows, dtype=np.int64)
     return Layout(
-        frozen(site.world(local) + site.origin), frozen(local), frozen(leaves), np.arange(rows), none, rows, 1,
+        frozen(site.world(local) + site.origin), frozen(local), frozen(sound), np.arange(rows), none, rows, 1,
         across, reach / rows, left_out, None,
     )  # fmt: skip
 

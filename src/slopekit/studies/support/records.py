@@ -1,5 +1,6 @@
 """What support is asked for, and what it came to: needs by method, patterns, cases, their JSON (a contract)."""
 
+import math
 import re
 import textwrap
 from collections.abc import Callable, Sequence
@@ -19,11 +20,14 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.words import above_zero, line_of_words
 from slopekit.kinds import kind_of
+from slopekit.kinds.protocol import Factors
 from slopekit.studies.protocol import StudyOutcome
 from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
-from slopekit.studies.support.search import Answer
+from slopekit.studies.support.search import Answer, limit_answer
 
+FORCE_STEP_KN = 10.0  # of the force of a bolt as it is built
+DRILLABLE_DEG = (0.0, 30.0)  # plunges of bolts, where nobody says others
 _UP = Context(prec=5, rounding=ROUND_CEILING)
 Which = Literal["best", "given", "practical"]
 Acts = Literal["active", "passive"]
@@ -37,7 +41,7 @@ class SupportOptions:
     ----------
     target : factor of safety
     acts : how bolts act; toward : direction of their force on the block, None where none is given
-    plunge : limits of the practical direction, None without
+    plunge : limits of the practical direction, degrees; None where a direction is given and no limits
     capacity : of a bolt; spacing : None where it follows from the force; bond : anchorage behind the joint
     length : of every bolt, None where each is as long as it must be
     """
@@ -146,7 +150,8 @@ class Pattern:
     ----------
     layout : heads, rows, columns, spacing; None where no bolt can stand
     force : in all, kN (a plane's: per metre), None where none reaches the target with the moments
-    each : kN of a bolt; lengths : (n,) m, least length of each with its anchorage; taken : (n,) m as designed
+    each : kN of a bolt as it is built: up to 10 kN, at most its capacity; per_m2 : the same on a m² of face
+    lengths : (n,) m, least length of each with its anchorage; taken : (n,) m as it is built, up to 0.1 m
     asked, first : the force that is enough through the centroid, kN, and the factor that it gives with the heads
     need : PRE-IE with the heads where they are
     groups : how many bolts PRE-IE took them for
@@ -207,14 +212,15 @@ class BoltCase:
     most : force above which the closed form falls below the target again, None without an end
     optimum : evidence that the direction is the best, None for a given one
     pattern : heads on the face, of the direction that is built; None for others
-    bolts : what goes into the design beside the bolts that are there, empty where the target is out of reach, or no
-        bolts on the face give it
+    bolts : what goes into the design beside the bolts that are there, as they are built; empty where the target is out
+        of reach, or no bolts on the face give it
     existing : the bolts that are there
-    lacks : what is reached with `bolts`, or with bolts on the face, where that is not the target
+    factors : of the design with `bolts`, which it was solved again with; None without any
+    lacks : what is reached with `bolts`, or with bolts on the face, where that is not the target, or no answer
     dilates : the joints dilate, which the closed form does not know: PRE-IE's number counts, even where it is less
     """
 
-    JSON_ALSO: ClassVar = ("reached", "use_kn", "support", "yaml")
+    JSON_ALSO: ClassVar = ("reached", "use_kn", "check", "support", "yaml")
     acts: Acts
     which: Which = field(metadata={"json": "direction"})
     toward: Line | None
@@ -227,13 +233,29 @@ class BoltCase:
     existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
     dilates: bool = field(default=False, metadata={"json": None})
     lacks: str = field(default="", metadata={"json": None})
+    factors: Factors | None = field(default=None, metadata={"json": None})
 
     @property
     def reached(self) -> bool:
-        """Whether both methods reach the target: PRE-IE with the heads on the face where those are laid out."""
+        """Whether both methods reach the target: solved again with the bolts as they are built where those are laid."""
         if self.pattern is not None:
-            return self.closed_form.force is not None and self.pattern.reached
+            laid = self.closed_form.force is not None and self.pattern.reached
+            return laid and self.factors is not None and not self.lacks
         return self.force is not None
+
+    @property
+    def slice_m(self) -> float:
+        """The length of slope that the force of a bolt stands for in the design: in a section the spacing along it."""
+        laid = self.pattern.layout if self.pattern is not None else None
+        return 1.0 if laid is None or laid.needed is not None else laid.across_m
+
+    @property
+    def check(self) -> dict[str, Any] | None:
+        """What both methods say of the design with the bolts as they are built; None where none are."""
+        if self.factors is None:
+            return None
+        both = {"limit": self.factors.limit, "closed_form": self.factors.closed_form}
+        return {"fos": both, "status": self.factors.status, "met": not self.lacks}
 
     @property
     def force(self) -> float | None:
@@ -444,6 +466,11 @@ class Support(SupportOutcome):
         answers = [case.pre_ie for case in self.cases if case.pre_ie is not None]
         if self.pre_ie.agree is False or any(need.agree is False for need in answers):
             return 4
+        checks = [limit_answer(case.factors) for case in self.built if case.factors is not None]
+        if any(answer.agree is False for answer in checks):
+            return 4
+        if not self.reached and any(answer.level is None for answer in (self.pre_ie, *checks)):
+            return 4
         falls_short = any(notice.code == "W507" for notice in self.warnings)
         return 1 if falls_short or not self.reached else 0
 
@@ -465,7 +492,7 @@ def wanted_in_words(design: Design, target: float) -> str:
 
 def enough(target: float, closed_form: Answer | None, pre_ie: Answer, dilates: bool = False) -> bool:
     """Whether a design reaches a target as it is."""
-    return pre_ie.level >= target and (dilates or closed_form is None or closed_form.level >= target)
+    return pre_ie.reaches(target) and (dilates or closed_form is None or closed_form.reaches(target))
 
 
 def built_way(options: SupportOptions) -> Which:
@@ -486,6 +513,15 @@ def bolt_words(bolt: Bolt) -> dict[str, Any]:
     if bolt.block is not None:
         words["block"] = bolt.block
     return words
+
+
+def built_force(needed_kn: float, capacity_kn: float) -> float:
+    """The force of a bolt as it is built: up to 10 kN, and no more than its capacity.
+
+    >>> built_force(113.1, 150.0), built_force(120.0, 150.0), built_force(142.0, 145.0)
+    (120.0, 120.0, 145.0)
+    """
+    return max(min(math.ceil(needed_kn / FORCE_STEP_KN - 1e-9) * FORCE_STEP_KN, capacity_kn), needed_kn)
 
 
 def written(bolt: Bolt) -> Bolt:

@@ -4,7 +4,7 @@
 >>> plane = {"slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "rock": {"unit_weight": 26},
 ...          "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 0, "phi": 37}}}
 >>> found = sk.support(sk.load(plane), 1.5, acts="active")
->>> best = found.cases[0]
+>>> best = found.cases[-1]
 >>> round(best.toward.plunge_deg, 2), round(best.closed_form.force, 1), round(best.closed_form.fos, 6)
 (-8.33, 230.6, 1.5)
 """
@@ -23,6 +23,7 @@ from slopekit.core.orientation import Line
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR, Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of, kind_of, peak_only, slips_of_size
+from slopekit.kinds.protocol import Factors
 from slopekit.notices import common_notices
 from slopekit.studies.points import Point, rules_left_out, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
@@ -30,6 +31,7 @@ from slopekit.studies.support.columns import ColumnSupport
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
+    DRILLABLE_DEG,
     BoltCase,
     CrestRow,
     FacePressure,
@@ -38,6 +40,7 @@ from slopekit.studies.support.records import (
     Support,
     SupportOptions,
     Which,
+    built_force,
     built_way,
     enough,
     read_options,
@@ -49,7 +52,9 @@ from slopekit.studies.support.search import (
     Answer,
     SearchResult,
     Site,
+    closed_form_answer,
     least_force,
+    limit_answer,
     pre_ie,
     pre_ie_coarse,
     site_of,
@@ -62,8 +67,6 @@ _ROUGH = 1e-3  # on coarse node pairs
 _NEAR = 0.02  # of the target: a first answer so near is as good as a rough search
 _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where moments govern the search begins there
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
-_MOST_PUT_BACK = 50  # bolts that are put back as they are written; more of them get a unit more of the last digit
-_RAISED, _MORE, _MOST_MORE = 8, 1.0001, 1.1  # times that their forces are raised; by so much at least, at most
 _WANTED = 1.5  # where nobody says another factor of safety
 _CLOSE_M = 1.0  # bolts that stand closer share the rock they hold
 _LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many rounds
@@ -82,19 +85,20 @@ def support(
         ),
     ] = None,
     plunge: Annotated[
-        Any, Option("Plunges that can be drilled, positive downward: -5,15.", metavar="LEAST,MOST")
+        Any, Option("Plunges that can be drilled, positive downward: -5,15 [0,30].", metavar="LEAST,MOST")
     ] = None,
     bolt_capacity: Annotated[Any, Option("Of one bolt [200 kN].")] = 200.0,
     spacing: Annotated[Any, Option("Of the heads on the face [what the force asks for].")] = None,
     bond: Annotated[Any, Option("Anchorage behind the deepest joint [3 m].")] = 3.0,
-    length: Annotated[Any, Option("Of every bolt [each as long as it must be].")] = None,
+    length: Annotated[Any, Option("Of every bolt [each as long as it must be, to 0.1 m].")] = None,
     desk: Workplace = DESK,
 ) -> Support | ColumnSupport:
     """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
 
     For a wedge or a plane; of toppling columns the force on the toe block, on the crest, and on the column that needs
-    least. Bolts that the design has stay and count. Exit codes: 0 reached (or nothing is needed),
-    1 not reached, 4 the methods disagree.
+    least. Bolts that the design has stay and count. Bolts are laid out as they are built: trend and plunge to 5° (in
+    a section the plunge), forces up to 10 kN, lengths up to 0.1 m, and the design is solved again with them.
+    Exit codes: 0 reached (or nothing is needed), 1 not reached, 4 the methods disagree or one has no answer.
 
     Raises
     ------
@@ -120,7 +124,7 @@ def support(
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> bolts = sk.support(sk.load(wedge), 1.7, acts="active").cases[0]
     >>> round(bolts.force), round(bolts.closed_form.fos, 6), round(bolts.pre_ie.fos, 6)
-    (168045, 1.7, 1.7)
+    (169428, 1.7, 1.7)
     """  # fmt: skip
     began = time.perf_counter()
     wanted = (design.accepted_fos or _WANTED) if fos is None else fos
@@ -133,6 +137,8 @@ def support(
         from slopekit.studies.support.columns.run import support_of_columns  # wedges and planes do not pay for it
 
         return support_of_columns(column_row(design), options, began)
+    if options.toward is None and options.plunge is None:
+        options = replace(options, plunge=DRILLABLE_DEG)
     site = site_of(design)
     bare, bare_limit = site.closed_form(design), pre_ie(design)
     search = _SupportSearch(site, options, bare, bare_limit)
@@ -155,14 +161,14 @@ def _said(site: Site, cases: Sequence[BoltCase], target: float) -> Iterator[Noti
     yield from rules_left_out(design, ON_FACTOR)
     bare = factors_of(design)
     points, places = [Point(bare)], ["as it stands"]
-    besides = [] if cases else [(bare.also, places[0])]
-    for case in cases:
-        place = f"with the {case.acts} bolts" if case.bolts else places[0]
-        built = site.with_bolts(*case.bolts) if case.bolts else design
-        if case.pattern is not None and 0 < len(case.bolts) <= _MOST_PUT_BACK:
-            points.append(Point(factors_of(built)))
+    laid = [case for case in cases if case.bolts]
+    besides = [] if laid else [(bare.also, places[0])]
+    for case in laid:
+        place = f"with the {case.acts} bolts"
+        if case.factors is not None:
+            points.append(Point(case.factors))
             places.append(place)
-        besides.append((kind_of(design).without_basal(built), place))
+        besides.append((kind_of(design).without_basal(site.with_bolts(*case.bolts)), place))
     for also, place in dict.fromkeys(besides):
         yield from also_falls_short(also, target, place)
     yield from said_at(points, places.__getitem__, of_inputs, "designs")
@@ -172,6 +178,11 @@ def _need_of(way: Way, area: float = 1.0) -> Need:
     """What the closed form needs along a way, on each of so many m²."""
     force = None if way.force is None else way.force / area
     return Need(force, way.answer.factor, way.answer.status, way.below, notice=way.notice)
+
+
+def _said_by(answer: Answer) -> str:
+    """A factor, or the status that stands for none."""
+    return answer.status.replace("_", " ") if answer.factor is None else f"FoS {answer.factor:.4f}"
 
 
 class _Answers:
@@ -201,11 +212,11 @@ class _SupportSearch:
         self.aim = self.target * (1.0 + AIM)
         self.factor = self.aim  # that the forces alone have to reach
         # what the forces alone need where they have the target already
-        self.as_it_is = Need(0.0, bare.factor, bare.status) if bare.level >= self.target else None
+        self.as_it_is = Need(0.0, bare.factor, bare.status) if bare.reaches(self.target) else None
         if self.as_it_is is not None:
             # they have it already, PRE-IE has not: ask them for as much more as it lacks, for a direction
-            lacks = self.aim / bare_limit.level if bare_limit.level > 0.0 else 2.0
-            self.factor = (bare.level if math.isfinite(bare.level) else self.aim) * max(lacks, 1.0 + AIM)
+            lacks = self.aim / bare_limit.search_level if bare_limit.search_level > 0.0 else 2.0
+            self.factor = (bare.factor or self.aim) * max(lacks, 1.0 + AIM)
 
     def cases(self) -> list[BoltCase]:
         """Every case that was asked for."""
@@ -223,12 +234,15 @@ class _SupportSearch:
                 direction = self.site.axes @ toward.vector()
                 crosses = crest is None or low <= crest.plunge(direction) <= high
                 yield ways, "given", ways.along(direction, goal, self.bare) if crosses else None, None
-            if plunges is not None:
+            if plunges is not None and (crest is None or plunges != DRILLABLE_DEG):
                 limits = max(plunges[0], low), min(plunges[1], high)
                 crosses = limits[0] <= limits[1]
-                yield ways, "practical", *(ways.within(limits, goal, self.bare) if crosses else (None, None))
-            best = ways.best(goal, self.bare) if crest is None else ways.within((low, high), goal, self.bare)
-            yield ways, "best", *best
+                search = ways.drillable if crest is None else ways.within
+                yield ways, "practical", search(limits, goal, self.bare) if crosses else None, None
+            if crest is None:
+                yield ways, "best", *ways.best(goal, self.bare)
+            else:
+                yield ways, "best", ways.within((low, high), goal, self.bare), None
 
     def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> BoltCase:
         if way is None:
@@ -243,44 +257,29 @@ class _SupportSearch:
         limit = self._need(root, "through the centroid")
         most = None if math.isinf(way.most) or stands else way.most
         case = BoltCase(ways.acts, which, line, closed, limit, most, None if stands else optimum, dilates=self.dilates)
-        if which == built_way(self.options):
-            force = case.force or max(closed.force or 0.0, way.force)
-            least = 0.0 if self.dilates else closed.force or 0.0
-            case = replace(case, pattern=self._pattern(ways, line, force, least, root.slope))
-        if case.pattern is not None and case.pattern.reached:
-            bolts = self._bolts(ways, line, case.pattern)
-        elif case.pattern is not None:  # one force through the centroid is none that can be built
-            return replace(case, lacks=f"NOT REACHED, FoS {self.target:g}: {self._short_of_it(case)}")
-        elif case.force is not None:
-            bolts = (ways.bolt(line, case.force),)
-        else:
+        if which != built_way(self.options):
             return case
-        bolts, level = self._put_back(bolts)
-        said = f"NOT REACHED, FoS {self.target:g}: put back they give FoS {level:.4f}" if level < self.target else ""
-        return replace(case, existing=self.site.design.bolts, bolts=bolts, lacks=said)
+        force = case.force or max(closed.force or 0.0, way.force)
+        least = 0.0 if self.dilates else closed.force or 0.0
+        pattern = self._pattern(ways, line, force, least, root.slope)
+        case = replace(case, pattern=pattern)
+        if not pattern.reached:  # one force through the centroid is none that can be built
+            return replace(case, lacks=f"NOT REACHED, FoS {self.target:g}: {self._short_of_it(case)}")
+        return self._checked(case, self._bolts(ways, line, pattern))
 
-    def _put_back(self, bolts: tuple[Bolt, ...]) -> tuple[tuple[Bolt, ...], float]:
-        """Bolts as they are written, with so much force that their design meets the target when it is read again.
+    def _checked(self, case: BoltCase, bolts: tuple[Bolt, ...]) -> BoltCase:
+        """A case with its bolts as they are built, and what the design comes to when it is solved again with them."""
+        factors = factors_of(self.site.with_bolts(*bolts))
+        lacks = ""
+        if not self._is_met(factors):
+            answers = {"PRE-IE": limit_answer(factors), "the closed form": closed_form_answer(factors)}
+            said = "; ".join(f"{_said_by(answer)} by {name}" for name, answer in answers.items() if answer is not None)
+            lacks = f"NOT REACHED, FoS {self.target:g}: solved again with these bolts {said}"
+        return replace(case, existing=self.site.design.bolts, bolts=bolts, factors=factors, lacks=lacks)
 
-        Returns
-        -------
-        the bolts, and the lower of the levels that the methods give with them
-        """
-        level = math.inf
-        for rounds in range(1, _RAISED + 1):
-            bolts = tuple(written(bolt) for bolt in bolts)
-            if len(bolts) > _MOST_PUT_BACK:
-                return tuple(written(replace(bolt, force_kn=bolt.force_kn * _MORE)) for bolt in bolts), level
-            design = self.site.with_bolts(*bolts)
-            level = pre_ie(design).level
-            level = level if self.dilates else min(level, self.site.closed_form(design).level)
-            if level >= self.target or rounds == _RAISED:
-                break  # the level is that of these bolts
-            rise = level - self.bare_limit.level  # not a number without convergence
-            more = 1.0 + 1.1 * (self.target - level) / rise if rise > 0.0 else _MOST_MORE
-            more = min(max(more, _MORE), _MOST_MORE)
-            bolts = tuple(replace(bolt, force_kn=bolt.force_kn * more) for bolt in bolts)
-        return bolts, level
+    def _is_met(self, factors: Factors) -> bool:
+        """Whether a design that was solved again reaches the target by both methods, of dilating joints by PRE-IE."""
+        return enough(self.target, closed_form_answer(factors), limit_answer(factors), self.dilates)
 
     def _short_of_it(self, case: BoltCase) -> str:
         """What is reached where bolts on the face do not give the target, and the codes that say why."""
@@ -305,17 +304,17 @@ class _SupportSearch:
     def _least(
         self, ask: "_Answers", guess: float, most: float, slope: float | None = None, within: float = WITHIN
     ) -> SearchResult:
-        at_zero = self.bare_limit.level
-        if at_zero >= self.target:
+        at_zero = self.bare_limit.search_level
+        if self.bare_limit.reaches(self.target):
             return SearchResult(0.0, self.bare_limit, 0.0, None, None)
         within = min(within, 4e-7 / self.target) if within == WITHIN else within
         if slope is None:
             guess = min(guess * self._with_moments(), most)
-            first = ask(guess).level
+            first = ask(guess).search_level
             near = self.bare_limit.moments_govern and abs(first / self.target - 1.0) < _NEAR
             if near and first > at_zero:
                 slope = (first - at_zero) / guess
-            elif not first >= self.target * (1.0 - WITHIN):
+            elif first < self.target * (1.0 - WITHIN):
                 # moments govern, and each answer takes long: look on coarse node pairs first
                 rough_target = max(self.target * (1.0 - _ROUGH), 0.5 * (at_zero + self.target))
                 rough = least_force(ask.coarsely, rough_target, _ROUGH, guess, at_zero, most)
@@ -326,7 +325,7 @@ class _SupportSearch:
 
     def _with_moments(self) -> float:
         """How much more force it takes where moments govern, if each level rises alike: 1 where they do not."""
-        lacks, lacks_alone = self.target - self.bare_limit.level, self.target - self.bare.level
+        lacks, lacks_alone = self.target - self.bare_limit.search_level, self.target - self.bare.search_level
         if not self.bare_limit.moments_govern or not lacks_alone > 0.0:
             return 1.0
         return min(max(lacks / lacks_alone, 1.0), _MOST_WITH_MOMENTS)
@@ -334,13 +333,13 @@ class _SupportSearch:
     def _need(self, root: SearchResult, where: str) -> Need:
         answer, notice = root.answer, None
         if root.force is None:
-            at = f"at best FoS {answer.level:.4g} at {root.best_force:.4g} {self.site.unit}"
+            at = f"at best FoS {answer.search_level:.4g} at {root.best_force:.4g} {self.site.unit}"
             turning = "moments turn the block" if answer.moments_govern else "its limit lies below the closed form's"
             notice = Notice("E329", f"PRE-IE does not reach the target {where}: {turning}, {at}")
         elif root.below is not None:
             notice = Notice(
                 "E325", f"FoS jumps over the target at {root.force:.6g} {self.site.unit}, from {root.below:.4g} to "
-                f"{answer.level:.4g}: contact, or how the block moves, changes there"
+                f"{answer.search_level:.4g}: contact, or how the block moves, changes there"
             )  # fmt: skip
         return Need(root.force, answer.factor, answer.status, root.below, answer.moments_govern, answer.agree, notice)
 
@@ -387,28 +386,31 @@ class _SupportSearch:
         """A pattern with its lengths, and whether those given are enough."""
         options, site = self.options, self.site
         need = self._need(root, "with the heads on the face")
-        lengths = laid.leaves_m + options.bond
+        lengths = laid.sound_m + options.bond
         notices = [need.notice] if need.notice is not None else []
         apart = min([laid.across_m] + [laid.up_m] * (laid.rows > 1))
         if apart < _CLOSE_M and (len(laid) > 1 or site.in_section):
             message = f"bolts stand {apart:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
             notices.append(Notice("W378", f"{message}; stronger bolts (--bolt-capacity) stand farther apart"))
-        taken = np.ceil(lengths * 100.0 - 1e-9) / 100.0
+        taken = np.ceil(lengths * 10.0 - 1e-9) / 10.0
         if options.length is not None:
             taken = np.full(len(laid), options.length)
             short = int((taken < lengths * (1.0 - 1e-12)).sum())
             message = f"{short} of {len(laid)} bolts are too short at {options.length:g} m"
             notices += [Notice("E327", f"{message}: the longest needs {lengths.max():.4g} m")] if short else []
-        force = each = None
+        force = each = per_m2 = None
         if root.force is not None:
             force = max(root.force, least)  # with heads PRE-IE needs no less than the forces alone
-            each = force * (laid.across_m if site.in_section else 1.0) / len(laid)
+            slice_m = laid.across_m if site.in_section else 1.0
+            each = force * slice_m / len(laid)
             if each > options.capacity * (1.0 + 1e-6):
                 message = f"{each:.6g} kN come to each bolt: with more of them the moments ask for more force again"
                 notices.append(Notice("E328", message))
+            each = built_force(each, options.capacity)
+            per_m2 = each * len(laid) / slice_m / site.area
         return replace(
             pattern, layout=laid, notices=tuple(notices), force=force, each=each, lengths=lengths, taken=taken,
-            per_m2=None if force is None else force / site.area, need=need,
+            per_m2=per_m2, need=need,
         )  # fmt: skip
 
     def _with_heads(
@@ -432,9 +434,10 @@ class _SupportSearch:
     def _bolts(self, ways: BoltDirections, line: Line, pattern: Pattern) -> tuple[Bolt, ...]:
         laid = pattern.layout
         assert laid is not None
-        assert pattern.force is not None
+        assert pattern.each is not None
+        force = pattern.each / (laid.across_m if self.site.in_section else 1.0)
         return tuple(
-            Bolt(pattern.force / len(laid), line, ways.acts, (east, north, up), length)
+            written(Bolt(force, line, ways.acts, (east, north, up), length))
             for (east, north, up), length in zip(laid.heads_m.tolist(), pattern.taken.tolist(), strict=True)
         )
 
@@ -480,7 +483,8 @@ class _SupportSearch:
         row = replace(row, pre_ie=self._need(root, "with the heads at the crest"), crosses=crosses, length=length)
         if not row.use_kn:
             return row
-        bolts, level = self._put_back((Bolt(row.use_kn, line, ways.acts, head, max(length, least)),))
+        bolts = (written(Bolt(row.use_kn, line, ways.acts, head, max(length, least))),)
+        is_met = self._is_met(factors_of(site.with_bolts(*bolts)))
         spacing = options.capacity / row.use_kn if options.spacing is None else options.spacing
         each = row.use_kn * spacing
         notices = []
@@ -494,7 +498,7 @@ class _SupportSearch:
         if spacing < _CLOSE_M:
             message = f"anchors stand {spacing:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
             notices.append(Notice("W378", f"{message}; stronger ones (--bolt-capacity) stand farther apart"))
-        is_sound = level >= self.target and not any(notice.code.startswith("E") for notice in notices)
+        is_sound = is_met and not any(notice.code.startswith("E") for notice in notices)
         return replace(row, spacing=spacing, each=each, notices=tuple(notices), bolts=bolts,
                        existing=site.design.bolts, reached=is_sound)  # fmt: skip
 

@@ -18,9 +18,12 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
 from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds import cut, factors_of, kind_of
+from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.one_block_limit import find_limit
+from slopekit.loads import Hull
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.model import Model
+from slopekit.studies.points import UNSETTLED
 from slopekit.studies.support.forces import BoltedBlock
 
 #: Forces aim above the target by this part, so that rounding leaves none below it ...
@@ -41,8 +44,7 @@ _LEAP, _LEAPS_WITHIN = 1.05, 1e-3  # ... and one this narrow in which it changes
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What one method says: factor of safety (None: none), status; `level` is 0 where the block falls, inf where
-    nothing drives it, nan without convergence."""
+    """What one method says: factor of safety (None: none), and the status."""
 
     factor: float | None
     status: str
@@ -50,12 +52,29 @@ class Answer:
     agree: bool | None = None
 
     @property
-    def level(self) -> float:
+    def level(self) -> float | None:
+        """The factor: 0 where the block falls, inf where nothing drives it; None without convergence."""
         if self.factor is not None:
             return self.factor
-        if self.status == "not_converged":
-            return math.nan
+        if self.status == UNSETTLED:
+            return None
         return math.inf if self.status == "no_driving_force" else 0.0
+
+    @property
+    def search_level(self) -> float:
+        """The level for a search, which goes on past a force without an answer as past one that is too small."""
+        return self.level or 0.0
+
+    def reaches(self, target: float) -> bool:
+        """Whether there is an answer, and it is a target or more.
+
+        >>> Answer(1.5, "slides").reaches(1.5), Answer(None, "no_driving_force").reaches(1.5)
+        (True, True)
+        >>> Answer(None, "not_converged").reaches(0.0), Answer(None, "falls").reaches(1.5)
+        (False, False)
+        """
+        level = self.level
+        return level is not None and level >= target
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +90,7 @@ class Site:
     axes : (3, 3) rows are the local axes, in east, north, up; origin : (3,) m of the local origin
     in_section : what acts along the slope is left out, forces are per metre of slope
     model : PRE-IE's, of the design as it stands; closed_form : asks that of a changed design
-    outward : face of the block -> (3,) its unit normal
+    outward : face of the block -> (3,) its unit normal; hull : the planes that bolts meet
     """
 
     design: Design
@@ -86,6 +105,7 @@ class Site:
     model: Model
     closed_form: Callable[[Design], Answer]
     outward: Mapping[int, Floats]
+    hull: Hull
 
     @property
     def unit(self) -> str:
@@ -147,8 +167,21 @@ class Site:
 
 def pre_ie(design: Design) -> Answer:
     """PRE-IE's answer to a design."""
-    factors = factors_of(design)
-    return Answer(factors.limit, factors.status, factors.moments_govern, factors.agree)
+    return limit_answer(factors_of(design))
+
+
+def limit_answer(factors: Factors) -> Answer:
+    """PRE-IE's answer among the factors of a design: none where it did not settle."""
+    unsettled = factors.limit is None and not factors.settled
+    status = UNSETTLED if unsettled else factors.status
+    return Answer(factors.limit, status, factors.moments_govern, factors.agree)
+
+
+def closed_form_answer(factors: Factors) -> Answer | None:
+    """The closed form's answer among the factors of a design, None where it does not take the design."""
+    if factors.closed_form is None and not factors.closed_status:
+        return None
+    return Answer(factors.closed_form, factors.closed_status or factors.status)
 
 
 def pre_ie_coarse(design: Design) -> Answer:
@@ -185,6 +218,7 @@ def site_of(design: Design) -> Site:
         advice = "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         raise DesignError([Fault("E320", message, "", advice)])
     made, asked = kind.cut(design), kind.closed_form
+    assert made.hull is not None
     model, block = made.scene_at(0).model, made.block
 
     def closed_form(changed: Design) -> Answer:
@@ -194,7 +228,7 @@ def site_of(design: Design) -> Site:
     return Site(
         design, block, block.faces[made.face], block.areas[made.face], made.joints, -_outward(block.faces[made.face]),
         np.eye(3) if made.axes is None else made.axes, made.origin, model.translations == 2, model, closed_form,
-        {plane: _outward(polygon) for plane, polygon in block.faces.items()},
+        {plane: _outward(polygon) for plane, polygon in block.faces.items()}, made.hull(),
     )  # fmt: skip
 
 
@@ -256,8 +290,7 @@ def least_force(
     def level(force: float) -> float:
         if force not in tried:
             tried[force] = ask(force)
-        factor = tried[force].level
-        return 0.0 if math.isnan(factor) else factor
+        return tried[force].search_level
 
     def met(force: float) -> bool:
         return target <= level(force) <= target * (1.0 + 2.0 * within)

@@ -220,14 +220,21 @@ def _pattern(support: Support, case: BoltCase, pattern: Pattern) -> list[str]:
         lines.append(f"{bolts}, {in_each}; {pattern.per_m2:.4g} kN on a m² of face")
     if laid.left_out:
         lines.append(
-            f"{counted(laid.left_out, 'place')} on the face left out: bolts from there leave the block "
-            "through a free face, or the crack"
+            f"{counted(laid.left_out, 'place')} on the face left out: bolts from there miss the block, or come out "
+            "of a free face"
         )
     lengths = pattern.lengths
     span = (
         f"{lengths.min():.4g} m" if len(lengths) == 1 else f"{lengths.min():.4g} m (shortest) to {lengths.max():.4g} m"
     )
     lines.append(f"least length {span}: from the head to behind the joint, and {support.options.bond:g} m of anchorage")
+    low, high = pattern.taken.min(), pattern.taken.max()
+    lines.append(f"to be drilled {low:.4g} m" + (f" to {high:.4g} m" if high > low else ""))
+    if case.factors is not None:
+        both = (
+            f"{factor_text(case.factors.limit)} by PRE-IE, {factor_text(case.factors.closed_form)} by the closed form"
+        )
+        lines.append(f"check with these bolts as they are built: FoS {both}")
     turns = pattern.need is not None and pattern.need.moments_govern
     if pattern.groups < len(laid) and case.acts == "passive" and turns:
         lines.append(f"PRE-IE took the {len(laid)} bolts as {pattern.groups} groups, each at the middle of its heads")
@@ -264,7 +271,7 @@ def _crest(support: Support) -> list[str]:
         lines.append(f"{head} {line_in_words(row.toward)}: {_needed_by_both(row, support.unit)}")
         lines += _of_both(row)
         if row.which == "best" and row.toward.plunge_deg <= low + 0.05:
-            lines.append("the flattest that crosses it: flatter ones would need less, but end in front of the plane")
+            lines.append("the flattest that crosses it: flatter ones would need less, but come out of the ground")
         if row.spacing is not None and row.each is not None and row.crosses is not None and row.length is not None:
             lines.append(
                 f"an anchor of {size_number(row.each)} kN every {row.spacing:.4g} m, {row.length:.4g} m long: "
@@ -292,6 +299,9 @@ def _use(support: Support) -> list[str]:
     for case in support.built:
         if case.toward is None or case.force is None:
             lines.append(f"{case.acts}: the target is not reached; see above")
+            continue
+        if case.bolts and case.lacks:
+            lines.append(f"{case.acts}: {case.lacks}")
             continue
         closed = case.closed_form.force or 0.0
         why = "both methods agree"

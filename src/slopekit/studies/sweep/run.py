@@ -362,7 +362,8 @@ def sweep(
     said += (*peak_only(design, "factors are those"), *rules_left_out(design, _LEVELS))
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos), of_inputs=tuple(said))
     tasks = [values_of(design, own, place) for place in swept.places]
-    points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
+    keeps_bolts = not any(key.path.startswith("support.") for key in own)
+    points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts))
     swept = replace(swept, points=points)
     governing = swept.governing
     if governing is not None:
@@ -371,15 +372,21 @@ def sweep(
 
 
 def evaluated(
-    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew, desk: Workplace
-) -> list[Point]:
-    """The points of a study, by whoever does the work; what is done is kept in a journal until all are."""
+    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew, desk: Workplace,
+    keeps_bolts: bool = False,
+) -> list[Point]:  # fmt: skip
+    """The points of a study, by whoever does the work; what is done is kept in a journal until all are.
+
+    Parameters
+    ----------
+    keeps_bolts : as an `Evaluation` has it
+    """
     plain = design.source.root.plain() if design.source is not None else None
     run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
     journal = Journal.of(desk.folder or Path.cwd(), name, run, streamed=desk.folder is not None)
     at_once = 64 if methods == "closed-form" else 1 if kind_of(design).closed_form is None else 8
     with desk.bar("points", len(tasks)) as advance:
-        work = Evaluation(design, methods != "closed-form")
+        work = Evaluation(design, methods != "closed-form", keeps_bolts)
         records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
     journal.remove()
     points = [Point.from_record(record) for record in records]

@@ -59,7 +59,8 @@ def line_of(swept: Sweep) -> str:
 def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
     """Every point on a line of its own."""
     columns: list[Column[dict[str, Any]]] = [
-        Column(key.path, itemgetter(key.path), f"{key.path}{_unit(key)}", key.unit) for key in swept.keys
+        Column(key.path, itemgetter(key.path), f"{key.path}{_unit(key)}", key.unit, exact=key.in_csv)
+        for key in swept.keys
     ]
     columns += [Column(name, itemgetter(name), name) for name in Point(None).to_dict()]
     also = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)

@@ -58,7 +58,8 @@ class TornadoBar:
     ----------
     low, high : its ends; how : given, quantiles, or by the rule
     at_low, at_high : the points there
-    swings : by method how far the factor moves between the ends and the design itself; inf where an end has none
+    swings : by method how far the factor moves between the ends and the design itself; inf where nothing drives it at
+        an end, None where an end has no answer: that is no swing
     """
 
     key: Key
@@ -67,7 +68,15 @@ class TornadoBar:
     how: str
     at_low: Point
     at_high: Point
-    swings: Mapping[Method, float]
+    swings: Mapping[Method, float | None]
+
+    def spread(self, base: Point, method: Method) -> float:
+        """How far apart the factors lie that there are: the order of the bars."""
+        if (swing := self.swings[method]) is not None:
+            return swing
+        factors = [factor_at(point, method) for point in (base, self.at_low, self.at_high)]
+        finite = [factor for factor in factors if factor is not None and math.isfinite(factor)]
+        return max(finite) - min(finite) if finite else 0.0
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -149,7 +158,7 @@ class Tornado(StudyOutcome):
         return f"at {bar.key.path} = {bar.key.shown(bar.high if number % 2 == 0 else bar.low, 6)}"
 
     def to_dict(self) -> dict[str, Any]:
-        """The study as JSON values; a swing without bounds is null."""
+        """The study as JSON values; a swing without bounds, and one of an end without an answer, is null."""
         return {
             **self.head(self.design),
             "methods": self.methods,
@@ -226,13 +235,13 @@ def tornado(
     chosen += [(key, low, high, "given") for key, (low, high) in given.values()]
     tasks: list[dict[str, object]] = [{}]
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
-    points = evaluated(design, "tornado", tasks, methods, crew, desk)
+    points = evaluated(design, "tornado", tasks, methods, crew, desk, keeps_bolts=True)
     said = (*notices_of_inputs(design), *peak_only(design, "factors are those"))
     said += (*other_history(design, {}, "as it is"),)
     study = Tornado(design, points[0], (), tuple(left_out), methods, of_inputs=said)
     bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
-    bars.sort(key=lambda made: (-made.swings[first], made.key.path))
+    bars.sort(key=lambda bar: (bar.swings[first] is None, -bar.spread(points[0], first), bar.key.path))
     return replace(study, bars=tuple(bars), seconds=time.perf_counter() - began)
 
 
@@ -297,7 +306,8 @@ def _quantiles(key: Key) -> tuple[float, float]:
         from slopekit.studies.marginals import marginal
 
         of_tail, tail = marginal(distribution).of_tail, np.array([TAIL])
-        return float(of_tail(tail.copy(), -1.0)[0]), float(of_tail(tail.copy(), 1.0)[0])
+        low, high = float(of_tail(tail.copy(), -1.0)[0]), float(of_tail(tail.copy(), 1.0)[0])
+        return (low, high) if key.period is not None else (max(low, key.low), min(high, key.high))
     assert distribution is not None
     assert key.value is not None
     # of a Fisher distribution about its mean each angle scatters by 1/√k radians across the pole (Fisher 1953)
@@ -316,10 +326,12 @@ def _bar(study: Tornado, chosen: tuple[Key, float, float, str], at_low: Point, a
     return TornadoBar(key, low, high, how, at_low, at_high, swings)
 
 
-def _swing(points: Sequence[Point], method: Method) -> float:
-    """Greatest less least factor; ends without a block do not count."""
+def _swing(points: Sequence[Point], method: Method) -> float | None:
+    """Greatest less least factor; None where one of the points has no answer."""
     factors = [factor for point in points if (factor := factor_at(point, method)) is not None]
-    if not factors or (math.isinf(max(factors)) and math.isinf(min(factors))):
+    if len(factors) < len(points):
+        return None
+    if math.isinf(max(factors)) and math.isinf(min(factors)):
         return 0.0
     swing = max(factors) - min(factors)
     return 0.0 if swing <= _NO_CHANGE * max(factors) and math.isfinite(swing) else swing

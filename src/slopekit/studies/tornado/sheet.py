@@ -13,7 +13,7 @@ from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 def sheet_of(study: Tornado) -> Sheet:
     """The sheet of a tornado."""
     end = f"; {study.disagree} disagree or did not converge" if len(study.asked) > 1 or study.disagree else ""
-    moved = [bar for bar in study.bars if bar.swings[study.asked[0]]]
+    moved = [bar for bar in study.bars if bar.swings[study.asked[0]] != 0.0]
     return Sheet(head(study.design, "tornado"), (
         Section("RULE", [RULE]),
         Section("NOW", [_now(study)]),
@@ -62,12 +62,14 @@ def _short(path: str) -> str:
     return path if len(path) <= 28 else "…" + path[-27:]
 
 
-def _swing_by(method: Method) -> Callable[[TornadoBar], float]:
+def _swing_by(method: Method) -> Callable[[TornadoBar], float | None]:
     return lambda bar: bar.swings[method]
 
 
 def _number(bar: TornadoBar, value: float) -> str:
     unit = bar.key.unit.replace("kN/m³", "").replace("kg/m³", "")
+    if bar.key.is_place:
+        return bar.key.shown(value)
     text = f"{bar.key.reduced(value):.5g}"
     return f"{text}°" if unit == "°" else f"{text} {unit}".strip()
 
@@ -82,13 +84,16 @@ def _end_text(end: float | str) -> str:
     return cell(end) if isinstance(end, float) else end
 
 
-def _swing(swing: float) -> str:
+def _swing(swing: float | None) -> str:
+    """How far the factor moves; a dash where an end has no answer."""
+    if swing is None:
+        return "-"
     return "∞" if math.isinf(swing) else f"{swing:.4f}" if swing < 1e3 else f"{swing:.4g}"
 
 
 def _without_effect(study: Tornado) -> list[str]:
     first = study.asked[0]
-    names = [bar.key.path for bar in study.bars if not bar.swings[first]]
+    names = [bar.key.path for bar in study.bars if bar.swings[first] == 0.0]
     return [f"changes nothing: {', '.join(names)}"] if names else []
 
 

@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 from slopekit.core.errors import DesignError, Fault, writing
+from slopekit.core.whole_files import whole_file
 
 #: Colours that the colour-blind tell apart (Okabe & Ito 2008), darkened where they stand on white.
 BLUE, RED, GREEN, PURPLE, ORANGE, SKY = "#0064a4", "#c8500a", "#007f5f", "#a8548a", "#d89000", "#56b4e9"
@@ -42,6 +44,13 @@ def new_figure(path: Path | str) -> Any:
     return figure
 
 
+def plain_numbers() -> AbstractContextManager[Any]:
+    """The setting under which axes are made: ticks in full, map coordinates without an offset or an exponent."""
+    import matplotlib as mpl
+
+    return mpl.rc_context({"axes.formatter.useoffset": False, "axes.formatter.limits": (-5, 9)})
+
+
 def save(figure: Any, path: Path) -> None:
     """Write a figure, the same bytes every time.
 
@@ -53,8 +62,8 @@ def save(figure: Any, path: Path) -> None:
     import matplotlib as mpl
 
     stamps = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
-    with writing(path), mpl.rc_context({"svg.hashsalt": "slopekit"}):
-        figure.savefig(path) if stamps is None else figure.savefig(path, metadata=stamps)
+    with writing(path), mpl.rc_context({"svg.hashsalt": "slopekit"}), whole_file(path) as file:
+        figure.savefig(file) if stamps is None else figure.savefig(file, metadata=stamps)
 
 
 def no_window(why: str) -> NoReturn:

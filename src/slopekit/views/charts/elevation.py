@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
-from slopekit.core.orientation import parse_plane
+from slopekit.core.orientation import millimetre, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.kinds.sheets.bolts import (
     FILE,
     ScheduledBolt,
     forces_in_words,
-    millimetre,
     per_slice,
     schedule,
     without_head,

@@ -19,6 +19,7 @@ from slopekit.studies.kinematic.criteria import (
     lines_of,
     modes_of,
     planes_of_poles,
+    tested_pairs,
     zones_of_lines,
     zones_of_poles,
 )
@@ -80,7 +81,8 @@ class _Survey:
 
     @cached_property
     def lines(self) -> Lines:
-        return lines_of(self.planes)
+        rng = np.random.default_rng(self.document["inputs"].get("seed", 1))
+        return lines_of(self.planes, tested_pairs(self.planes, rng))
 
     @cached_property
     def modes(self) -> Modes:

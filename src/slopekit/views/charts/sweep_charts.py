@@ -6,6 +6,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
+from slopekit.core.orientation import millimetre
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.fields import words_of
@@ -37,6 +38,7 @@ _LOW, _HIGH = "#8fb8de", "#1f5a94"
 _WIDE = 10.0  # factors that span more are drawn on a logarithmic axis
 _MOST_MARKED = 8  # changes of status that are labelled
 _MOST_BARS = 25
+_MAP_M = 1e5  # lengths from here on are coordinates of a map
 _MOST_DOTS = 900  # points of a grid that are marked
 _BETWEEN = 24  # parts that a line between two points is drawn in
 _FEWEST = 3  # values of each key that bands can be drawn between
@@ -249,9 +251,9 @@ class _TornadoBar:
     ends: Sequence[Point]
     swings: Document
 
-    def swing(self, method: Method) -> float:
-        """How far the factor moves; infinite where an end has none."""
-        return math.inf if self.swings[method] is None else float(self.swings[method])
+    def moves(self, method: Method) -> bool:
+        """Whether the factor changes, or an end has none."""
+        return bool(self.swings[method] != 0.0)
 
 
 @needs({
@@ -274,7 +276,7 @@ def draw_tornado(figure: Any, document: Document) -> None:
         )
         for bar in document["bars"]
     ]  # fmt: skip
-    moving = [bar for bar in every if bar.swing(method)]
+    moving = [bar for bar in every if bar.moves(method)]
     bars = moving[:_MOST_BARS]
     ends = [f for bar in bars for point in bar.ends if (f := factor_at(point, method)) is not None]
     finite = [f for f in ends if math.isfinite(f)]
@@ -368,7 +370,8 @@ def _shown(bar: Document) -> Sequence[str]:
 
 
 def _with_unit(value: float, unit: str, digits: int) -> str:
-    text = f"{value:.{digits}g}"
+    """A value of a key; lengths of so many digits are map coordinates."""
+    text = millimetre(value) if unit == "m" and abs(value) >= _MAP_M else f"{value:.{digits}g}"
     return f"{text}°" if unit == "°" else f"{text} {unit}".strip()
 
 

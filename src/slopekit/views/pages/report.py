@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from slopekit._version import __version__
+from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
+from slopekit.core.whole_files import whole_file
 from slopekit.kinds import words_named
 from slopekit.views.pages import page_together as together
 from slopekit.views.pages import report_tables as tables
@@ -22,7 +24,6 @@ from slopekit.views.plots import by_case, checked_document
 from slopekit.views.solid.viewer_data import viewer_data
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
-_DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
 _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm| kPa)?$")
 #: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
 _SECTIONS = {
@@ -161,7 +162,9 @@ def _with_cases(
 def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[str]) -> InputTable | None:
     try:
         return together.inputs_table(documents, names)
-    except _DAMAGED as error:
+    except MISREAD as error:
+        if not is_of_document(error):
+            raise
         message = f"their inputs cannot be compared ({type(error).__name__}: {error})"
         advice = "Was one changed, or written by another version? Make it again."
         raise DesignError([Fault("E372", message, ", ".join(names), advice)]) from error
@@ -223,7 +226,9 @@ def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, An
         if not is_result:
             return _study(document, sheet)
         article = _read(document, sheet)
-    except _DAMAGED as error:
+    except MISREAD as error:
+        if not is_of_document(error):
+            raise
         said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
         what = "result" if is_result else "study"
         message = f"the {what} cannot be read as one ({said})"
@@ -395,6 +400,6 @@ def write_report(
     called = list(names) or ["the document"] * len(documents)
     own = [checked_document(document, name) for document, name in zip(documents, called, strict=True)]
     made = report_of(own, list(names) or [str(path)], with_pictures, project)
-    with writing(path):
-        path.write_text(made.html, encoding="utf-8")
+    with writing(path), whole_file(path) as page:
+        page.write_text(made.html, encoding="utf-8")
     return made

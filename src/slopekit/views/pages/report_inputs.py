@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from slopekit.core.orientation import Line, Plane, number
+from slopekit.core.orientation import Line, Plane, millimetre, number
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Water
 from slopekit.kinds.words import line_in_words
@@ -15,6 +15,8 @@ _UNITS = {
     "_kn_m3": "kN/m³", "_kg_m3": "kg/m³", "_m_s2": "m/s²", "_m3": "m³", "_m2": "m²", "_kpa": "kPa", "_deg": "°",
     "_kn": "kN", "_m": "m",
 }  # fmt: skip
+_COORDINATES = ("origin_m", "head_m", "at_m", "centre_m", "polygon_m", "profile_m", "table_points_m")
+_ROUNDING = 1e-12  # of the largest of several values: what is left of 0
 _PERCENT = ("agree_within", "fill", "crack_fill", "spacing_scatter")
 _SYMBOLS = {
     "cohesion_kpa": "cohesion c", "friction_angle_deg": "friction angle φ", "dilation_deg": "dilation ψ",
@@ -111,6 +113,8 @@ def value_text(key: str, value: Any) -> str:
 
     >>> value_text("spacing_m", 3.5), value_text("agree_within", 0.01), value_text("normal_kpa", [1.0, 2.0])
     ('3.5 m', '1 %', '1, 2 kPa')
+    >>> value_text("head_m", [512300.25, 4187650.0, 1234.5])
+    '512300.250, 4187650.000, 1234.500 m'
     """
     if value is None:
         return "not given"
@@ -124,10 +128,9 @@ def value_text(key: str, value: Any) -> str:
         if not value:
             return "none"
         if all(isinstance(one, int | float) for one in value):
-            shown = ", ".join(_plain(one) for one in value[:_MOST]) + _more(value)
-            return f"{shown}{gap}{unit}"
+            return f"{_listed(key, value[:_MOST])}{_more(value)}{gap}{unit}"
         if all(isinstance(one, list) and all(isinstance(part, int | float) for part in one) for one in value):
-            shown = " ".join("(" + ", ".join(_plain(part) for part in one) + ")" for one in value[:_MOST])
+            shown = " ".join(f"({_listed(key, one)})" for one in value[:_MOST])
             return f"{shown}{_more(value)}{gap}{unit}"
         return ", ".join(str(one) for one in value[:_MOST]) + _more(value)
     if isinstance(value, Mapping):
@@ -136,6 +139,14 @@ def value_text(key: str, value: Any) -> str:
         return ", ".join(f"{words(part)} {value_text(part, own)}" for part, own in value.items() if own is not None)
     plane = plane_of(value)
     return f"{plane}, {plane_in_words(plane)}" if plane else str(value)
+
+
+def _listed(key: str, values: Sequence[float]) -> str:
+    """Numbers with commas between, coordinates to the millimetre; the rounding of the others is 0."""
+    if key in _COORDINATES:
+        return ", ".join(map(millimetre, values))
+    least = _ROUNDING * max(map(abs, values), default=0.0)
+    return ", ".join(_plain(one if abs(one) > least else 0.0) for one in values)
 
 
 def _more(values: Sequence[Any]) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.codec import from_json
-from slopekit.core.orientation import line_of
+from slopekit.core.orientation import line_of, millimetre
 from slopekit.core.sheet import Section, Verbatim, head_of
 from slopekit.findings import GoverningInterface
 from slopekit.kinds.sheets.many_blocks import governing
@@ -15,7 +15,8 @@ from slopekit.views.pages.report_inputs import InputTable
 
 Document = Mapping[str, Any]
 
-_DIGITS = 9  # signs of a number that nobody has rounded
+_DIGITS, _DECIMALS = 9, 3  # signs of a number that nobody has rounded, of them behind the point
+_LARGE = 1e5  # from here on five digits are fewer than those before the point
 _MOST_MECHANISMS = 3  # whose interfaces are listed
 
 
@@ -39,10 +40,14 @@ def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Inpu
 def _cell(shown: str, value: Any) -> str:
     """A cell as it is shown; every digit of a number is for machines.
 
-    >>> _cell("155.629335909", 155.629335909), _cell("1.0000", 1.0), _cell("2.5", 2.5)
-    ('155.63', '1.0000', '2.5')
+    >>> _cell("155.629335909", 155.629335909), _cell("1.0000", 1.0), _cell("512300.125", 512300.125)
+    ('155.63', '1.0000', '512300.125')
     """
-    return f"{value:.5g}" if isinstance(value, float) and shown == str(value) and len(shown) > _DIGITS else shown
+    if not isinstance(value, float) or shown != str(value) or len(shown) <= _DIGITS:
+        return shown
+    if len(shown.partition(".")[2]) <= _DECIMALS:
+        return shown
+    return f"{value:.5g}" if abs(value) < _LARGE else millimetre(value)
 
 
 def motion_table(document: Document) -> InputTable | None:

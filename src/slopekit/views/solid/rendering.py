@@ -12,6 +12,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import DesignError, Fault, writing
+from slopekit.core.whole_files import whole_file
 from slopekit.exchange.solids import save_gltf
 from slopekit.views.charts.drawing import no_window
 from slopekit.views.solid.layers import Bar, Layer, Picture
@@ -188,7 +189,8 @@ def _save_png(picture: Picture, path: Path) -> None:
     for k, note in enumerate(_notes(picture)):
         figure.text(x, (_BOTTOM - 24 - _LINE * k) / _HEIGHT, note, fontsize=8.5, va="top", color="#444444")
     write_words(figure, picture, camera, wide, high)
-    figure.savefig(path, dpi=_DPI)
+    with writing(path), whole_file(path) as file:
+        figure.savefig(file, dpi=_DPI)
 
 
 def _notes(picture: Picture) -> list[str]:
@@ -394,7 +396,8 @@ def _save_gltf(picture: Picture, path: Path) -> None:
         if len(part.triangles):
             scene.add_geometry(_mesh(trimesh, part), node_name=part.name, geom_name=f"{k} {part.name}")
     scene.apply_transform(_TO_Y_UP)
-    save_gltf(scene, path)
+    with writing(path), whole_file(path) as file:
+        save_gltf(scene, file)
 
 
 def _mesh(trimesh: Any, part: Layer) -> Any:

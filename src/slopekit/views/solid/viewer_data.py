@@ -12,6 +12,7 @@ import numpy as np
 
 from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined, unreadable
 from slopekit.core.arrays import Floats, Ints
+from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.exchange.panels import triangles_of
 from slopekit.views.solid.layers import (
     ACTIVE_BOLT,
@@ -111,7 +112,9 @@ def read_stage(document: Mapping[str, Any]) -> Stage:
         eye, inputs = stage.eye, document.get("inputs") or {}
         fits = fits and eye.shape == (3,)
         np.asarray(inputs.get("profile_m") or [], dtype=np.float64).reshape(-1, 2)
-    except (TypeError, ValueError, AttributeError, IndexError) as error:
+    except MISREAD as error:
+        if not is_of_document(error):
+            raise
         raise unreadable(f"{type(error).__name__}: {error}") from None
     if not fits:
         raise unreadable("its arrays do not fit each other")

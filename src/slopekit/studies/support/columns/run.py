@@ -21,7 +21,7 @@ from slopekit.notices import common_notices
 from slopekit.studies.points import rules_left_out
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce, Where
 from slopekit.studies.support.records import Acts, Need, SupportOptions, enough, written
-from slopekit.studies.support.search import AIM, WITHIN, Answer, least_force, pre_ie
+from slopekit.studies.support.search import AIM, WITHIN, Answer, least_force, limit_answer, pre_ie
 
 INTO_SLOPE = Line(90.0, 0.0)  # columns fall toward -x: level, into the slope
 _IN_SECTION = 1e-9
@@ -71,7 +71,7 @@ class _RowSearch:
     def __init__(self, design: ToppleDesign, options: SupportOptions) -> None:
         self.design, self.options, self.target = design, options, options.target
         factors = factors_of(design)
-        self.bare = Answer(factors.limit, factors.status, factors.moments_govern)
+        self.bare = limit_answer(factors)
         self.why_not = why_no_table(design)
         self.slope: ColumnSlope | None = None
         self.closed: Answer | None = None
@@ -146,7 +146,7 @@ class _RowSearch:
         if self.slope is None or self.closed is None:
             return None, ()
         name = self.design.block_names[column]
-        if self.closed.level >= self.target:
+        if self.closed.reaches(self.target):
             return Need(0.0, self.closed.factor, self.closed.status), ()
         force = self.force_on(self.slope, column)
         endless = not math.isfinite(force)
@@ -192,7 +192,7 @@ class _RowSearch:
 
     def by_pre_ie(self, acts: Acts, column: int, guess: float | None) -> tuple[Need, tuple[Notice, ...]]:
         """The least force on a column at which PRE-IE gives the target."""
-        if self.bare.level >= self.target:
+        if self.bare.reaches(self.target):
             return Need(0.0, self.bare.factor, self.bare.status), ()
         design, weight = self.design, self.design.unit_weight_kn_m3 * self.design.width_m * sum(self.design.heights_m)
 
@@ -201,16 +201,17 @@ class _RowSearch:
 
         within = min(WITHIN, 4e-7 / self.target)
         start = guess or 0.1 * weight
-        at_zero = self.bare.level if math.isfinite(self.bare.level) else 0.0
+        at_zero = self.bare.search_level
         upward = None if guess else [start * factor for factor in (3.0, 10.0, 100.0)]
         root = least_force(ask, self.target, within, start, at_zero, math.inf, upward=upward)
         answer = root.answer
         if root.force is None:
-            best = f"at best FoS {answer.level:.4g} at {root.best_force:.4g} kN/m"
+            best = f"at best FoS {answer.search_level:.4g} at {root.best_force:.4g} kN/m"
             message = f"PRE-IE does not reach the target by a force on {design.block_names[column]}: {best}"
             return Need(None, answer.factor, answer.status), (Notice("E329", message),)
         said: tuple[Notice, ...] = ()
         if root.below is not None:
-            message = f"FoS jumps over the target at {root.force:.6g} kN/m, from {root.below:.4g} to {answer.level:.4g}"
+            jump = f"from {root.below:.4g} to {answer.search_level:.4g}"
+            message = f"FoS jumps over the target at {root.force:.6g} kN/m, {jump}"
             said = (Notice("E325", f"{message}: the way the columns move changes there"),)
         return Need(root.force, answer.factor, answer.status, root.below), said

@@ -2,6 +2,7 @@
 
 from operator import attrgetter
 
+from slopekit.core.orientation import millimetre
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.studies.support.columns.records import ByColumn, ColumnSupport, HoldingForce
@@ -74,7 +75,7 @@ def _held(support: ColumnSupport, one: HoldingForce) -> list[str]:
     lines = [
         f"{one.column}, {_WHERE[one.where]}: {';  '.join(said)}",
         f"toward {line_in_words(one.toward)}, {one.height:.4g} m above its base on its outer side "
-        f"(x {x:.4g}, z {z:.4g})",
+        f"(x {millimetre(x)}, z {millimetre(z)})",
     ]
     if one.use_kn:
         capacity = support.options.capacity
