@@ -163,7 +163,9 @@ def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: in
         shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
         entries += [*shown, *([more_of(rest, what)] if rest else [])]
     entries += _further_loads(design, " ".join(entries))
-    return Section("LOADS", entries or water_in_words(design) or [WEIGHT_ONLY])
+    if not entries and design.water.mode != "dry":
+        entries = [f"water {design.water.in_words()}"]
+    return Section("LOADS", entries or [WEIGHT_ONLY])
 
 
 def _further_loads(design: Design, shown: str) -> list[str]:
