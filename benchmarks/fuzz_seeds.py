@@ -146,7 +146,7 @@ analysis: {elastic: {edge: 5 m, bedrock: elastic}}
 slopekit: 1
 kind: surface
 slope: {profile: [[30, 0], [20, 0], [0, 20], [-20, 22]]}
-slip: {mesh: sheet.stl}
+slip: {mesh: sheet.stl, up: z}
 strength: {zone: {c: 10 kPa, phi: 30}}
 rock: {unit_weight: 22}
 water: {pressures: 3 kPa}
@@ -260,7 +260,7 @@ EXTREMES: dict[str, tuple[object, ...]] = {
     "refine": ("0", "1", "2", "3"), "factors": ("1e-6", "0.1", "1", "2", "100", "1e9"), "origin": ("0", "1e6", "-1e7",
                "1e12"),
     "mesh": ("sheet.stl", "ground.stl", "open.stl", "ball.stl", "folded.stl", "inside-out.stl", "broken.stl",
-             "flat.stl"),
+             "flat.stl"), "up": ("y", "z", "x"),
     "csv": ("joints.csv", "strikes.csv", "bad.csv"), "rules": ("fos >= 1", "fos < 2", "fos.static_bound >= 1.2", "1.5"),
     "acts": ("active", "passive"), "pick": ("A1", "A2", "B1", "B2"), "strength": ("rough", "weak", "joint", "clay"),
     "modulus": ("1e3", "20 GPa", "20", "1e9", "1e10"), "poisson": ("0", "0.49", "0.5", "-0.1"),

@@ -62,13 +62,14 @@ OPTIONS: dict[str, dict[str, tuple[object, ...]]] = {
         "confidence": ("95%", "0.5", "1"), "accept": ("0.8", "0", "1", "1.1"), "agree_within": ("1%", "1e-9", "2"),
         "gravity": ("9.81", "1", "0"), "water_unit_weight": ("10", "0"), "seed": ("1", "-1", "2.5", "9e18"),
         "convention": ("dip-direction", "right-hand-rule", "strike", "left-hand-rule"), "skip_bad": (True, False),
+        "columns": ("dip,dip_direction", "dip_direction,dip", "name"),
     },
     "sets": {
         "n": (1, 2, 3, 9, 0, -1, 100), "ignore_sets": (True, False),
         "scanline": ("090/00", "045/45", "000/90", "090", "x", "400/10", "090/-5"),
         "bias_angle": ("15", "0", "90", "91", "1e-6", "x"), "confidence": (0.95, 0.5, 0.9999, 1.0, 0.0, 2.0),
         "contours": ("kamb", "schmidt", "fisher"), "seed": (1, 0, -1), "skip_bad": (True, False),
-        "convention": ("dip-direction", "right-hand-rule", "strike"),
+        "convention": ("dip-direction", "right-hand-rule", "strike"), "columns": ("dip,dip_direction", "dip"),
     },
 }  # fmt: skip
 _NEEDED = {

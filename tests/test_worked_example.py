@@ -384,4 +384,4 @@ def test_lengths_of_the_bolts_and_volume_of_the_drawing() -> None:
         at = np.array([float(one) for one in head.split(",")])
         assert at @ normals(FACE, 180.0) == pytest.approx(0.0, abs=1e-5)
         through = min(-(n @ at) / (n @ toward) for n in (n1, n2) if n @ toward < 0.0)
-        assert float(length) - (through + 3.0) == pytest.approx(0.005, abs=0.00501)
+        assert -1e-9 < float(length) - (through + 3.0) < 0.1 + 1e-5  # in steps of 0.1 m

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, overload
 
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.options import DESIGN, DESK, Option, Workplace, documented
 from slopekit.core.taken import wrong_kind
 
@@ -23,7 +23,7 @@ BRACKET = Option("The same, and the bracket where elastic blocks no longer come 
 
 
 _OF_ELASTIC = ("modulus", "poisson", "edge", "bedrock")
-_NO_INPUTS = ("unknown", "desk", "elastic", "elastic_bracket")
+_NO_INPUTS = ("desk", "elastic", "elastic_bracket")
 
 
 @documented
@@ -65,7 +65,7 @@ def wedge(
     modulus: Annotated[Any, Option("Young's modulus of elastic rock [20 GPa].")] = None,
     poisson: Annotated[Any, Option("Its Poisson's ratio [0.25].")] = None,
     edge: Annotated[Any, Option("Longest edge of its finite elements [auto].")] = None,
-    bedrock: Annotated[Any, Option("rigid, or elastic as the wedge [rigid].")] = None,
+    bedrock: Annotated[str | None, Option("rigid, or elastic as the wedge [rigid].")] = None,
     elastic: Annotated[bool, ELASTIC] = False,
     elastic_bracket: Annotated[bool, BRACKET] = False,
     desk: Workplace = DESK,
@@ -117,7 +117,7 @@ def wedge(
     >>> round(wet.fos.limit, 4), wet.accepted
     (1.039, False)
     """
-    given = locals() | unknown
+    given = {name: value for name, value in locals().items() if name != "unknown"} | unknown
     for name, asked in (("elastic", elastic), ("elastic_bracket", elastic_bracket)):
         if not isinstance(asked, bool):
             raise wrong_kind("wedge", name, "True or False", asked)
@@ -455,7 +455,8 @@ def report(
     from slopekit.views.pages.report import write_report
 
     target = Path(path)
-    target = target / "report.html" if target.is_dir() else target
+    with writing(target):
+        target = target / "report.html" if target.is_dir() else target
     several = list(results) if isinstance(results, list | tuple) else [results]
     if not several:
         raise wrong_kind("report", "results", "one result or study, or more", results)

@@ -6,11 +6,14 @@ import json
 import random
 import re
 import shlex
+import threading
+import time
 from concurrent.futures import Future
 from dataclasses import replace
 
 import pytest
 
+from slopekit.app import saving
 from slopekit.app.answers import analysed, answer_of, net_of
 from slopekit.app.controls import values_of
 from slopekit.app.desk import Desk, Wanted
@@ -112,6 +115,8 @@ async def refused(desk, path, headers):
         ('{"a": ' + "[" * 20 + "]" * 20 + "}", "E543"),
         ('{"a": "' + "x" * LARGEST + '"}', "E543"), ('{"do": "survey", "a": "' + "x" * LARGEST_SURVEY + '"}', "E543"),
         ('{"a": "survey", "do": "set", "b": "' + "x" * LARGEST + '"}', "E543"), ("9" * 5000, "E541"),
+        ('{"id": 1, "do": "set", "values": {"slope.height": 1e999}}', "E541"), ('{"id": -1e999}', "E541"),
+        ('{"id": ' + "9" * 400 + "}", "E541"),
     ],
 )  # fmt: skip
 def test_what_is_no_message_is_refused_by_code(text, code):
@@ -136,6 +141,10 @@ WRONG = [
     ({"do": "start", "job": "rm"}, "E541"), ({"do": "cancel"}, "E541"), ({"do": "cancel", "job": 7}, "E544"),
     ({"do": "survey", "text": 1}, "E541"), ({"do": "survey", "text": ""}, "E190"), ({"do": "add_bolts"}, "E548"),
     ({"do": "save"}, "E541"), ({"do": "save", "seen": ""}, "E547"), ({"do": "diff", "file": "a.txt"}, "E547"),
+    ({"do": "diff", "file": "~nosuchuser/x.yaml"}, "E547"), ({"do": "diff", "file": "a\x00.yaml"}, "E547"),
+    ({"do": "save", "seen": "", "file": "x" * 5000 + ".yaml"}, "E547"),
+    ({"do": "save", "seen": "", "file": "\ud800.yaml"}, "E547"),
+
     ({"do": "handover"}, "E541"), ({"do": "handover", "what": "exe"}, "E541"),
 ]  # fmt: skip
 
@@ -152,6 +161,89 @@ def test_every_verb_says_by_code_what_it_lacks(desk):
                     await page.ask(do="undo")
 
     asyncio.run(scene())
+
+
+def test_a_page_goes_on_while_another_opens_a_large_file(desk, monkeypatch):
+    """Reading 750 kB stopped every page for over a minute (issue 40, C19)."""
+    begun, free = threading.Event(), threading.Event()
+
+    def reading(*_):
+        begun.set()
+        assert free.wait(20)
+        return opened_template("plane")
+
+    monkeypatch.setattr("slopekit.app.verbs.opened_text", reading)
+
+    async def scene():
+        async with Page(desk) as page, Page(desk) as other:
+            await page.begin()
+            await other.begin()
+            page.send(do="open", yaml="kind: plane")
+            page.send(do="zap")
+            while not begun.is_set():
+                await asyncio.sleep(0.001)
+            meanwhile = await other.ask(do="set", values={DIP: 50})
+            third = Page(desk)
+            async with third:
+                greeting = await third.begin()
+            free.set()
+            said = [await page.hear()]
+            while said[-1].get("of") != "zap":
+                said.append(await page.hear())
+            return meanwhile, greeting, said
+
+    meanwhile, greeting, said = asyncio.run(scene())
+    assert meanwhile["changed"] == [DIP]
+    assert [one["of"] for one in greeting] == ["hello", "design", "answer"]
+    assert [one["of"] for one in said if one["of"] in ("hello", "zap")] == ["hello", "zap"]
+    assert desk.session.design.kind == "plane"
+
+
+def test_what_is_changed_while_a_file_is_written_stays_changed(on_disk, monkeypatch):
+    begun, free = threading.Event(), threading.Event()
+    save = saving.save
+
+    def slowly(*values):
+        begun.set()
+        assert free.wait(20)
+        return save(*values)
+
+    monkeypatch.setattr(saving, "save", slowly)
+
+    async def scene():
+        async with Page(on_disk) as page, Page(on_disk) as other:
+            await page.begin()
+            await other.begin()
+            await page.ask(do="set", values={"slope.height": 70})
+            change = await page.ask(do="diff")
+            number = page.send(do="save", seen=change["diff"])
+            while not begun.is_set():
+                await asyncio.sleep(0.001)
+            await other.ask(do="set", values={DIP: 50})
+            free.set()
+            while (said := await page.hear()).get("id") != number:
+                pass
+            return said
+
+    assert "file" in asyncio.run(scene())
+    assert "height: 70 m" in on_disk.session.opened.path.read_text(encoding="utf-8")
+    assert on_disk.session.changed == [DIP]
+
+
+def test_messages_that_come_too_fast_wait(desk):
+    desk.most_a_second = 20
+
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            began = time.monotonic()
+            for _ in range(50):
+                page.say("{")
+            for _ in range(50):
+                await page.hear()
+            return time.monotonic() - began
+
+    assert asyncio.run(scene()) > 1.9
 
 
 def test_ten_thousand_messages_of_any_kind_leave_it_standing(desk):
@@ -174,6 +266,8 @@ def test_ten_thousand_messages_of_any_kind_leave_it_standing(desk):
             "id": k, "do": generator.choice(words), "path": generator.choice(paths), "seen": "", "final": k % 2 == 0,
             "values": {generator.choice(paths): generator.choice(values)},
         })  # fmt: skip
+
+    desk.most_a_second = 100_000
 
     async def scene():
         sizes = []

@@ -65,6 +65,15 @@ def test_a_joint_list_outside_is_read_where_that_is_allowed(file, folders) -> No
         assert f"{limit:.4f}" in done.stdout
 
 
+def test_studies_of_a_design_with_files_outside_read_them_again(folders) -> None:
+    path = folders / "here" / "wedge.yaml"
+    path.write_text(LIST.replace("FILE", "../there/joints.csv"))
+    design = sk.load(path, allow_outside=True)
+    limits = [point.factors.limit for point in sk.sweep(design, {"strength.joints.phi": [30, 35]}).points]
+    assert limits == [pytest.approx(sk.wedge(dips=("45/115", "45/245"), phi=phi).fos.limit) for phi in (30, 35)]
+    assert not sk.solve(design, "strength.joints.phi", fos=1.5).line.startswith("none")
+
+
 def test_what_the_command_line_names_may_lie_anywhere(folders) -> None:
     path = folders / "here" / "wedge.yaml"
     path.write_text(LIST.replace("FILE", "joints.csv"))

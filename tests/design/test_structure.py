@@ -115,3 +115,13 @@ def test_of_several_shapes_the_nearest_speaks() -> None:
 def test_an_empty_design_misses_every_required_key() -> None:
     faults = check_structure(document_from({}).root, WEDGE, "wedge")
     assert [fault.message for fault in faults] == ["slope is missing", "joints is missing"]
+
+
+def test_what_is_wrong_ten_thousand_times_is_said_two_hundred_times() -> None:
+    """Each unknown key was looked up for a likely slip: 60,000 took a minute and a half (issue 40, C19)."""
+    many = document_from(
+        {"slope": {f"key{k}": "1" for k in range(10_000)}, "strength": {f"s{k}": "1" for k in range(9)}}
+    )
+    faults = check_structure(many.root, WEDGE, "wedge")
+    assert [fault.code for fault in faults] == ["E142"] * 200 + ["E143", "E149"]
+    assert faults[-1].message == "there are 200 faults: what stands behind them was not looked at"

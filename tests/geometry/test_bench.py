@@ -115,9 +115,10 @@ def _lines_and_points(body, found: SetPlanes) -> int:
             continue
         start = np.linalg.lstsq(found.normals[[i, j]], found.offsets[[i, j]], rcond=None)[0]
         rate, room = body.normals @ along, body.offsets - body.normals @ start
-        low, high = (room / rate)[rate < 0].max(), (room / rate)[rate > 0].min()
+        low, high = (room[rate < 0] / rate[rate < 0]).max(), (room[rate > 0] / rate[rate > 0]).min()
         if low < high:
-            at = (found.offsets[j + 1 :] - found.normals[j + 1 :] @ start) / (found.normals[j + 1 :] @ along)
+            with np.errstate(divide="ignore"):  # planes of one set meet the line nowhere
+                at = (found.offsets[j + 1 :] - found.normals[j + 1 :] @ start) / (found.normals[j + 1 :] @ along)
             inside += 1 + int(((at > low) & (at < high)).sum())
     return inside
 

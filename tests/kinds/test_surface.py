@@ -259,6 +259,6 @@ def test_a_mass_beyond_the_profile_is_no_slope(x) -> None:
     with pytest.raises(sk.GeometryError) as caught:
         sk.analyse(design)
     assert caught.value.codes == ("E551",)
-    low, high = (float(one) for one in re.findall(r"x (\S+) to (\S+) m, the profile goes from -30 to 60 m",
+    low, high = (float(one) for one in re.findall(r"x (\S+) to (\S+) m, the profile goes from -30.000 to 60.000 m",
                                                   caught.value.faults[0].message)[0])  # fmt: skip
     assert x - 44.0 <= low < x < high <= x + 44.0

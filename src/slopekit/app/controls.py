@@ -110,7 +110,7 @@ _ANGLES = frozenset(angle for angles in WRITTEN.values() for angle in angles)
 
 def _below(node: Node, part: str) -> Node | None:
     if isinstance(node.value, list):
-        return node.elements[int(part)] if part.isdigit() and int(part) < len(node.elements) else None
+        return node.value[int(part)] if part.isdigit() and int(part) < len(node.value) else None
     return spread(node).get(part)
 
 

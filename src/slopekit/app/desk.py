@@ -4,11 +4,12 @@ A change is taken at once; a thread analyses it, and while it does only the newe
 """
 
 import asyncio
+import threading
 from collections.abc import Callable, Coroutine, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from starlette.websockets import WebSocket
 
@@ -23,8 +24,11 @@ from slopekit.design.reading.nodes import cut, printable
 from slopekit.kinds import kind_named
 from slopekit.result import Result
 
+T = TypeVar("T")
 _MOST_SLOW = 4  # surveys and files to hand over that wait
 _KEPT_AFTER_S = 1.0  # of rest, what is not saved is kept
+_MOST_READERS = 12  # threads that read and write files: one for each page, and some to spare
+MOST_A_SECOND = 500  # messages of one page: what comes faster waits
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +51,10 @@ class Desk:
         self.jobs = jobs.Jobs()
         self.warm = warm
         self.slow = ThreadPoolExecutor(1, "slow")
+        self.readers = ThreadPoolExecutor(_MOST_READERS, "reader")
+        self.keeper = ThreadPoolExecutor(1, "keeper")
+        self.saving = threading.Lock()
+        self.most_a_second = MOST_A_SECOND
         self.waiting = 0
         self.files: dict[str, handover.File] = {}
         self.survey: surveys.Dropped | None = None
@@ -121,9 +129,9 @@ class Desk:
 
     def show(self, link: "Link") -> None:
         """Send a page and the others the design with its controls."""
-        self.shape = self.structure()
-        link.send(self.design())
-        self.also_send(link, self.design())
+        self.shape, shown = self.structure(), self.design()
+        link.send(shown)
+        self.also_send(link, shown)
 
     def also_send(self, but: "Link", message: Message) -> None:
         """Tell the other pages that are open."""
@@ -142,35 +150,52 @@ class Desk:
         """Keep what is not saved, when nothing has changed for a moment."""
         if self.keeping is not None:
             self.keeping.cancel()
-        self.keeping = asyncio.get_running_loop().call_later(_KEPT_AFTER_S, self.autosave.keep, self.session)
+        self.keeping = asyncio.get_running_loop().call_later(_KEPT_AFTER_S, self.keep)
 
-    def set_aside(self) -> None:
+    def keep(self) -> "Future[None]":
+        """Keep what is not saved as it is at this moment: in a thread, one after the other."""
+        return self.keeper.submit(self.autosave.keep, self.session.snapshot(), self.autosave.file)
+
+    def set_aside(self) -> "Future[None]":
         """Keep what is not saved of the design that another takes the place of: it is offered again."""
         if self.keeping is not None:
             self.keeping.cancel()
-        self.autosave.keep(self.session)
+        kept = self.keep()
         self.autosave.begin()
+        return kept
 
     def close(self) -> None:
         """Keep what is not saved, end what runs."""
         if self.keeping is not None:
             self.keeping.cancel()
+        self.keeper.shutdown()
         self.autosave.keep(self.session)
         self.jobs.close()
-        for pool in (self.thread, self.slow):
+        for pool in (self.thread, self.slow, self.readers):
             pool.shutdown(wait=False, cancel_futures=True)
 
     async def aside(self, link: "Link", message: Message, work: Callable[[], Message]) -> None:
         """Do something that takes a while beside the messages, and answer with what it returns."""
+
+        async def answer(found: Message) -> None:
+            link.answer(message, found)
+
         try:
-            answer = await asyncio.get_running_loop().run_in_executor(self.slow, work)
-            link.answer(message, answer)
+            await self.apart(link, message, self.slow, work, answer)
+        finally:
+            self.waiting -= 1
+
+    async def apart(
+        self, link: "Link", message: Message, pool: ThreadPoolExecutor, work: Callable[[], T],
+        then: Callable[[T], Coroutine[Any, Any, None]],
+    ) -> None:  # fmt: skip
+        """Do something in a thread of a pool, then the rest of it here; faults are said to the page."""
+        try:
+            await then(await asyncio.get_running_loop().run_in_executor(pool, work))
         except SlopekitError as error:
             link.refuse(message, error.faults)
         except Exception as error:  # a bug of ours: the page goes on
             link.refuse(message, (bug(error),))
-        finally:
-            self.waiting -= 1
 
     def later(self, link: "Link", message: Message, work: Callable[[], Message]) -> None:
         """The same, where not too much waits. Raises DesignError E544."""
@@ -201,11 +226,12 @@ class Desk:
 
         return analyse(session.design).to_dict()
 
-    def start(self, work: Coroutine[Any, Any, None]) -> None:
+    def start(self, work: Coroutine[Any, Any, None]) -> "asyncio.Task[None]":
         """Begin a piece of work beside the messages."""
         task = asyncio.get_running_loop().create_task(work)
         self.tasks.add(task)
         task.add_done_callback(self.tasks.discard)
+        return task
 
     def _analyse(self) -> None:
         """Give the thread what waits."""
@@ -261,6 +287,12 @@ class Link:
     def __init__(self, desk: Desk, socket: WebSocket, verbs: Mapping[str, Callable[["Link", Message], None]]) -> None:
         self.desk, self.socket, self.verbs = desk, socket, verbs
         self.out: asyncio.Queue[str] = asyncio.Queue()
+        self.turn: asyncio.Task[None] | None = None
+        self.begin_of_second, self.in_second = 0.0, 0
+
+    def in_turn(self, message: Message, work: Callable[[], T], then: Callable[[T], Coroutine[Any, Any, None]]) -> None:
+        """Read or write a file in a thread, then do the rest; what this page says behind it waits, others go on."""
+        self.turn = self.desk.start(self.desk.apart(self, message, self.desk.readers, work, then))
 
     def send(self, message: Mapping[str, Any]) -> None:
         """Send a message, after those before it."""
@@ -285,7 +317,7 @@ class Link:
         """Greet, then answer messages until the page is closed."""
         writer = asyncio.get_running_loop().create_task(self._write())
         try:
-            self.send(self.desk.hello())
+            self.send(await asyncio.get_running_loop().run_in_executor(self.desk.readers, self.desk.hello))
             self.send(self.desk.design())
             self.desk.shape = self.desk.structure()
             self.desk.ask(self, {})
@@ -294,9 +326,22 @@ class Link:
                 got = await self.socket.receive()
                 if got["type"] == "websocket.disconnect":
                     return
+                await self._pace()
                 self.heard(got.get("text"))
+                if self.turn is not None:
+                    await asyncio.wait({self.turn})
+                    self.turn = None
         finally:
             writer.cancel()
+
+    async def _pace(self) -> None:
+        """Let what comes faster than so many a second wait for the next: others have their turn."""
+        now = asyncio.get_running_loop().time()
+        if now - self.begin_of_second >= 1.0:
+            self.begin_of_second, self.in_second = now, 0
+        self.in_second += 1
+        if self.in_second > self.desk.most_a_second:
+            await asyncio.sleep(self.begin_of_second + 1.0 - now)
 
     async def _write(self) -> None:
         while True:

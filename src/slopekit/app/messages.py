@@ -1,6 +1,7 @@
 """What comes over the app's socket and goes back: JSON of bounded size, refused by faults where it is none."""
 
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,6 +11,7 @@ from slopekit.design.reading.nodes import cut, printable
 Message = dict[str, Any]
 LARGEST, LARGEST_SURVEY = 1_000_000, 20_000_000  # letters of a message
 _DEEPEST = 12
+_MOST_DIGITS = 300  # of a whole number that is still a float
 MOST_VALUES = 200  # that one message sets
 
 
@@ -29,7 +31,7 @@ def parsed(text: str) -> Message:
     if len(text) > LARGEST_SURVEY or (len(text) > LARGEST and '"survey"' not in text[:400]):
         raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E543")
     try:
-        message = json.loads(text, parse_constant=_no_constant)
+        message = json.loads(text, parse_constant=_no_constant, parse_float=_finite, parse_int=_whole)
     except RecursionError:
         raise wrong("the message is nested too deep", "", "E543") from None
     except ValueError as error:
@@ -44,6 +46,19 @@ def parsed(text: str) -> Message:
 
 def _no_constant(name: str) -> float:
     raise ValueError(f"{name} is no number of JSON")
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{cut(text)} is larger than any number")
+    return value
+
+
+def _whole(text: str) -> int:
+    if len(text) > _MOST_DIGITS:
+        raise ValueError(f"{cut(text)} is larger than any number")
+    return int(text)
 
 
 def _check_depth(value: Any) -> None:

@@ -33,7 +33,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.synonyms import synonym
 from slopekit.core.whole_files import whole_file
 from slopekit.design.reading.document import read_text
-from slopekit.design.reading.nodes import Document, Node, cut
+from slopekit.design.reading.nodes import Document, Node, cut, no_text, printable
 
 _PLAIN = re.compile(r"[\w°.+\-/][\w°²³.+\-/%]*(?: [\w°²³.+\-/%]+)*")
 _NOT_PLAIN = re.compile(r"(?:~|null|-+)", re.IGNORECASE)
@@ -253,7 +253,15 @@ def _lines(text: str) -> list[str]:
 
 
 def _target(file: str) -> Path:
-    path = Path(file).expanduser()
+    try:
+        path = Path(file).expanduser()
+        is_name = no_text(file) is None
+        path.exists()
+    except (OSError, RuntimeError):  # a name that is too long; ~ of a user that there is not
+        is_name = False
+    if not is_name:
+        name = cut(printable(file))
+        raise DesignError([Fault("E547", f"no file can be called {name}", name, "Name it like slope.yaml.")])
     if path.suffix.lower() not in _ENDINGS:
         raise DesignError([Fault("E547", f"{cut(file)} does not end in .yaml", cut(file), "Name it like slope.yaml.")])
     return path
@@ -345,11 +353,12 @@ class Autosave:
         """Where it is kept."""
         return self.folder / f"{self.number}.json"
 
-    def keep(self, session: Session) -> None:
+    def keep(self, session: Session, file: Path | None = None) -> None:
         """Keep what is not saved, forget what is; a folder that cannot be written to is no reason to stop."""
+        file = file or self.file
         try:
             if session.is_saved:
-                self.file.unlink(missing_ok=True)
+                file.unlink(missing_ok=True)
                 return
             opened = session.opened
             record = {
@@ -358,7 +367,7 @@ class Autosave:
                 "digest": opened.digest, "opened": opened.text, "text": edited(opened, session.now.document),
             }  # fmt: skip
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            with whole_file(self.file) as fresh:
+            with whole_file(file) as fresh:
                 fresh.write_text(json.dumps(record), encoding="utf-8")
             for old in self._all()[_MOST_KEPT:]:
                 old.unlink(missing_ok=True)

@@ -15,6 +15,7 @@ before is kept for undo. Nothing here is analysed.
 import hashlib
 import re
 from collections.abc import Iterable, Mapping
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -299,6 +300,19 @@ class Session:
         self.settled = opened.document
         self.now = Moment(self.rev, opened.document, self.design, cases=opened.cases)
 
+    def saved_of(self, snapshot: "Session", before: Moment) -> None:
+        """A snapshot of it was saved: the same, but for what was changed or opened meanwhile."""
+        if self.now is before:
+            self.saved(snapshot.opened)
+        elif self.opened_rev == snapshot.opened_rev:
+            self.opened, self.before = snapshot.opened, snapshot.before
+
+    def snapshot(self) -> "Session":
+        """The session as it is at this moment, for a thread."""
+        same = copy(self)
+        same.done, same.undone = list(self.done), list(self.undone)
+        return same
+
     def _others_as_opened(self, path: str) -> bool:
         above = path.rpartition(".")[0]
         now = self.numbers
@@ -402,7 +416,7 @@ def at(root: Node, path: str) -> Node | None:
     while parts and node is not None:
         if isinstance(node.value, list):
             part = parts.pop(0)
-            node = node.elements[int(part)] if part.isdigit() and int(part) < len(node.elements) else None
+            node = node.value[int(part)] if part.isdigit() and int(part) < len(node.value) else None
             continue
         for count in range(1, len(parts) + 1):
             below = node.get(".".join(parts[:count]))

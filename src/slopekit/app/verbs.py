@@ -3,11 +3,14 @@
 import asyncio
 import secrets
 from collections.abc import Callable
+from concurrent.futures import Future
+from functools import partial
+from pathlib import Path
 
 from slopekit.app import handover, jobs, saving, surveys
 from slopekit.app.desk import Desk, Link
 from slopekit.app.messages import Message, text_of, values_of, wrong
-from slopekit.app.session import Moment, Opened, opened_template, opened_text
+from slopekit.app.session import Moment, Opened, Session, opened_template, opened_text
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.nodes import cut, printable
 
@@ -48,37 +51,63 @@ def _reset(link: Link, message: Message) -> None:
 
 
 def _open(link: Link, message: Message) -> None:
-    desk = link.desk
+    async def opened_in_thread(opened: Opened) -> None:
+        kept = take(link.desk, opened)
+        await _greeted(link, message, kept)
+
+    if "unsaved" in message:
+        _open_unsaved(link, message, text_of(message, "unsaved"))
+    else:
+        link.in_turn(message, _reading(link.desk, message), opened_in_thread)
+
+
+def _reading(desk: Desk, message: Message) -> Callable[[], Opened]:
+    """What reads the design that a message opens: in a thread."""
     if "template" in message:
-        opened = opened_template(text_of(message, "template"))
-    elif "yaml" in message:
-        opened = opened_text(text_of(message, "yaml"), _name(text_of(message, "name", "design.yaml")))
-    elif "pair" in message:
+        return partial(opened_template, text_of(message, "template"))
+    if "yaml" in message:
+        return partial(opened_text, text_of(message, "yaml"), _name(text_of(message, "name", "design.yaml")))
+    if "pair" in message:
         if desk.survey is None:
             raise wrong("no survey was dropped", "Drop a joint list first.", "E548")
         number = message["pair"]
         if not isinstance(number, int) or isinstance(number, bool):
             raise wrong("pair needs the number of a pair")
-        opened = opened_text(desk.survey.design_of_pair(number), "pair.yaml")
-    elif "unsaved" in message:
-        desk.set_aside()
-        desk.autosave.taken(text_of(message, "unsaved"), desk.session)
-        _forget(desk)
-        _changed(link, message)
-        link.send(desk.hello())
-        return
-    else:
-        raise wrong("open needs a template, a yaml, a pair or what was not saved")
-    take(desk, opened)
+        return partial(opened_text, desk.survey.design_of_pair(number), "pair.yaml")
+    raise wrong("open needs a template, a yaml, a pair or what was not saved")
+
+
+def _open_unsaved(link: Link, message: Message, number: str) -> None:
+    """Go on with what was kept under a number."""
+    desk = link.desk
+
+    def work() -> Session:
+        found = desk.session.snapshot()
+        saving.Autosave(desk.autosave.folder).taken(number, found)
+        return found
+
+    async def opened_in_thread(found: Session) -> None:
+        kept = take(desk, found.opened)
+        desk.session.restore(found.now.document)
+        desk.autosave.number = number
+        await _greeted(link, message, kept)
+
+    link.in_turn(message, work, opened_in_thread)
+
+
+async def _greeted(link: Link, message: Message, kept: "Future[None]") -> None:
+    """Show what was opened; greet again when what it took the place of is kept, which is offered then."""
     _changed(link, message)
-    link.send(desk.hello())
+    await asyncio.wrap_future(kept)
+    link.send(await asyncio.get_running_loop().run_in_executor(link.desk.readers, link.desk.hello))
 
 
-def take(desk: Desk, opened: Opened) -> None:
-    """Work on another design."""
-    desk.set_aside()
+def take(desk: Desk, opened: Opened) -> "Future[None]":
+    """Work on another design; done when what it takes the place of is kept."""
+    kept = desk.set_aside()
     desk.session.open(opened)
     _forget(desk)
+    return kept
 
 
 def _forget(desk: Desk) -> None:
@@ -175,21 +204,32 @@ def _file_of(message: Message) -> str | None:
 
 
 def _diff(link: Link, message: Message) -> None:
-    change = saving.change_of(link.desk.session, _file_of(message))
-    link.answer(message, {
-        "diff": change.diff, "file": None if change.target is None else str(change.target),
-        "changed_on_disk": change.changed_on_disk, "lines": change.lines,
-    })  # fmt: skip
+    async def answer(change: saving.SavedChange) -> None:
+        link.answer(message, {
+            "diff": change.diff, "file": None if change.target is None else str(change.target),
+            "changed_on_disk": change.changed_on_disk, "lines": change.lines,
+        })  # fmt: skip
+
+    link.in_turn(message, partial(saving.change_of, link.desk.session.snapshot(), _file_of(message)), answer)
 
 
 def _save(link: Link, message: Message) -> None:
-    desk = link.desk
-    target = saving.save(desk.session, _file_of(message), text_of(message, "seen"))
-    if desk.last_moment is not None and desk.last_moment.rev == desk.session.rev:
-        desk.last_moment = desk.session.now
-    desk.changed()
-    link.answer(message, {"file": str(target)})
-    desk.show(link)
+    desk, file, seen = link.desk, _file_of(message), text_of(message, "seen")
+    snapshot, before = desk.session.snapshot(), desk.session.now
+
+    def work() -> Path:
+        with desk.saving:
+            return saving.save(snapshot, file, seen)
+
+    async def saved(target: Path) -> None:
+        desk.session.saved_of(snapshot, before)
+        if desk.last_moment is not None and desk.last_moment.rev == desk.session.rev:
+            desk.last_moment = desk.session.now
+        desk.changed()
+        link.answer(message, {"file": str(target)})
+        desk.show(link)
+
+    link.in_turn(message, work, saved)
 
 
 def _handover(link: Link, message: Message) -> None:

@@ -1,16 +1,18 @@
 """What the functions of a script are given: counted, named and tested before they begin, by their own signatures.
 
 A parameter whose type is made of plain ones (numbers, texts, paths, mappings, classes) takes nothing else; one that is
-`Any` is tested by the function. A number may be a text, "5%", where the option of the command reads it so.
+`Any` is tested by the function. A number may be a text, "5%", where the option of the command reads it so. What no
+function takes is refused of every parameter: bytes, complex numbers, a list with None in it, a number beyond floats.
 """
 
 import inspect
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache, wraps
-from numbers import Integral, Real
+from numbers import Complex, Integral, Real
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.options import DESIGN, Argument, Option, as_it_is, given_by
@@ -20,6 +22,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PLAIN = {str: "a text", float: "a number", int: "a whole number", bool: "True or False", os.PathLike: "a path",
           Mapping: "a mapping"}  # fmt: skip
+_BYTES = (bytes, bytearray, memoryview)
+_MOST_BITS = 1023  # of a whole number that is still a float
+_DEEPEST = 2  # lists in lists, (dip, dip direction) of joints: what lies below is a design's, which is read by itself
 
 
 def checked(function: Function) -> Function:
@@ -29,7 +34,7 @@ def checked(function: Function) -> Function:
     ------
     DesignError
         E405 a value of another type, E406 too many values, or one by two names, E407 a name that it has not, E408 a
-        value that is missing.
+        value that is missing, E105 a number beyond floats.
     """
     return cast(Function, _asking(function))
 
@@ -70,8 +75,10 @@ def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
         except TypeError:
             raise DesignError(faults or [_misplaced(function, own, values, named)]) from None
         for name, value in given.items():
-            if not open_ended:  # one that takes any name reads all values itself, and says all faults at once
-                with faults.kept():
+            with faults.kept():
+                _possible(function, name, value)
+                # one that takes any name reads most values itself, and says all faults at once
+                if not open_ended or _is_of_another_shape(own.parameters[name], value):
                     given[name] = _taken(function, own.parameters[name], value)
         faults.refuse()
         bound = inspect.BoundArguments(own, given)
@@ -87,7 +94,9 @@ def wrong_kind(function: str, name: str, takes: str, value: object, advice: str 
     E405 run takes a path, not 5
          source=5
     """
-    text = "the module slopekit" if inspect.ismodule(value) else repr(value).partition("\n")[0]
+    text = f"a {type(value).__name__}"
+    with suppress(Exception):  # what cannot even be shown: a number of 5,000 digits
+        text = "the module slopekit" if inspect.ismodule(value) else repr(value).partition("\n")[0]
     shown = text if len(text) <= 40 else f"a {type(value).__name__}"
     where = f"{name}={text if len(text) <= 40 else '…'}"
     return DesignError([Fault("E405", f"{function} takes {takes}, not {shown}", where, advice)])
@@ -124,13 +133,59 @@ def _misplaced(
     return Fault("E408", f"{name} needs {' and '.join(one.name for one in missing)}", "", f"It takes {'; '.join(said)}")
 
 
-def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: Any) -> Any:
-    """The value where it is of the type of the parameter, as its option reads it where it is a text."""
-    type_, how = parameter.annotation, given_by(parameter)
+def _possible(function: Callable[..., Any], name: str, value: Any, depth: int = 0) -> None:
+    """Refuse a value, or a part of it, that no parameter takes.
+
+    Raises
+    ------
+    DesignError
+        E405 bytes, a complex number, None in a list; E105 a whole number that is no float.
+    """
+    called = function.__name__
+    if isinstance(value, int) and value.bit_length() > _MOST_BITS:
+        message = f"{name} is a whole number of {value.bit_length()} bits, beyond the largest float"
+        raise DesignError([Fault("E105", message, f"{name}=")])
+    is_complex = isinstance(value, Complex) and not isinstance(value, Real)
+    if isinstance(value, _BYTES) or is_complex or getattr(getattr(value, "dtype", None), "kind", "") in ("S", "c"):
+        raise wrong_kind(called, name, f"numbers and texts for {name}", value)
+    if isinstance(value, list | tuple):
+        if depth == 0 and any(one is None for one in value):
+            raise wrong_kind(called, name, f"a value in each place of {name}", value)
+    elif not isinstance(value, Mapping):
+        return
+    if depth < _DEEPEST:
+        for below in value.values() if isinstance(value, Mapping) else value:
+            _possible(function, name, below, depth + 1)
+
+
+def _kinds_of(parameter: inspect.Parameter) -> list[Any]:
+    """The types that a parameter takes; a word of a few is a text, whose spelling the function tests."""
+    type_ = parameter.annotation
     if get_origin(type_) is Annotated:
         type_ = get_args(type_)[0]
     arms = get_args(type_) if get_origin(type_) in (Union, UnionType) else (type_,)
-    kinds = [get_origin(arm) or arm for arm in arms]
+    return [str if get_origin(arm) is Literal else get_origin(arm) or arm for arm in arms]
+
+
+def _is_of_another_shape(parameter: inspect.Parameter, value: Any) -> bool:
+    """Whether it is a list, mapping or array for a single number or text, or no workplace at all."""
+    kinds = {kind for kind in _kinds_of(parameter) if kind is not type(None)}
+    if not kinds or not all(isinstance(kind, type) for kind in kinds):
+        return False
+    return not kinds <= {str, int, float, bool} or isinstance(value, list | tuple | Mapping) or hasattr(value, "tolist")
+
+
+def _is_path(value: Any) -> bool:
+    """Whether a system could have a file of that name."""
+    try:
+        return b"\0" not in os.fsencode(value)
+    except (TypeError, ValueError):
+        return False
+
+
+def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: Any) -> Any:
+    """The value where it is of the type of the parameter, as its option reads it where it is a text."""
+    how, kinds = given_by(parameter), _kinds_of(parameter)
     if Any in kinds or not all(isinstance(kind, type) for kind in kinds):
         return value
     if type(None) in kinds and value is None:
@@ -145,6 +200,10 @@ def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: An
                 return int(value)  # of NumPy's a Python number
             if kind is float or value == value // 1:
                 return kind(float(value))
+        elif os.PathLike in kinds and isinstance(value, str | os.PathLike) and not _is_path(value):
+            break
+        elif isinstance(value, Mapping) and not all(isinstance(key, str) for key in value):
+            raise wrong_kind(function.__name__, parameter.name, f"texts for the keys of {parameter.name}", value)
         elif isinstance(value, kind) or (kind is bool and type(value).__name__.startswith("bool")):  # NumPy's own
             return value
     if isinstance(value, str) and isinstance(how, Option) and how.reads is not as_it_is:

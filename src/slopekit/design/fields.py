@@ -433,10 +433,14 @@ class _Later(Mapping[str, Spec]):
 
     def __init__(self, own: Mapping[str, Spec], more: Callable[[], Sequence[Field]]) -> None:
         self.own, self.more = own, more
+        self.made: tuple[Sequence[Field], Mapping[str, Spec]] = (), own
 
     def every(self) -> Mapping[str, Spec]:
-        """All of them."""
-        return {**self.own, **{one.path: _spec(one) for one in self.more()}}
+        """All of them: made anew where a law was added."""
+        more = self.more()
+        if self.made[0] != more:
+            self.made = more, {**self.own, **{one.path: _spec(one) for one in more}}
+        return self.made[1]
 
     def __contains__(self, key: object) -> bool:
         return key in self.own or key in self.every()

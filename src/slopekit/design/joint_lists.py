@@ -13,6 +13,7 @@ from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, normals, parse_face, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.design.survey import MeasuredJoint, Survey, read_frame, read_joints
+from slopekit.design.survey.columns import checked_convention
 from slopekit.design.survey.tables import is_frame
 
 MOST_JOINTS = 3000  # 4.5 million pairs
@@ -98,6 +99,8 @@ def joint_list(
     >>> joint_list(["45/115", (45, 245)]).joints[1].plane
     Plane(dip_deg=45.0, dip_direction_deg=245.0)
     """
+    if convention is not None:
+        checked_convention(convention, option)
     if isinstance(source, str | os.PathLike):
         survey: Survey = read_joints(source, convention, skip_bad, option, sizes, columns)
         joints = JointList(Path(source).name, survey.joints, survey.left_out, survey.read_as)

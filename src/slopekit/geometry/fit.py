@@ -124,7 +124,7 @@ def corner_unit(coordinates: Floats, is_single: bool = False) -> float:
     --------
     >>> corner_unit(np.array([1.25, 3.0, -0.125]))
     0.001
-    >>> corner_unit(np.array([512300.1, 0.2]), is_single=True)
+    >>> corner_unit(np.array([512300.14, 0.25]), is_single=True)
     0.03125
     """
     single = coordinates.astype(np.float32)

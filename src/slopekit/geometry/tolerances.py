@@ -95,6 +95,10 @@ LARGEST_ROUNDING_OF_THINNEST = 0.1
 #: Contacts are looked for with so many times the contact tolerance, and with it divided by that.
 DOUBT = 3.0
 
+#: Sine of the angle between edges that touch, beyond which rounded corners have turned them: corners with seven digits
+#: and more turn them less.
+TURNED_BY_ROUNDING = 1e-6
+
 #: Resolution of single precision at the size of a mesh's coordinates, in parts of the mesh: a coarser one is refused.
 COARSEST_SINGLE = 1e-3
 

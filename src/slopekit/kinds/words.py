@@ -199,7 +199,10 @@ def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
     if water.mode == "dry" and not water.crack_fill:
         return []
     if water.mode == "pressures" and water.crack_fill is None:
-        return [f"water {water.in_words()}"]
+        if len(water.pressures_kpa) < 2:
+            return [f"water {water.in_words()}"]
+        named = zip(areas, water.pressures_kpa, strict=False)
+        return [f"water of mean pressure {', '.join(f'{mean:g} kPa on {name}' for name, mean in named)}"]
     means = [push / areas[name] for name, push in result.forces.water.items() if areas.get(name)]
     return [f"water {water.in_words()}, highest {size_number(float(f'{highest_of_mean * max(means):.4g}'))} kPa"]
 

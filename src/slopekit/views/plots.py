@@ -13,6 +13,7 @@ from typing import Any
 from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
+from slopekit.design.reading.nodes import cut
 from slopekit.views.charts.drawing import (
     FORMATS,
     FOS,
@@ -409,16 +410,16 @@ def document_file(path: Path) -> Path:
     DesignError
         E148 where a folder holds none, or more than one.
     """
-    if not path.is_dir():
-        return path
-    if (path / "result.json").is_file():
-        return path / "result.json"
     try:
+        if not path.is_dir():
+            return path
+        if (path / "result.json").is_file():
+            return path / "result.json"
         held = sorted(file for file in path.iterdir() if file.suffix.lower() == ".json" and file.is_file())
         own = [file for file in held if b'"slopekit"' in _begin(file)]
     except OSError as error:
-        message = f"{path} cannot be read: {(error.strerror or 'the system refuses').lower()}"
-        raise DesignError([Fault("E148", message, str(path))]) from None
+        message = f"{cut(str(path))} cannot be read: {(error.strerror or 'the system refuses').lower()}"
+        raise DesignError([Fault("E148", message, cut(str(path)))]) from None
     if len(own) == 1:
         return own[0]
     names = [file.name for file in own or held]

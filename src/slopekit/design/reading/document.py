@@ -7,7 +7,7 @@ from pathlib import Path
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.reading.canonical import with_canonical_keys
 from slopekit.design.reading.nodes import Document, cut, fail, no_text
-from slopekit.design.reading.on_disk import read_bytes
+from slopekit.design.reading.on_disk import ALLOW_OUTSIDE, read_bytes
 from slopekit.design.reading.overrides import with_overrides
 from slopekit.design.reading.yaml import LINE_END, SourceLines, TreeBuilder, composed
 
@@ -78,7 +78,8 @@ def read_text(text: str, name: str, path: Path | None = None) -> tuple[Document,
         advice = "A design starts with keys: slopekit: 1, then kind: wedge."
         fail("E157", f"{name} holds {shown}, not keys with values", str(root.place), advice)
     root, faults = with_canonical_keys(root)
-    return Document(root, name, path), [*builder.faults, *faults]
+    document = Document(root, name, path, allows_outside=bool(os.environ.get(ALLOW_OUTSIDE)))
+    return document, [*builder.faults, *faults]
 
 
 def decoded(content: bytes, name: str) -> str:

@@ -11,16 +11,12 @@ from slopekit.core.errors import DesignError
 from slopekit.core.orientation import upward_axis
 from slopekit.design.parts import MeshFile, axis_key
 from slopekit.design.reading.nodes import Node, cut, fail, printable
-from slopekit.design.reading.on_disk import read_bytes
+from slopekit.design.reading.on_disk import ALLOW_OUTSIDE, read_bytes
 from slopekit.design.reading.reader import Reader
 
 _MOST_MESH_BYTES = 200_000_000
 _METRES = (1.0, "")
 _INSUNITS = re.compile(rb"\$INSUNITS(?:\s+70\s+(\d+)|\0\x46\0?(.)\0)", re.DOTALL)  # of text and of binary files
-
-
-#: Whether designs may name files outside their own folder: an environment variable, so that workers have it too.
-ALLOW_OUTSIDE = "SLOPEKIT_ALLOW_OUTSIDE"
 
 
 def beside(reader: Reader, node: Node) -> Path:
@@ -39,7 +35,7 @@ def beside(reader: Reader, node: Node) -> Path:
     path = design.parent / named
     is_of_file = node.place.file == printable(reader.document.name)
     is_inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(design.parent))
-    if is_of_file and not is_inside and not os.environ.get(ALLOW_OUTSIDE):
+    if is_of_file and not is_inside and not reader.document.allows_outside:
         message = f"{cut(printable(node.text or ''))} lies outside the folder of the design"
         advice = "Put it beside the design, or allow it: slopekit --allow-outside, load(..., allow_outside=True)."
         fail("E148", message, str(node.place), advice)

@@ -148,12 +148,14 @@ class Document:
     """A design as it was written: its tree, its name, and its file where it came from one.
 
     `option` names a key of a call as its caller wrote it (`--unit-weight`); in a file keys go by their paths.
+    `allows_outside` lets it name files outside its own folder, whenever it is read again with other values.
     """
 
     root: Node
     name: str
     path: Path | None = None
     option: Callable[[str], str] | None = None
+    allows_outside: bool = False
 
     def called(self, path: str) -> str:
         """How the key of a path is called where the design was written."""

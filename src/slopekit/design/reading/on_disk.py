@@ -10,6 +10,8 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.design.reading.nodes import cut, fail, printable
 
 MAX_BYTES = 5_000_000
+#: Whether designs may name files outside their own folder: an environment variable, so that workers have it too.
+ALLOW_OUTSIDE = "SLOPEKIT_ALLOW_OUTSIDE"
 
 _STDIN = "A file is needed; what a command pipes in is read as /dev/stdin, where the system has that."
 

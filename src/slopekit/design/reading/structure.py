@@ -22,6 +22,7 @@ WRITTEN: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_dire
 _ORIENTATIONS: Mapping[str, OrientationKind] = {"plane": "plane", "face": "plane", "upper": "plane", "toward": "line"}
 _SHOWN_KEYS = 12
 _SELDOM = ("analysis", "cases")  # of the groups at the top
+_MOST_FAULTS = 200  # that are said of one design: nobody reads more, and each is looked up for a likely slip
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,7 @@ def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, 
     -------
     list of Fault
         E142 unknown key, E143 missing key, E144 wrong shape, E145 nothing written, E146 a name that cannot be one,
-        E164 a list that is too short or too long.
+        E164 a list that is too short or too long; E149 behind the last where there are too many to go on.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> spec = KeyGroup({"height": Leaf(number=True, example="64.89 m")}, required=("height",))
@@ -102,7 +103,11 @@ def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, 
     """
     checker = _Checker(spec, kind, others or {})
     checker.check(root, spec)
-    return list(dict.fromkeys(checker.faults))
+    faults = list(dict.fromkeys(checker.faults))
+    if len(checker.faults) >= _MOST_FAULTS:
+        message = f"there are {_MOST_FAULTS} faults: what stands behind them was not looked at"
+        faults.append(Fault("E149", message, str(root.place), "Is this a design file?"))
+    return faults
 
 
 def is_distribution(node: Node) -> bool:
@@ -129,11 +134,25 @@ class _Checker:
     def __init__(self, spec: KeyGroup, kind: str, others: Mapping[str, KeyGroup]) -> None:
         self.spec, self.kind, self.others = spec, kind, others
         self.faults: list[Fault] = []
+        self.places: dict[str, list[str]] = {}
+
+    def places_of(self) -> Mapping[str, list[str]]:
+        """Every known key and the paths it stands under: made where a key is not known, once."""
+        if not self.places:
+            for key, path in _walk(self.spec):
+                paths = self.places.setdefault(key, [])
+                if path not in paths:
+                    paths.append(path)
+            for paths in self.places.values():  # the slope itself before what is rarely given
+                paths.sort(key=lambda path: (path.partition(".")[0] in _SELDOM, path.count(".") - path.count(".<")))
+        return self.places
 
     def fault(self, code: str, message: str, node: Node, advice: str = "") -> None:
         self.faults.append(Fault(code, message, str(node.key_place), advice))
 
     def check(self, node: Node, spec: Spec) -> None:
+        if len(self.faults) >= _MOST_FAULTS:
+            return
         if isinstance(spec, AnyOf):
             self.any_of(node, spec)
         elif node.value is None and (isinstance(spec, Leaf) or not _may_be_empty(spec)):
@@ -154,6 +173,8 @@ class _Checker:
             if key in spec.keys:
                 self.check(below, spec.keys[key])
                 continue
+            if len(self.faults) >= _MOST_FAULTS:
+                return
             remedy = self.remedy(key, below, node, spec)
             remedies.add(remedy)
             self.fault("E142", f"{key} is not a key {holder}", below, remedy)
@@ -241,7 +262,7 @@ class _Checker:
             meant = next((key if key in arm.keys else synonym(key, arm.keys) for arm in inner), None)
             if above.path and meant is not None:
                 return f"{meant} belongs under {above.path}.{known}."
-        places = [path for path in _paths_of(key, self.spec) if path != above.path]
+        places = [path for path in self.places_of().get(key, ()) if path != above.path]
         near = nearest(key, spec.keys, cutoff=0.65)
         sure = bool(near) and (is_likely(key, near[0]) or SequenceMatcher(None, folded(key), near[0]).ratio() > 0.8)
         is_number = node.text is not None and re.fullmatch(r"\d*\.?\d+", node.text) is not None
@@ -256,9 +277,9 @@ class _Checker:
             return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."
         if near:
             return f"Did you mean {near[0]}?"
-        elsewhere = nearest(key, _all_keys(self.spec), cutoff=0.75)
+        elsewhere = nearest(key, list(self.places_of()), cutoff=0.75)
         if elsewhere:
-            where = _paths_of(elsewhere[0], self.spec)[0]
+            where = self.places_of()[elsewhere[0]][0]
             return f"Did you mean {elsewhere[0]}, {f'under {where}' if where else 'at the top'}?"
         known = ", ".join(list(spec.keys)[:_SHOWN_KEYS]) + (", …" if len(spec.keys) > _SHOWN_KEYS else "")
         return f"Known here: {known}."
@@ -391,13 +412,3 @@ def _walk(spec: Spec, path: str = "") -> Iterator[tuple[str, str]]:
     elif isinstance(spec, AnyOf):
         for one in spec.of:
             yield from _walk(one, path)
-
-
-def _paths_of(key: str, spec: Spec) -> list[str]:
-    """Where a key may stand, the slope itself before what is rarely given."""
-    paths = dict.fromkeys(path for known, path in _walk(spec) if known == key)
-    return sorted(paths, key=lambda path: (path.partition(".")[0] in _SELDOM, path.count(".") - path.count(".<")))
-
-
-def _all_keys(spec: Spec) -> list[str]:
-    return list(dict.fromkeys(key for key, _ in _walk(spec)))

@@ -6,7 +6,9 @@ A new name, a new way to give a plane, a new program whose lists are known: one 
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
+from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.core.records import dataclass
+from slopekit.design.reading.nodes import cut
 
 RIGHT, LEFT = "right-hand-rule", "left-hand-rule"
 #: Dip direction less strike by each convention.
@@ -158,6 +160,16 @@ def convention_of(word: str) -> str | None:
     """
     lower = word.strip().lower()
     return lower if lower in STRIKE_TO_DIP_DIRECTION else _CONVENTIONS[lower] if lower in _SHORT else None
+
+
+def checked_convention(word: str, where: str) -> str:
+    """The strike convention that a word means. Raises DesignError E192 where it is not known."""
+    convention = convention_of(word)
+    if convention is None:
+        advice = did_you_mean(word.lower()[:80], STRIKE_TO_DIP_DIRECTION, "It is right-hand-rule or left-hand-rule.")
+        message = f"the strike convention {cut(repr(word))} is not known"
+        raise DesignError([Fault("E192", message, where, advice)])
+    return convention
 
 
 def spelled(heading: str) -> str:

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal
 
-from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
+from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import (
     Plane,
     azimuth_of,
@@ -31,13 +31,12 @@ from slopekit.design.survey.columns import (
     COUNTERS,
     ORIENTATIONS,
     RANKED,
-    STRIKE_TO_DIP_DIRECTION,
     STRIKE_WITH_SIDE,
     WAYS,
     WORDS,
     SurveyColumn,
+    checked_convention,
     column_of,
-    convention_of,
     key_of,
     program_of,
     size_of,
@@ -188,11 +187,7 @@ class _Reader:
 
     def survey(self) -> Survey:
         if self.given is not None:
-            self.convention = convention_of(self.given)
-            if self.convention is None:
-                rules = "It is right-hand-rule or left-hand-rule."
-                advice = did_you_mean(self.given.lower(), STRIKE_TO_DIP_DIRECTION, rules)
-                fail("E192", f"the strike convention {self.given!r} is not known", self.name, advice)
+            self.convention = checked_convention(self.given, self.name)
         if not self.table.rows:
             advice = "The first line names the columns: name,dip,dip_direction."
             fail("E190", f"{self.name} holds no joints", self.name, advice)

@@ -27,7 +27,7 @@ from slopekit.geometry.fit import (
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.box_search import box_pairs
 from slopekit.geometry.sections.clipping import are_apart, clip_convex, polygon_sums
-from slopekit.geometry.tolerances import DOUBT, NEARLY_TOUCHES, OPPOSITE, OUTLINE_CLEAN, TINY
+from slopekit.geometry.tolerances import DOUBT, NEARLY_TOUCHES, OPPOSITE, OUTLINE_CLEAN, TINY, TURNED_BY_ROUNDING
 
 _LARGEST_PIECE = 8  # corners of a convex polygon that is clipped whole; more are cut into triangles
 
@@ -375,9 +375,11 @@ class _OutlineEdges:
         turned = np.where(self.fixed[self.block[first]] == self.fixed[self.block[second]], later,
                           ~self.fixed[self.block[first]])  # fmt: skip
         plus, minus = np.where(turned, first, second), np.where(turned, second, first)
-        # of the longer edge above all: rounding of its corners turns it less
-        squared = (self.length * self.length)[:, None]
-        mean = squared[minus] * self.direction[minus] - squared[plus] * self.direction[plus]
+        along, back = self.direction[minus], -self.direction[plus]
+        is_turned = np.abs(along[:, 0] * back[:, 1] - along[:, 1] * back[:, 0]) > TURNED_BY_ROUNDING
+        # of two edges that rounded corners have turned that of the longer above all: it is turned less
+        power = np.where(is_turned, 2.0, 0.0)
+        mean = (self.length[minus] ** power)[:, None] * along + (self.length[plus] ** power)[:, None] * back
         mean /= np.sqrt((mean * mean).sum(axis=1))[:, None]
         normal = np.stack([mean[:, 1], -mean[:, 0]], axis=1)  # out of the minus block, to the right of its edge
         base = self.start[minus]

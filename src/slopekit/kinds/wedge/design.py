@@ -12,13 +12,23 @@ from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
-from slopekit.design.fields import Field, fields_of, group, more_than_nothing, number, orientation, point, text
+from slopekit.design.fields import (
+    Field,
+    fields_of,
+    group,
+    more_than_nothing,
+    number,
+    orientation,
+    point,
+    structure_of,
+    text,
+)
 from slopekit.design.ground_water import WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
 from slopekit.design.parts import Residual, Strength, Water
 from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import is_distribution
+from slopekit.design.reading.structure import check_structure, is_distribution
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
 
 if TYPE_CHECKING:
@@ -473,9 +483,32 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
         else:
             put(path, node(key, value))
     root = _nested(tree, Place("", 0, 0, ""))
+    _check_mappings({key: value for key, value in values.items() if isinstance(value, Mapping)}, root, option, faults)
     reader = Reader(Document(root, "call", option=option), WedgeDesign)
     reader.faults += faults
     return read_wedge(reader)
+
+
+def _check_mappings(
+    mappings: Mapping[str, Any], root: Node, option: Callable[[str], str], faults: Sequence[Fault]
+) -> None:
+    """Refuse a mapping with a key that means nothing, or without one that it needs; `faults` are said with those."""
+    if not mappings:
+        return
+    places = {key: f"{option(key)} {words.shown(value)}" for key, value in mappings.items()}
+    wrong = Faults(faults)
+    wrong += [
+        fault
+        for fault in check_structure(root, structure_of(WedgeDesign, ()), "wedge")
+        if fault.where in places.values()
+    ]
+    seismic = mappings.get("seismic")
+    if seismic is not None and seismic.get("k") is None:
+        wrong.append(Fault("E143", "seismic.k is missing", places["seismic"], "Add k: 0.1"))
+    if mappings.get("shear_stiffness") == {}:
+        wrong.append(Fault("E145", "shear_stiffness is empty, a value is needed", places["shear_stiffness"]))
+    if wrong:
+        raise DesignError(dict.fromkeys(wrong))
 
 
 def _nested(tree: Mapping[str, Any], place: Place, path: str = "") -> Node:

@@ -84,7 +84,11 @@ def equilibrium(
         here = min(1e-3, factor * 1e-3)
         # first guess: springs in all directions, the normal ones' stiffness
         spring = np.repeat(physical.area, 3)[:, None] * model.flat_rows * (stiffness.normal / model.force_scale)
-        guess = np.asarray(np.linalg.solve(model.flat_rows.T @ spring, model.load), dtype=np.float64)
+        bonded = model.flat_rows.T @ spring
+        try:
+            guess = np.asarray(np.linalg.solve(bonded, model.load), dtype=np.float64)
+        except np.linalg.LinAlgError:  # a sheet thinner than any joint has no stiffness against turning
+            guess = np.asarray(np.linalg.lstsq(bonded, model.load, rcond=None)[0], dtype=np.float64)
         state = _settle(model, physical, here, stiffness, guess, none)
         if not state.stands:
             for part in _RAMP:

@@ -252,7 +252,7 @@ def combos(
     water: Annotated[Any, Option("dry, full, 50% or u=9.8kPa [dry].")] = None,
     seismic: Annotated[Any, Option("Pseudo-static coefficient, K or K@TREND.")] = None,
     fos: Annotated[Any, Option("Target: exit code 1 where a removable pair lies below.")] = None,
-    top: Annotated[Any, Option("How many of the worst PRE-IE looks at, or all [10].")] = None,
+    top: Annotated[float | str | None, Option("How many of the worst PRE-IE looks at, or all [10].")] = None,
     slope_length: Annotated[Any, Option("Longest stretch of the crest that a wedge takes, m.")] = None,
     trace_length: Annotated[Any, Option("Longest trace of a joint, on face or upper slope, m.")] = None,
     persistence: Annotated[Any, Option("Longest edge of a joint in a wedge, m.")] = None,

@@ -153,6 +153,12 @@ class SurveySource:
         return one, two, three
 
 
+def unknown_way(draw: str) -> list[Fault]:
+    """E431 of a way to draw from a survey that there is not."""
+    message = f"{draw} is not a way to draw from a survey"
+    return [] if draw in _WAYS else [Fault("E431", message, "--draw", "Known: joints, sets.")]
+
+
 def surveyed(
     design: Design, survey: Any, draw: str, method: str, seed: int, option: str
 ) -> tuple[Design, SurveySource]:
@@ -174,8 +180,7 @@ def surveyed(
         faults.append(
             Fault("E430", message, option, "Write joints: {J1: {plane: 45/115}, ...}: their planes are drawn.")
         )
-    if draw not in _WAYS:
-        faults.append(Fault("E431", f"{draw} is not a way to draw from a survey", "--draw", "Known: joints, sets."))
+    faults += unknown_way(draw)
     if method != "monte-carlo":
         faults.append(Fault("E431", f"joints of a survey are drawn by monte-carlo, not by {method}", "--method"))
     paths: tuple[str, ...] = () if drawn is None else drawn(design)

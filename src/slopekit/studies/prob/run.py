@@ -41,7 +41,7 @@ from slopekit.studies.prob.bolts import (
 )
 from slopekit.studies.prob.cracks import WorstCracks, checked_alone, cracked
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
-from slopekit.studies.prob.from_survey import Draw, FromSurvey, surveyed
+from slopekit.studies.prob.from_survey import Draw, FromSurvey, surveyed, unknown_way
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
     Confirmation,
@@ -422,6 +422,8 @@ def prob(
     given, source = design, None
     if survey is not None:
         design, source = surveyed(design, survey, draw, method, seed, desk.named("survey"))
+    elif wrong := unknown_way(draw):
+        raise DesignError(wrong)
     asked = _asked(design, n, seed, method, by, fos, confirm, near, confidence, accept)
     clock = Clock()
     with clock("draw"):

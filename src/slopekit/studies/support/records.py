@@ -462,7 +462,10 @@ class Support(SupportOutcome):
 
     @property
     def exit_code(self) -> int:
-        """0 reached, 1 not reached (or not by a larger wedge, W507), 4 the methods disagree, or no convergence."""
+        """0 reached by active and by passive bolts, as far as asked for, 1 not (or not by a larger wedge, W507).
+
+        4 where the methods disagree, or without convergence.
+        """
         answers = [case.pre_ie for case in self.cases if case.pre_ie is not None]
         if self.pre_ie.agree is False or any(need.agree is False for need in answers):
             return 4
@@ -472,7 +475,8 @@ class Support(SupportOutcome):
         if not self.reached and any(answer.level is None for answer in (self.pre_ie, *checks)):
             return 4
         falls_short = any(notice.code == "W507" for notice in self.warnings)
-        return 1 if falls_short or not self.reached else 0
+        all_reach = self.stands or all(case.reached for case in self.built)
+        return 1 if falls_short or not self.reached or not all_reach else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values, with a crest where the kind of design has one."""

@@ -77,7 +77,7 @@ def support(
     design: ADesign,
     fos: Annotated[Any, Option("The factor of safety that is wanted [what acceptance asks for, else 1.5].")] = None,
     *,
-    acts: Annotated[Any, Option("active (a load) or passive (strength) [both].")] = None,
+    acts: Annotated[str | None, Option("active (a load) or passive (strength) [both].")] = None,
     toward: Annotated[
         Any,
         Option(
