@@ -202,9 +202,7 @@ def test_a_file_without_permission(tmp_path, monkeypatch) -> None:
 
 def test_files_that_are_too_large(tmp_path) -> None:
     large = caught(lambda: load_document(written(tmp_path, b"# " + b"x" * 5_000_000)))
-    assert str(large.faults[0]).splitlines()[0] == (
-        "E149 design.yaml is larger than 5 MB, that is no design"
-    )
+    assert str(large.faults[0]).splitlines()[0] == ("E149 design.yaml is larger than 5 MB, that is no design")
     many = caught(lambda: load_document(written(tmp_path, "a: [" + "1," * 1_000_000 + "1]")))
     assert "more than 200000 values" in many.faults[0].message
 
