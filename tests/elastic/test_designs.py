@@ -53,7 +53,7 @@ def test_a_plane_in_its_section_and_a_slope_below_one() -> None:
 
 
 def test_elastic_rock_may_not_stand_where_rigid_rock_just_does() -> None:
-    """A wedge with a limit of 1.013 by forces: what its deformation opens takes it below 1, and the state is one below."""
+    """Its limit by forces is 1.013: what its deformation opens takes it below 1, and the state is one below."""
     found = sk.wedge(
         ("41.7/139.1", "41.7/214.5"), face="77.1/180", upper="10.3/180", height=50.42, c=(71.4, 43.0),
         phi=(25.5, 20.1), unit_weight=26, shear_stiffness=1e5, modulus="13.3 GPa", bolts="3526@0/-10,passive",
