@@ -335,7 +335,7 @@ def test_every_key_of_a_design_stands_on_its_page() -> None:
     shared = page.partition("\n## wedge\n")[0]
     missing = [
         f"{kind}: {key}" for kind in KINDS_OF_DESIGN for key in _keys_of(structure_of(record_of(kind)))
-        if not re.search(rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-8000:])
+        if not re.search(rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-4000:])
     ]  # fmt: skip
     assert missing == []
 
