@@ -56,6 +56,7 @@ _LIKELY: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("capacity", "tension_force"), ("force",)),
     **dict.fromkeys(("psi", "i_angle"), ("dilation",)),
     **dict.fromkeys(TANGENTS, ("phi",)),
+    **dict.fromkeys(("friction", "friction_angle", "phi"), ("tan_phi",)),  # of partial factors
     **dict.fromkeys(("samples", "n_samples", "number", "runs"), ("n",)),
     **dict.fromkeys(("out", "output", "folder"), ("o",)),
     **dict.fromkeys(("orientation", "attitude"), ("plane",)),

@@ -23,6 +23,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _PLAIN = {str: "a text", float: "a number", int: "a whole number", bool: "True or False", os.PathLike: "a path",
           Mapping: "a mapping"}  # fmt: skip
 _BYTES = (bytes, bytearray, memoryview)
+_MISSING = ("nan", "NaN", "None", "NaT", "<NA>")  # what an empty cell of a table is as a text
 _MOST_BITS = 1023  # of a whole number that is still a float
 _DEEPEST = 2  # lists in lists, (dip, dip direction) of joints: what lies below is a design's, which is read by itself
 
@@ -176,9 +177,9 @@ def _is_of_another_shape(parameter: inspect.Parameter, value: Any) -> bool:
 
 
 def _is_path(value: Any) -> bool:
-    """Whether a system could have a file of that name."""
+    """Whether a system could have a file of that name, and the name is not the text of a missing value."""
     try:
-        return b"\0" not in os.fsencode(value)
+        return b"\0" not in os.fsencode(value) and os.fspath(value) not in _MISSING
     except (TypeError, ValueError):
         return False
 

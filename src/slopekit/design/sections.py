@@ -81,7 +81,10 @@ def read_seismic(reader: Reader) -> Seismic:
     seismic = None
     if isinstance(value, dict):
         at = {key: str(below.place) for key, below in node.items()}
-        k, toward = value.get("k", 0), value.get("toward")
+        k, toward = value.get("k"), value.get("toward")
+        if k is None:
+            advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
+            reader.fault("E143", "loads.seismic.k is missing", node, advice)
         seismic = None if k is None else reader.kept(words.seismic, k, at.get("k", str(node.place)))
         trend = None if toward is None else reader.kept(words.trend, toward, "seismic", "E122", at["toward"])
         if seismic is not None and toward is not None:
