@@ -169,6 +169,7 @@ FAULTS = [
      "14:38"),
     ("E253", "blocks", "toward: 090}", "toward: 180}", "the seismic load acts toward 180, in a section", "13:35"),
     ("E253", "blocks", ", toward: 090}", "}", "the seismic load has no direction", "13:18"),
+    ("E143", "blocks", "{k: 0.1, toward: 090}", "{toward: 090}", "loads.seismic.k is missing", "13:18"),
     ("E122", "blocks", "toward: 090}", "toward: 900}", "trend of seismic is 900", "13:35"),
     ("E123", "blocks", "force: 10, toward: 090/00, ", "force: 10, ", "force is 10", "13:50"),
     ("E124", "topple", "acts: passive", "acts: both", "a bolt is active or passive", "10:19"),

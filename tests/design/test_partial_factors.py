@@ -261,6 +261,7 @@ def test_factors_of_the_users_own(tmp_path) -> None:
         ({"c": "many"}, "E106", "c"),
         ({"c": {"dist": "normal", "mean": 1, "sd": 1}}, "E144", "partial_factors.c"),
         ({"tan": 1.2}, "E142", "tan is not a key"),
+        ({"friction": 1.2}, "E142", "Did you mean tan_phi?"),
         ({"forces": "often", "set": "DA9"}, "E478", "forces are often"),
         (["DA1-C1"], "E144", "partial_factors"),
     ],

@@ -215,3 +215,10 @@ def test_a_distribution_of_directions_across_north(shape) -> None:
     ends = next(bar for bar in sk.tornado(design, methods="closed-form").bars
                 if bar.key.path == "joints.J1.plane.dip_direction")  # fmt: skip
     assert ends.high - ends.low < 20.0
+
+
+def test_water_of_a_crack_in_per_cent_is_sent_to_metres() -> None:
+    plane = sk.load(path_of("plane"), set={"crack.water": "50 %"})
+    with pytest.raises(sk.DesignError) as caught:
+        key_of(plane, "crack.water")
+    assert caught.value.faults[0].advice == "Write it in m or kPa in the design, then a study can change it."

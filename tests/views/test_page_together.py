@@ -160,3 +160,24 @@ def test_what_acceptance_hangs_on_leads_in_studies() -> None:
     assert re.findall(r"\d\.\d{4}", checked.line)[0] == f"{value:.4f}"
     (factors,) = [one for one in checked.sheet.sections if one.label == "FoS"]
     assert str(factors.entries[0]).startswith(f"{value:.4f}")
+
+
+def test_an_input_that_differs_is_listed_even_where_its_words_are_alike() -> None:
+    """Bolts of the same number and force in other places; and water that stands in the crack is not `dry`."""
+    some = documents()[0]
+    other = json.loads(json.dumps(some))
+    other["inputs"]["bolts"][0]["length_m"] = 7.25
+    table = inputs_table([some, other, some], ["1", "2", "3"])
+    assert table is not None
+    assert table.rows == (
+        ("bolts", "variant 1: see its inputs", "variant 2: see its inputs", "variant 1: see its inputs"),
+    )
+    plane = path_of("plane")
+    wet, full = (
+        json.loads(json.dumps(sk.run(plane, set=set_).to_dict()))
+        for set_ in ({}, {"crack": {"depth": 4.35}, "water": {"mode": "full"}})
+    )
+    table = inputs_table([wet, full], ["1", "2"])
+    assert table is not None
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert rows["water"][0] == "in the crack only, falling to nothing at the toe"

@@ -129,7 +129,7 @@ def key_of(design: Design, path: str) -> Key:
     below = [name for name in known if name.startswith(f"{path}.")]
     if node is not None or below:
         what = _what(node, below)
-        advice = f"Name one of {listed(below)}." if below else ""
+        advice = f"Name one of {listed(below)}." if below else _as_number(design, node)
         raise DesignError([Fault("E311", f"{path} is {what}: a study changes one number", path, advice)])
     advice = _nearest(path, known)
     message = f"{path or 'an empty text'} is no number of this {design.kind} design"
@@ -345,6 +345,15 @@ def _what(node: Node | None, below: Sequence[str]) -> str:
     if below and below[0].endswith((".dip", ".trend")):
         return "an orientation"
     return f"the text {node.text!r}"
+
+
+def _as_number(design: Design, node: Node | None) -> str:
+    """Return the advice for a text that stands where a number may: `50 %` or `full` where metres are meant too."""
+    field = _field(design, node.path) if node is not None and node.text is not None else None
+    units = [UNITS[measure] for measure in (field.measures, *field.or_measures)] if field is not None else []
+    if not units or not all(units):
+        return ""
+    return f"Write it in {' or '.join(units)} in the design, then a study can change it."
 
 
 def listed(names: Sequence[str]) -> str:

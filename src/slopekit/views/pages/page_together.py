@@ -8,7 +8,7 @@ from slopekit.core.orientation import Line, number
 from slopekit.core.sheet import counted
 from slopekit.design.parts import Bolt
 from slopekit.kinds.words import bolt_text, more_of
-from slopekit.views.pages.report_inputs import InputTable, rows_of, words
+from slopekit.views.pages.report_inputs import InputTable, input_rows, words
 
 Document = Mapping[str, Any]
 Notices = Sequence[tuple[str, str]]
@@ -131,11 +131,16 @@ def _differing(documents: Sequence[Document]) -> Iterator[tuple[str, ...]]:
         if key in _NO_INPUT or len(having) < 2 or all(one == having[0] for one in having):
             continue
         shown = [_shown(key, own) for own in inputs]
+        is_listed = False
         for name in dict.fromkeys(name for own in shown for name in own):
             cells = [own.get(name, "not given" if key in given else "-")
                      for own, given in zip(shown, inputs, strict=True)]  # fmt: skip
             if len({cell for cell, given in zip(cells, inputs, strict=True) if key in given}) > 1:
                 yield name, *cells
+                is_listed = True
+        if not is_listed:
+            variants = [own.get(key) for own in inputs]
+            yield words(key), *(f"variant {variants.index(value) + 1}: see its inputs" for value in variants)
 
 
 def _shown(key: str, inputs: Document) -> dict[str, str]:
@@ -143,7 +148,7 @@ def _shown(key: str, inputs: Document) -> dict[str, str]:
     if key not in inputs:
         return {}
     if key != "bolts":
-        return {row[0]: row[1] for row in rows_of(key, inputs[key], words(key))}
+        return {row[0]: row[1] for row in input_rows(key, inputs)}
     forces = [float(one["force_kn"]) for one in inputs[key]]
     of = f"{counted(len(forces), 'bolt')}, {number(round(sum(forces), 1))} kN in all" if forces else "none"
     places = {str((one["head_m"], one["toward"], one["length_m"], one["acts"])) for one in inputs[key]}

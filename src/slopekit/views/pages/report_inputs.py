@@ -72,18 +72,21 @@ def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iter
     for title, keys in {"Shape": tuple(shape), **_GROUPS}.items():
         rows: list[tuple[str, ...]] = []
         for key in (key for key in keys if key in inputs and key not in used):
-            if key == "water" and _crack_only(inputs):
-                rows.append(("water", "in the crack only, falling to nothing at the toe"))
-                continue
-            if key == "water" and inputs.get("crack_water_m"):
-                rows.append(("water", "as the crack has it, on the joints falling to nothing at their other edges"))
-                continue
             if key == "bolts" and with_schedule:
                 rows.append(("bolts", f"{len(inputs[key])}, in the schedule"))
                 continue
-            rows += rows_of(key, inputs[key], words(key))
+            rows += input_rows(key, inputs)
         if rows:
             yield InputTable(title, ("", "value"), tuple(rows), left=2)
+
+
+def input_rows(key: str, inputs: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Return the rows of an input; water that stands in a crack is not `dry`."""
+    if key == "water" and _crack_only(inputs):
+        return [("water", "in the crack only, falling to nothing at the toe")]
+    if key == "water" and inputs.get("crack_water_m"):
+        return [("water", "as the crack has it, on the joints falling to nothing at their other edges")]
+    return list(rows_of(key, inputs[key], words(key)))
 
 
 def plane_of(text: Any) -> Plane | None:
