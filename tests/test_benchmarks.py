@@ -1,5 +1,6 @@
 """The benchmark of speed against error, its smallest scene, and the mutations: so that they cannot rot. No timings."""
 
+import json
 import math
 from dataclasses import replace
 from importlib import import_module
@@ -9,7 +10,7 @@ import pytest
 
 import benchmarks
 import slopekit as sk
-from benchmarks import block_speed, elastic_speed, moments, mutations, rivals, speed_error, speed_pages
+from benchmarks import block_speed, census, elastic_speed, moments, mutations, rivals, speed_error, speed_pages
 
 _ELSEWHERE = {"__init__", "__main__", "siconos_worker"}  # the last runs in an environment of its own
 _MODULES = sorted(path.stem for path in Path(benchmarks.__file__).parent.glob("*.py"))
@@ -98,3 +99,11 @@ def test_what_is_run_again_takes_its_row_and_leaves_the_others() -> None:
     assert changed[1:] == [f"| {one.name} | `{one.file.removeprefix('src/slopekit/')}` | **none** |"]
     caught = len(mutations.MUTATIONS) - page.count("**none**") - 1
     assert f"{caught} of {len(mutations.MUTATIONS)} mutations are caught" in changed[0]
+
+
+def test_the_source_is_within_its_limits() -> None:
+    """As `.ci/run` asks: no count above `.ci/limits.json`; and one that rises is named."""
+    limits = json.loads(census.LIMITS.read_text(encoding="utf-8"))
+    assert census.exceeded(census.census_of(census.source()), limits) == []
+    (fault,) = census.exceeded(census.census_of(["def own(): pass"]), dict(limits) | {"function_words": 0})
+    assert fault == "function_words: 1, limit 0"
