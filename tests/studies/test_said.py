@@ -57,7 +57,7 @@ def test_studies_say_what_the_run_says(name) -> None:
 def test_support_says_what_the_run_says_with_its_bolts_and_without() -> None:
     """W410: the whole wedge, which the basal joint cuts off, may need the bolts more than the block above it."""
     found = sk.support(sk.load(BASAL), 1.5, acts="active")
-    assert {"W306", "W410"} <= codes(found)
+    assert "W410" in codes(found)
     (of_whole,) = (notice for notice in found.warnings if notice.code == "W410")
     assert "as it stands: " in of_whole.message
 

@@ -187,7 +187,7 @@ def closed_form_answer(factors: Factors) -> Answer | None:
 def pre_ie_coarse(design: Design) -> Answer:
     """PRE-IE's answer on the coarsest node pairs, which take a tenth of the time: to look where the target lies."""
     made = cut(design)
-    at_limit = find_limit(design, made.scene_at, made.refine, Clock(), most_refined=made.refine)
+    at_limit = find_limit(made.scene_at, made.refine, Clock())
     limit = at_limit.analysis.governing
     status = _OUTCOMES.get(limit.outcome, "slides")
     return Answer(limit.factor or None, status, at_limit.analysis.moments_govern)
