@@ -12,7 +12,7 @@ times.
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -80,11 +80,13 @@ def stronger(inputs: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
         yield "seismic - 10 %", inputs | {"seismic": 0.9 * inputs["seismic"]}
 
 
-def broken_rules(inputs: dict[str, Any], found: FoundLimit) -> list[str]:
-    """Return the changes that lower the limit of a wedge or, where they are small, move it too far."""
+def broken_rules(
+    inputs: dict[str, Any], found: FoundLimit, changes: Iterable[tuple[str, dict[str, Any]]]
+) -> list[str]:
+    """Return which changes (as of `stronger`) lower the limit of a wedge or, where they are small, move it too far."""
     limit, forces = found.analysis.governing, found.analysis.forces_only
     broken = []
-    for name, changed in stronger(inputs):
+    for name, changed in changes:
         again = limit_of(changed)
         if again is None or limit.factor is None:
             continue
@@ -105,7 +107,7 @@ def main(count: int = 2000, seed: int = 1) -> None:
     """Run the wedges and print what was found."""
     ratios, seconds, notices, broken, without = [], [], Counter[str](), 0, 0
     for number, (inputs, found) in enumerate(cuts(count, seed)):
-        for said in broken_rules(inputs, found):
+        for said in broken_rules(inputs, found, stronger(inputs)):
             broken += 1
             print(f"{number}: {said}   {inputs}", flush=True)
         forces = found.analysis.forces_only.factor

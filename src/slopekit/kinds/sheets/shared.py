@@ -10,12 +10,6 @@ from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import JUDGED, METHODS, OTHERWISE, STATUSES, Result
 
-#: The rules on cohesion where moments open part of a contact.
-RULES = {
-    "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
-    "forces_alone": "forces only",
-}  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True)
 class _OnJoint:

@@ -49,8 +49,6 @@ _MOST_TRIES = 40  # bonds let go and found again
 class LimitAnalysis:
     """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
 
-    `by_rule`: the one that governs is that of a rule on cohesion (`moments`): what has lost its own need not open.
-    `without_path`: the elastic path was asked and came to no limit; the one that governs is that of the search.
     `model`: where laws are curved, the model with the line of each pair at its own traction; None where none is.
     """
 
@@ -58,8 +56,6 @@ class LimitAnalysis:
     forces_only: Limit
     with_turning: Limit
     moments_govern: bool
-    by_rule: bool = False
-    without_path: bool = False
     model: Model | None = None
 
     @property
