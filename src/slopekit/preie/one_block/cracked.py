@@ -37,6 +37,7 @@ from slopekit.preie.tolerances import (
 
 _SPLIT, _MOST_SPLIT = 3, 4  # each triangle of a pressed part is split in four so often, and at most so often
 _MOST_NEWTON = 14  # steps to one point of the path; where it takes more, the step along it was too long
+_MOST_STUCK = 150  # steps to where every point sticks: a hundred where a millionth of the load is left before tipping
 _MOST_WORK = 3000  # times the forces are summed; a second or two, after which the last state of rest is the limit
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
@@ -56,7 +57,6 @@ _CALMER = 0.7  # of what drove it: a block that flows and is driven by less may 
 _MOST_FLOW = 40  # steps of viscous flow
 _SNAP = 10.0  # elastic displacements: a block that comes to rest again within them has not failed
 EARLY = 30.0  # elastic displacements, beyond which a path that creeps has all but failed
-_LEAST_HOLD, _SLOWEST = 1e-13, 0.98  # of the bonded stiffness, and steps toward it that are too small to go on
 _STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
 
 
@@ -160,47 +160,47 @@ class _Path:
 
     def start(self, reduction: float) -> tuple[Floats, float] | None:
         """The block at rest where a first point slips; else at a λ of this size or the least multiple with a rest."""
-        bonded, most = self.springs.bonded, reduction * _HARDEST
-        stuck = self._rest(bonded, reduction, sticks=True)
-        if stuck is None:
-            stuck = self._stuck(reduction)
+        begin, most = self.springs.bonded, reduction * _HARDEST
+        stuck = self._stuck(reduction)
         if stuck is not None:
             first = self.springs.first_slip(stuck)
             if most / _HARDEST**2 < first < most:
                 return stuck, first
+            begin = stuck
         while reduction < most:
             for rests in (self._rest, self._flow):
-                rest = rests(bonded, reduction)
+                rest = rests(begin, reduction)
                 if rest is not None:
                     return rest, reduction
             reduction *= 4.0
         return None
 
-    def _rest(
-        self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0, anchor: Floats | None = None
-    ) -> Floats | None:
-        """Newton's method at one λ; `slow` parts of the bonded stiffness hold the block back to u, or to `anchor`."""
-        anchor = u if anchor is None else anchor
+    def _rest(self, u: Floats, reduction: float, slow: float = 0.0) -> Floats | None:
+        """Newton's method at one λ; `slow` parts of the bonded stiffness hold the block back to u."""
         drag, small = slow * self.springs.stiffness, SETTLED * max(1.0, reduction)
 
         def forces(at: Floats) -> tuple[Floats, Unbalanced]:
-            there = self.forces(at, at, reduction, False, sticks)
-            return there.out - drag @ (at - anchor), there
+            there = self.forces(at, at, reduction, False)
+            return there.out - drag @ (at - u), there
 
         rest, _, size = balanced(forces, lambda _, there: there.by_opening + there.by_slip - drag, u, small)
         return rest if size <= small else None
 
     def _stuck(self, reduction: float) -> Floats | None:
-        """The block at rest with every point stuck, from springs that hold its motion back and weaken to nothing."""
-        u, hold, weaker = 0.5 * self.springs.bonded, 1.0, 0.1
-        none = np.zeros(len(u))
-        while hold > _LEAST_HOLD and weaker < _SLOWEST and self.work < _MOST_WORK:
-            held = self._rest(u, reduction, sticks=True, slow=weaker * hold, anchor=none)
-            if held is None:
-                weaker = math.sqrt(weaker)
-            else:
-                u, hold, weaker = held, weaker * hold, max(0.1, weaker * weaker)
-        return self._rest(u, reduction, sticks=True)
+        """The block at rest with every point stuck, by Newton's method from the bonded displacement; None without one.
+
+        Full steps: each takes a third of a pressed part that is too large, however little of it the load leaves.
+        """
+        u, small = self.springs.bonded, SETTLED * max(1.0, reduction)
+        for _ in range(_MOST_STUCK):
+            at = self.forces(u, u, reduction, False, sticks=True)
+            if float(np.abs(at.out).max()) <= small:
+                return u
+            try:
+                u = u - np.linalg.solve(at.by_opening + at.by_slip, at.out)
+            except np.linalg.LinAlgError:
+                return None
+        return None
 
     def _flow(self, u: Floats, reduction: float) -> Floats | None:
         """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
