@@ -51,7 +51,11 @@ def moment_limit(scene: ContactModel) -> MomentLimit:
     forces, bed, state = factors.forces, factors.bed, factors.state
     if factors.exact is not None:
         exact = factors.exact
-        return MomentLimit(scene, LimitAnalysis(exact, exact, exact, False), factors, {})
+        if model.lines is not None:
+            from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
+
+            scene = replace(scene, model=drawn(model, exact.normal_force))
+        return MomentLimit(scene, LimitAnalysis(exact, exact, exact, False, _curved(scene.model)), factors, {})
     if bed is None or state is None:
         return MomentLimit(scene, LimitAnalysis(forces, forces, forces, False), factors, {})
     if state.factor is None:

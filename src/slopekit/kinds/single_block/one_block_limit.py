@@ -58,7 +58,7 @@ def find_limit(
         settled = state is not None and limit.analysis.moments_govern and state.factor is not None
         return FoundLimit(
             scene=limit.scene,
-            bounded=_drawn_at_limit(scene, limit.factors),
+            bounded=_drawn_at_limit(scene if limit.factors.exact is None else limit.scene, limit.factors),
             analysis=limit.analysis,
             change=state.change if state is not None and settled else None,
             factors=limit.factors,

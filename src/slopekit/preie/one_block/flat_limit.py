@@ -54,12 +54,12 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     model : of the block, from node pairs on the polygons
     polygons : interface -> (k, 3) corners in m, or (2, 3) ends of a line in a section; centroid : (3,) m
     """
+    if model.dilates and (exact := dilating_limit(model)) is not None:
+        return FlatLimit(exact, exact)
     forces = forces_limit(model)
     stands = forces.outcome is Outcome.NO_DRIVING_FORCE and stands_without_strength(model)
     if stands or forces.outcome in (Outcome.LIFTED, Outcome.NOT_CONVERGED) or forces.factor == 0.0:
         return FlatLimit(forces)
-    if model.dilates and (exact := dilating_limit(model)) is not None:
-        return FlatLimit(exact, exact)
     bed = bed_of(model, polygons, centroid)
     if model.lines is None and not model.dilates:
         slide = intact_limit_state(model)

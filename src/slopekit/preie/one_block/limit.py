@@ -138,7 +138,16 @@ def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
 
 def dilating_limit(model: Model) -> Limit | None:
     """Return the exact limit of joints that all stay closed, or dilate by all of their friction; None without one."""
-    return _intact_limit(model) or _associated_limit(model, limit_analysis)
+    limit = _on_lines(model, _dilating_on_lines).governing
+    return limit if limit.factor else None
+
+
+def _dilating_on_lines(model: Model) -> LimitAnalysis:
+    limit = _intact_limit(model) or _associated_limit(model, limit_analysis)
+    if limit is None:
+        bond = np.ones(len(model.control_area))
+        limit = Limit(Outcome.NOT_CONVERGED, None, np.zeros(model.unknowns), 0.0 * bond, bond, 0, 0.0)
+    return _alike(limit)
 
 
 def curved_limit_analysis(model: Model) -> LimitAnalysis:
