@@ -51,7 +51,6 @@ OF_A_WEDGE = [
 # code, template, changes, what the notice says
 OF_A_FILE = [
     ("W319", "wedge", {"crack": {"plane": "80/180", "distance": 5, "water": "full"}}, "the crack holds water"),
-    ("W307", "wedge-basal", {"crack.plane": "80/180", "crack.distance": 15}, "basal opens in part and loses all of"),
     ("W320", "wedge", {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}}, "strength.weak.c is a distribu"),
     ("W321", "plane", {"joints.J1.plane": "35/170"}, "J1 strikes 10° from the face"),
     ("W322", "paper-ellipsoid",
@@ -87,15 +86,6 @@ def test_notices_of_a_wedge(code, inputs, says) -> None:
 def test_notices_of_a_design_file(code, template, changes, says) -> None:
     said = {notice.code: notice.message for notice in sk.run(path_of(template), set=changes).warnings}
     assert said[code].startswith(says)
-
-
-def test_a_joint_that_dilates_is_lifted_by_more_where_it_parts() -> None:
-    """Its N' of 537 MN stands on the sheet beside "loses all of its cohesion": that of where it touches."""
-    found = sk.wedge(dips=("40/160", "80/220"), c=100, dilation=2)
-    assert found.forces.normal["J1"] > 0.0
-    first, _ = (notice.message for notice in found.warnings if notice.code == "W307")
-    says = "J1 is lifted in part by more than its slip dilates it and loses all of its cohesion, N' is that of"
-    assert first.startswith(says)
 
 
 def test_a_plain_design_is_told_nothing() -> None:

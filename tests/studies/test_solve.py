@@ -268,6 +268,27 @@ def test_a_jump_is_no_root() -> None:
     assert opened.fos.limit == pytest.approx(0.9, abs=1e-6)
 
 
+#: J1 loses contact at 10.307 kPa: F by forces falls from 2.518 to 1.614, on the bed from 1.851 to 1.75
+LOSES_CONTACT = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "59/180", "upper": "0/180", "height": 20},
+    "joints": {"J1": {"plane": "78/119", "strength": "a"}, "J2": {"plane": "62/239", "strength": "b"}},
+    "strength": {"a": {"c": 18, "phi": 42}, "b": {"c": 19, "phi": 35}}, "rock": {"unit_weight": 26},
+}  # fmt: skip
+
+
+def test_a_jump_of_both_is_no_root() -> None:
+    """Just before J1 loses contact the bed is the lower, just after it the forces without its cohesion."""
+    found = solve(sk.load(LOSES_CONTACT), "water.pressures.J1", fos=1.7)
+    assert found.answer is None
+    assert found.reason.code == "E317"
+    (jump,) = found.pre_ie.others
+    for value, factor in jump.bracket:
+        again = sk.run(LOSES_CONTACT, set={"water.pressures.J1": value}).fos.limit
+        assert again == pytest.approx(factor, rel=1e-6)
+    assert max(factor for _, factor in jump.bracket) > 1.8
+    assert "jump" in str(found)
+
+
 def test_a_jump_beside_a_root_is_told() -> None:
     """A root, and further on a jump across the same target: the slope is on the other side of it there."""
     found = solved("wedge", "strength.weak.c", 1.3)
