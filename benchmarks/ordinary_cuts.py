@@ -80,9 +80,7 @@ def stronger(inputs: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
         yield "seismic - 10 %", inputs | {"seismic": 0.9 * inputs["seismic"]}
 
 
-def broken_rules(
-    inputs: dict[str, Any], found: FoundLimit, changes: Iterable[tuple[str, dict[str, Any]]]
-) -> list[str]:
+def broken_rules(inputs: dict[str, Any], found: FoundLimit, changes: Iterable[tuple[str, dict[str, Any]]]) -> list[str]:
     """Return which changes (as of `stronger`) lower the limit of a wedge or, where they are small, move it too far."""
     limit, forces = found.analysis.governing, found.analysis.forces_only
     broken = []
