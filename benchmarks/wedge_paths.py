@@ -1,8 +1,7 @@
 """Single wedges as assemblies of one block: their exact limit state against the limit of the elastic path.
 
 By hand: ``python -m benchmarks.wedge_paths [500]``. Random wedges with water, bolts and earthquakes;
-``python -m benchmarks.wedge_paths 500 passive`` takes those with passive bolts only, ``... 250 moments`` those without
-cohesion that moments govern, their number against the path on its own node pairs. Compared where the one-block limit
+``python -m benchmarks.wedge_paths 500 passive`` takes those with passive bolts only. Compared where the one-block limit
 opens nothing that has cohesion; the rest is counted by what the two say.
 """
 
@@ -12,15 +11,12 @@ from collections import Counter
 import numpy as np
 
 from slopekit.core.errors import SlopekitError
-from slopekit.core.onlooker import Clock
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.kinds import cut
-from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.one_block.limit import limit_analysis
-from slopekit.preie.one_block.one_path import path_limit
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.assembly import AssemblyModel, build_assembly
 from slopekit.preie.system.model import JointStrength, Model
@@ -92,36 +88,6 @@ def compared(rng: np.random.Generator, passive: bool = False) -> tuple[str, floa
     return "alike" if abs(off) < 1e-6 else "DIFFER", off
 
 
-def moments(count: int) -> None:
-    """Wedges without cohesion that moments govern: how far the number lies off the path on the same node pairs."""
-    rng = np.random.default_rng(20)
-    off: dict[str, list[float]] = {"search": [], "number": []}
-    governed = 0
-    for _ in range(count):
-        wedge = {**random_wedge(rng), "c": [0.0, 0.0]}
-        try:
-            design = wedge_design(wedge)
-            scene_at = cut(design).scene_at
-            found = find_limit(design, scene_at, 0, Clock())
-        except SlopekitError:
-            continue
-        governed += found.analysis.moments_govern
-        if not found.analysis.moments_govern or not found.analysis.governing.factor:
-            continue
-        for name, limit in (("search", limit_analysis(found.scene.model)), ("number", found.analysis)):
-            factor = limit.governing.factor
-            path = path_limit(found.scene.model, factor) if factor else None
-            if path is not None and path.factor:
-                off[name].append(abs(path.factor / factor - 1.0))
-    print(f"{governed} governed by moments")
-    for name, parts in off.items():
-        beyond = sum(part > 1e-4 for part in parts)
-        ends = np.percentile(parts, (50, 90, 100))
-        print(
-            f"{name}: {len(parts)}, beyond 1e-4 {beyond}, median {ends[0]:.0e}, 90 % {ends[1]:.0e}, worst {ends[2]:.0e}"
-        )
-
-
 def main(count: int, passive: bool) -> None:
     """The table."""
     rng = np.random.default_rng(20)
@@ -139,4 +105,4 @@ def main(count: int, passive: bool) -> None:
 
 if __name__ == "__main__":
     number = int(sys.argv[1]) if len(sys.argv) > 1 else 500
-    moments(number) if "moments" in sys.argv else main(number, "passive" in sys.argv)
+    main(number, "passive" in sys.argv)

@@ -41,7 +41,7 @@ def test_the_sheet_of_the_papers_wedge() -> None:
     assert "J1 45/115  dips 45° toward 115 (ESE), strike 025" in run.stdout
     assert "DEFAULTS  face, upper, height, c, φ, density (the paper's wedge)" in run.stdout
     assert [line.split()[0] for line in lines[1:] if not line.startswith(" ")] == [
-        "PLANES", "SIZE", "LOADS", "FORCES", "STATUS", "FoS", "ROTATION", "MODEL", "MOVES", "TIME", "GOVERNS",
+        "PLANES", "SIZE", "LOADS", "FORCES", "STATUS", "FoS", "MODEL", "MOVES", "TIME", "GOVERNS",
         "DEFAULTS",
     ]  # fmt: skip
 

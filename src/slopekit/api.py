@@ -115,7 +115,7 @@ def wedge(
     ('slides_on_both', 1.5574, 1.5574, True)
     >>> wet = sk.wedge(dips=("45/115", "45/245"), water="full", accept=1.2)
     >>> round(wet.fos.limit, 4), wet.accepted
-    (1.039, False)
+    (1.006, False)
     """
     given = {name: value for name, value in locals().items() if name != "unknown"} | unknown
     for name, asked in (("elastic", elastic), ("elastic_bracket", elastic_bracket)):
@@ -213,7 +213,7 @@ def analyse(design: "Source", elastic: bool = False, elastic_bracket: bool = Fal
     ('slides_on_both', 1.5868)
     >>> cases = sk.load(wedge | {"cases": {"dry": {"set": {"water": "dry"}}, "rain": {"set": {"water": "full"}}}})
     >>> {name: round(one.fos.limit, 3) for name, one in sk.analyse(cases).cases.items()}
-    {'dry': 1.557, 'rain': 1.039}
+    {'dry': 1.557, 'rain': 1.006}
     """
     from slopekit.design.reading.files import design_from
     from slopekit.kinds import analyse as analyse_design
@@ -293,7 +293,7 @@ def run(
     >>> import slopekit as sk
     >>> design = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> round(sk.run(design, set={"water": "full"}).fos.limit, 3)
-    1.039
+    1.006
     """
     from slopekit.design.reading.files import design_from
 

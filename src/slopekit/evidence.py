@@ -1,13 +1,11 @@
 """What stands beside the status of a result: its factors of safety, forces, movements and what they rest on."""
 
 from collections.abc import Mapping
-from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.codec import NO_JSON
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Rule
 
@@ -19,9 +17,10 @@ class FactorsOfSafety:
     """The factors of safety; None where one does not apply.
 
     limit : PRE-IE, zero (or the given) dilation: the answer; closed_form : of the kind (Hoek & Bray); static_bound :
-    an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for; lowest, highest : of
-    the same mechanism of many blocks, whatever forces are locked in; lowest no more than where a motion begins with
-    other cohesion left (W494), on another way there (W495) or without turning (W479).
+    an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for; lowest, highest : the
+    range of the limit. Of one block: with other joint stiffness, and by forces alone where moments lower the limit. Of
+    many: of the same mechanism, whatever forces are locked in; lowest no more than where a motion begins with other
+    cohesion left (W494), on another way there (W495) or without turning (W479).
     """
 
     limit: float | None = None
@@ -108,7 +107,7 @@ class ReductionStep:
 
 @dataclass(frozen=True, slots=True)
 class ContactOpening:
-    """A contact where moments open it, by the cracked base; places (3,) in the user's coordinates.
+    """What of a joint is pressed at the limit on its elastic bed; places (3,) in the user's coordinates.
 
     `resultant_m` is where its normal force acts, `opens_at_m` the corner that opens most, None where all is pressed.
     """
@@ -117,32 +116,6 @@ class ContactOpening:
     normal_kn: float
     resultant_m: Floats | None
     opens_at_m: Floats | None
-
-
-@dataclass(frozen=True, slots=True)
-class CohesionUnderMoments:
-    """The limit by three rules on the cohesion of contacts that moments open; None where a rule has none.
-
-    `rule` is the headline's: the lower of cracked_base and bond_gone, or forces_alone where that is lower yet, or
-    by_mechanism where neither has a limit. `runs`: on the cracked base the motion runs, else its
-    pressed part gives way with the block at rest.
-    """
-
-    rule: str
-    headline: float
-    by_mechanism: float | None
-    cracked_base: float | None
-    bond_gone: float | None
-    lowest: float = field(metadata=NO_JSON)
-    highest: float = field(metadata=NO_JSON)
-    runs: bool
-    evidence: Mapping[str, ContactOpening]
-    JSON_ALSO: ClassVar = ("range",)
-
-    @property
-    def range(self) -> tuple[float, float]:
-        """From the lowest to the highest of the rules."""
-        return self.lowest, self.highest
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,23 +129,6 @@ class SecantLine:
     range_kpa: tuple[float, float]
     cohesion_kpa: float
     friction_angle_deg: float
-
-
-@dataclass(frozen=True, slots=True)
-class CurvedStrength:
-    """What the stress within the joints does where strength is curved.
-
-    Attributes
-    ----------
-    mean_stress : the limit with one traction a joint and no turning, as the closed form sees it
-    gap : the limit with the traction of every pair, in parts of that: below zero, for strength curves downward
-    rounds : how often the lines were drawn anew; lines : by joint
-    """
-
-    mean_stress: float | None
-    gap: float | None
-    rounds: int
-    lines: Mapping[str, SecantLine]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.one_block.limit import LimitAnalysis
-from slopekit.preie.one_block.passes import Limit, Outcome
+from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import MESH_CHANGE
 
@@ -53,9 +53,6 @@ class Facts:
     bound_is_proved : or not asked for; mesh_change : what the last refinement did
     unsettled : no equilibrium at full strength; why_not : why the closed form is not compared; block : what moves
     seismic : (3,) the way it acts, local axes; None without
-    by_rules : moments open part of a contact with cohesion, and the limit is that of a rule on it
-    span : lowest and highest factor of the mechanism, whatever forces are locked in
-    rests_to : of a block that moves on its cracked base and rests again farther off, the factor up to which it does
     """
 
     status: str
@@ -68,9 +65,6 @@ class Facts:
     why_not: str
     block: str
     seismic: Floats | None = None
-    by_rules: bool = False
-    span: tuple[float | None, float | None] = (None, None)
-    rests_to: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,7 +325,7 @@ def notices_of_factor(design: Design, interfaces: Sequence[Interface], facts: Fa
 
 def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """What a reader must know of the factor of one block: what it rests on, what it leaves out, how it was found."""
-    analysis, limit = facts.analysis, facts.analysis.governing
+    limit = facts.analysis.governing
     yield from _of_the_limit(design, facts)
     yield from _of_lost_cohesion(interfaces, facts)
     yield from _of_shaking(facts)
@@ -352,10 +346,6 @@ def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts
     if facts.why_not and any(strength.dilation_deg for strength in strengths):
         yield Notice("W310", facts.why_not)
     yield from bolt_notices(design)
-    if analysis.moments_govern and limit.factor and facts.mesh_change is None:
-        yield Notice(
-            "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
-        )
     yield from mesh_notices(facts.mesh_change or 0.0)
 
 
@@ -371,50 +361,24 @@ def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
                          f"strengths that were tried{unused}")  # fmt: skip
         else:
             yield Notice("W303", f"moments turn the {block} over{opened}, and no strength is called on{unused}")
-    elif analysis.moments_govern and limit.factor is not None:
-        of = f" {alone.factor:.4g}" if alone.factor is not None else ""
-        yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
-    if analysis.without_path and limit.factor is not None:
-        lowest, highest = facts.span
-        ends = "" if lowest is None or highest is None else (
-            f"; with other forces locked in the same mechanism has {lowest:.4g} to {highest:.4g}")  # fmt: skip
-        yield Notice("W304", "the elastic path gave no limit: the factor is that of a limit state which the search "
-                     f"found, and there may be others{ends}")  # fmt: skip
-    if facts.by_rules:
-        yield Notice("W314", "moments open part of a joint with cohesion: the limit depends on the rule for what is "
-                     "left of it (COHESION); the lower of those that converge is used")  # fmt: skip
-    if facts.rests_to:
-        yield Notice("W398", f"the {facts.block} moves on its cracked base and may rest again farther off, up to a "
-                     f"factor of {facts.rests_to:.4g}: the first motion is its limit")  # fmt: skip
     if limit.factor and not limit.settled_to(design.stop_when):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
         yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
-    if limit.factor and not analysis.moments_govern:
-        idle = _idle_share(limit, facts.model)
-        if idle > 0.005:
-            yield Notice("W306", f"{idle * 100:.0f} % of the joint area in contact carries no normal force at the "
-                         "limit on an elastic bed; its cohesion is counted because nothing opens there")  # fmt: skip
 
 
 def _of_lost_cohesion(interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
-    """W307: interfaces that the movement opens."""
+    """W307: interfaces that have lost contact where the forces alone govern, or that a curved surface opens on."""
     limit, area = facts.analysis.governing, facts.model.control_area
+    if limit.factor is None or facts.analysis.moments_govern:
+        return
     for interface in interfaces:
-        on = facts.pairs.interface == interface.key
-        lost = float(area[on & (limit.bond == 0.0)].sum() / area[on].sum())
-        if limit.factor is None or not interface.strength.cohesion_kpa > 0.0 or lost == 0.0:
-            continue
-        what = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
-        jump = "" if facts.by_rules and lost <= _ALL else ": the factor of safety jumps where that happens"
-        pressed = float(limit.normal_force[on].sum()) > _PRESSED * float(limit.normal_force.sum())
-        if lost > _ALL and pressed and interface.strength.dilation_deg:
-            yield Notice("W307", f"{interface.name} is lifted in part by more than its slip dilates it and loses all "
-                         f"of its cohesion, N' is that of where it touches{jump}")  # fmt: skip
-        elif lost > _ALL and pressed:
-            yield Notice("W307", f"{interface.name} opens in part and loses all of its cohesion{jump}")
-        else:
-            yield Notice("W307", f"{interface.name} {what} and loses its cohesion there{jump}")
+        joint = facts.pairs.interface == interface.key
+        lost = float(area[joint & (limit.bond == 0.0)].sum() / area[joint].sum())
+        if interface.strength.cohesion_kpa > 0.0 and lost > 0.0:
+            opens = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
+            yield Notice("W307", f"{interface.name} {opens} and loses its cohesion there: the factor of safety jumps "
+                         "where that happens")  # fmt: skip
 
 
 def _of_shaking(facts: Facts) -> Iterator[Notice]:
@@ -428,10 +392,3 @@ def _of_shaking(facts: Facts) -> Iterator[Notice]:
         elif along < _ACROSS * size:
             off = math.degrees(math.acos(along / size))
             yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")
-
-
-def _idle_share(limit: Limit, model: Model) -> float:
-    bonded = limit.bond > 0.0
-    idle = bonded & (limit.normal_force <= 1e-9 * limit.normal_force.sum()) & (model.cohesion > 0.0)
-    area = model.control_area
-    return float(area[idle].sum() / max(float(area[bonded].sum()), 1e-300))

@@ -19,8 +19,7 @@ from slopekit.evidence import (
     AllPairs,
     AlsoJudged,
     AtFactorOne,
-    CohesionUnderMoments,
-    CurvedStrength,
+    ContactOpening,
     FactorsOfSafety,
     Forces,
     History,
@@ -28,6 +27,7 @@ from slopekit.evidence import (
     Movement,
     ReductionStep,
     ResidualFactors,
+    SecantLine,
     WithoutBasal,
     WithoutCohesion,
     WithoutTurning,
@@ -119,7 +119,8 @@ class Result(Shown):
 
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
-    `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
+    `openings` say by joint what is pressed where the elastic bed settles the limit, else it is empty; `curved_strength`
+    has the line of each curved law at the mean traction of its joint.
     `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
     `without_turning` is the factor of one block of many without the turning that raises its limit, None elsewhere.
     `without_cohesion` is the limit of many cohesive blocks with c = 0, `history` where they run as strength falls.
@@ -152,9 +153,9 @@ class Result(Shown):
     series: tuple[ReductionStep, ...] = ()
     findings: "Findings | None" = None
     balance: Balance | None = None
-    cohesion_under_moments: CohesionUnderMoments | None = None
+    openings: Mapping[str, ContactOpening] = field(default_factory=dict)
     turns_over: str = ""
-    curved_strength: CurvedStrength | None = None
+    curved_strength: Mapping[str, SecantLine] = field(default_factory=dict)
     residual: ResidualFactors | None = None
     without_basal: WithoutBasal | None = None
     without_turning: WithoutTurning | None = None
@@ -458,8 +459,8 @@ class Result(Shown):
             "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
             "lowest_limit": None,
-            "cohesion_under_moments": json_of(self.cohesion_under_moments),
-            **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
+            "openings": json_of(self.openings),
+            **({"curved_strength": json_of(self.curved_strength)} if self.curved_strength else {}),
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
             **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
             **({} if self.without_turning is None else {"without_turning": json_of(self.without_turning)}),

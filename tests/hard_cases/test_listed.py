@@ -106,8 +106,8 @@ def test_water_up_to_and_past_the_loss_of_contact() -> None:
         water = u if isinstance(u, tuple) else (u, u)
         assert_sound(wedge(WYLLIE, water=water), PASSES)
     lost = point(wedge(WYLLIE, water=(mean, mean)))
-    assert (lost.status, lost.flags) == ("slides_on_J1", ("W307",))
-    assert lost.limit == pytest.approx(0.44458819909110614, rel=1e-5)
+    assert lost.forces_only == pytest.approx(0.44458819909110614, rel=1e-5)
+    assert 0.9 * lost.forces_only < lost.limit < lost.forces_only
 
 
 @pytest.mark.parametrize("ratio", [1, 1e3, 1e6])
@@ -116,26 +116,23 @@ def test_agreement_does_not_depend_on_the_joint_stiffness(ratio) -> None:
 
 
 @pytest.mark.parametrize("refine", [0, 1, 2, 3])
-def test_the_mesh_does_not_matter_for_a_sliding_wedge(refine) -> None:
+def test_the_mesh_does_not_matter_for_a_wedge_that_opens(refine) -> None:
+    """The bed has the exact polygons; 1,500 separate springs a joint: 0.7050 to 0.7056."""
     result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=(290, 0), refine=refine)
-    assert result.fos.limit == pytest.approx(0.8803428271540841, rel=1e-9)
-    assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-9)
+    assert result.forces_only == pytest.approx(0.8803428271540841, rel=1e-9)
+    assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
+    assert result.fos.limit == pytest.approx(0.7050040977, rel=1e-8)
 
 
-def test_moments_govern_on_one_plane_and_the_mesh_settles() -> None:
-    """METHOD.md §2: 1.502 against 1.538 on a single plane (a prototype's mesh); here 1.489, settled to 0.2 %."""
+def test_where_the_bed_holds_more_the_forces_alone_govern() -> None:
+    """One plane unloaded: Hoek & Bray 1.538, on the bed 1.578 (separate springs 1.5776 to 1.5789)."""
     single = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30}
     result = sk.wedge(**single, unit_weight=26)
-    assert result.moments_govern
+    assert not result.moments_govern
     assert result.agree
     assert result.status == "slides_on_J1"
-    assert result.fos.limit == pytest.approx(1.502, rel=0.01)
-    assert result.model.refined > 0
-    assert result.model.mesh_change < 2e-3
+    assert result.fos.limit == pytest.approx(1.5377593, rel=1e-6)
     assert "W312" not in [notice.code for notice in result.warnings]
-    finer = sk.wedge(**single, unit_weight=26, refine=4)
-    assert result.fos.limit == pytest.approx(finer.fos.limit, rel=2e-3)
-    assert "W312" in [notice.code for notice in finer.warnings]  # nothing finer was tried: the influence is unknown
 
 
 # -- the other kinds -----------------------------------------------------------------------------------------

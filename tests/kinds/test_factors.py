@@ -6,7 +6,6 @@ import slopekit as sk
 from slopekit.design.reading.files import load, with_values
 from slopekit.kinds import factors_of
 from slopekit.kinds.protocol import ClosedForm, compare
-from slopekit.kinds.single_block.one_block_limit import once
 from slopekit.kinds.wedge.design import wedge_design
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]
@@ -23,30 +22,9 @@ def same(design, whole=None) -> None:
         assert (alone.status, alone.limit, alone.factor) == (quick.closed_status, None, quick.closed_form)
 
 
-def test_what_is_asked_once_is_asked_of_each_by_all_that_it_hangs_on() -> None:
-    """By the objects themselves, and by every one of them; equal ones are not the same."""
-    asked: list[tuple[object, object]] = []
-    ask = once(lambda one, other: asked.append((one, other)) or len(asked))
-    one, other, like = [1], [2], [1]
-    assert [ask(one, other), ask(one, like), ask(like, other), ask(one, other), ask(one, like)] == [1, 2, 3, 1, 2]
-    assert len({ask([k], [k]) for k in range(100)}) == 100  # those that nobody else holds too
-    assert asked[:3] == [(one, other), (one, like), (like, other)]
-
-
 @pytest.mark.parametrize("file", FILES)
 def test_templates(file: str) -> None:
     same(load(file))
-
-
-def test_forces_alone_on_the_pairs_of_the_last_refinement() -> None:
-    """A flat wedge on one plane: its contact opens on coarse pairs, on finer ones the forces alone govern after all."""
-    design = wedge_design(
-        {"dips": ("47/096", "16/173"), "face": "65/180", "upper": "0/180", "height": 15, "c": 10, "phi": 30}
-    )
-    found = factors_of(design)
-    assert (found.status, found.moments_govern) == ("slides_on_J2", False)
-    assert found.limit == pytest.approx(found.closed_form, rel=1e-6)  # Hoek & Bray: no turning
-    same(design)
 
 
 def test_dilating_joints_are_not_compared() -> None:

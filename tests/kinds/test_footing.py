@@ -66,9 +66,13 @@ def test_a_load_in_the_middle_fails_all_pairs_at_once() -> None:
 
 @pytest.mark.parametrize("at", [1.0, 2.0, 3.0, 4.0])
 @pytest.mark.parametrize("pairs", [3, 9, 33])
-def test_the_limit_does_not_care_where_the_load_stands(at, pairs) -> None:
-    """A plastic seam with φ = 0 holds any moment its pairs can press: the forces settle F."""
-    assert run(at=at, pairs=pairs).fos.limit == pytest.approx(4.0 / 3.0, rel=1e-9)
+def test_cohesion_acts_where_the_load_presses_the_seam(at, pairs) -> None:
+    """φ = 0: 4/3 within the middle third, beyond it on the 3 (L/2 - e) that are pressed, as under a dam. By hand."""
+    length, off = 5.0 * math.sqrt(2.0), abs(at - 2.5) / math.cos(math.pi / 4)
+    pressed = min(length, 3.0 * (length / 2.0 - off))
+    found = run(at=at, pairs=pairs)
+    assert found.fos.limit == pytest.approx(4.0 / 3.0 * pressed / length, rel=1e-9)
+    assert found.forces_only == pytest.approx(4.0 / 3.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.16, 0.17, 0.3])

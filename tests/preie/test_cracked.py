@@ -1,8 +1,6 @@
 """The cracked base against hand calculations of dams, against thousands of separate springs, and against itself."""
 
 import math
-import re
-from collections import Counter
 from itertools import pairwise
 
 import numpy as np
@@ -12,15 +10,13 @@ import slopekit as sk
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rock.rockmass import J1, J2
 from slopekit.kinds import cut, wedge
-from slopekit.kinds.single_block import moments
-from slopekit.kinds.single_block.moments import limit_by_rules, opens_cohesive
+from slopekit.kinds.single_block.moments import MomentLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.one_block import cracked
 from slopekit.preie.one_block.cracked import cracked_base, cracked_limit
-from slopekit.preie.one_block.limit import LimitAnalysis, limit_analysis, limit_on_lines
 from slopekit.preie.one_block.polygon_bed import BedSprings, PolygonBed, bed_of
-from slopekit.preie.system.model import JointStrength, Model, build_model
+from slopekit.preie.system.model import JointStrength, build_model
 from slopekit.result import Result
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge
@@ -107,8 +103,16 @@ def test_a_square_base_in_torsion(phi) -> None:
     assert all(finer < 0.5 * coarser for coarser, finer in pairwise(errors))
 
 
-def opened_by_moments(count: int, seed: int) -> list[tuple[dict, object, object]]:
-    """Random wedges without passive bolts whose motion opens a cohesive joint: inputs, scene and its limit."""
+def opens(limit: MomentLimit, inputs: dict) -> bool:
+    """Whether moments govern by a state that opens part of a cohesive joint."""
+    if not limit.analysis.moments_govern or not limit.openings:
+        return False
+    shares = [opening.pressed_share for opening in limit.openings.values()]
+    return any(share < 1.0 and c > 0.0 for share, c in zip(shares, inputs["c"], strict=True))
+
+
+def opened_by_moments(count: int, seed: int) -> list[tuple[dict, object, float]]:
+    """Random wedges without passive bolts that moments open: inputs, scene and limit."""
     rng = np.random.default_rng(seed)
     found = []
     while len(found) < count:
@@ -116,14 +120,14 @@ def opened_by_moments(count: int, seed: int) -> list[tuple[dict, object, object]
         if any(bolt["acts"] == "passive" for bolt in inputs.get("bolts", [])):
             continue
         scene = cut(wedge_design(inputs)).scene_at(0)
-        analysis = limit_analysis(scene.model)
-        if opens_cohesive(scene, analysis):
-            found.append((inputs, scene, analysis))
+        limit = moment_limit(scene)
+        if opens(limit, inputs):
+            found.append((inputs, scene, limit.analysis.governing.factor))
     return found
 
 
 @pytest.fixture(scope="module")
-def opened() -> list[tuple[dict, object, object]]:
+def opened() -> list[tuple[dict, object, float]]:
     return opened_by_moments(13, 5)
 
 
@@ -151,8 +155,8 @@ def test_random_wedges_against_separate_springs(opened) -> None:
     400 wedges with 1,500 springs a joint: `benchmarks.moments`.
     """
     compared = 0
-    for inputs, scene, analysis in opened:
-        found = cracked_base(bed_on(scene), analysis.governing.factor)
+    for inputs, scene, factor in opened:
+        found = cracked_base(bed_on(scene), factor)
         if found.factor is None or found.creeps:
             continue
         bracket = by_springs(inputs, found.factor, 400)
@@ -194,8 +198,8 @@ def test_the_slopes_are_those_of_the_forces(opened) -> None:
 @pytest.mark.parametrize("seed", [1111, 17])
 def test_the_limit_does_not_depend_on_the_steps_of_the_path(seed, monkeypatch) -> None:
     """Steps of half the length, and a start from another guess; with long steps past a least λ this was 4.9 to 6.3."""
-    for _, scene, analysis in opened_by_moments(2, seed):
-        guess = analysis.governing.factor
+    for _, scene, factor in opened_by_moments(2, seed):
+        guess = factor
         factors = [cracked_limit(bed_on(scene), guess * times, 2).factor for times in (0.7, 1.0, 1.5)]
         with monkeypatch.context() as shorter:
             shorter.setattr(cracked, "_FIRST", 0.05)
@@ -220,25 +224,14 @@ def test_no_force_jumps_where_a_corner_opens() -> None:
 
 def test_the_cracked_base_converges_with_its_triangles(opened) -> None:
     """And says beforehand what splitting them once more does: within a factor of three, or both are below 1e-4."""
-    for _, scene, analysis in opened[:5]:
+    for _, scene, factor in opened[:5]:
         bed = bed_on(scene)
-        coarse, finer, finest = (cracked_limit(bed, analysis.governing.factor, split) for split in (1, 2, 3))
+        coarse, finer, finest = (cracked_limit(bed, factor, split) for split in (1, 2, 3))
         if coarse.factor is None or finer.factor is None or finest.factor is None or finer.creeps:
             continue
         done, next_ = abs(finer.factor / coarse.factor - 1.0), abs(finest.factor / finer.factor - 1.0)
         assert next_ < max(0.6 * done, 3e-4)
         assert next_ < max(3.0 * finer.change, 1e-4)
-
-
-def test_bond_gone_converges_with_the_pairs_and_by_mechanism_sinks_to_it() -> None:
-    """A wedge whose motion leaves a line of each joint closed: 1.83, 1.63, 1.47, 1.38 ... toward 1.28."""
-    inputs = turning_on_two_edges()
-    at = cut(wedge_design(inputs)).scene_at
-    motions = [limit_analysis(at(refine).model).governing.factor for refine in range(4)]
-    gone = [moments._bond_gone(at(refine).model)[0].factor for refine in range(3)]
-    assert gone == pytest.approx([gone[0]] * 3, rel=1e-4)
-    gaps = [value - gone[0] for value in motions]
-    assert all(0.0 < finer < 0.75 * coarser for coarser, finer in pairwise(gaps))
 
 
 def turning_on_two_edges() -> dict:
@@ -287,82 +280,37 @@ def test_the_limit_does_not_depend_on_how_the_wedge_is_written(opened, analysed,
     change, times = CHANGES[name]
     for (inputs, _, _), first in zip(opened[:5], analysed, strict=False):
         again = sk.wedge(**change(inputs))
-        one, other = first.cohesion_under_moments, again.cohesion_under_moments
-        assert other.rule == one.rule
-        assert again.fos.limit == pytest.approx(first.fos.limit * times, rel=1e-6)
-        assert other.cracked_base == pytest.approx(one.cracked_base * times, rel=1e-5)
-        assert other.bond_gone == pytest.approx(one.bond_gone * times, rel=1e-6)
+        assert again.fos.limit == pytest.approx(first.fos.limit * times, rel=1e-5)
 
 
-def test_the_headline_is_the_lower_rule_and_below_the_static_bound(analysed) -> None:
-    """No forces at the limit are inadmissible, and no rule that converges gives less."""
-    rules = set()
+def test_the_limit_is_the_lower_of_forces_and_bed_and_below_the_static_bound(analysed) -> None:
+    """No forces at the limit are inadmissible, and all of them balance."""
     for result in analysed:
-        found = result.cohesion_under_moments
-        rules.add(found.rule)
-        assert result.fos.limit == found.headline <= result.forces_only
-        assert found.headline <= min(value for value in (found.cracked_base, found.bond_gone) if value) * (1.0 + 1e-6)
-        assert found.headline <= result.fos.static_bound * (1.0 + 1e-6)
-        if found.rule == "cracked_base":
-            assert result.balance.force < 1e-9
-            assert result.balance.moment < 1e-9
-            assert result.balance.friction_excess < 1e-9
-            assert result.balance.pull == 0.0
-    assert rules == {"cracked_base", "bond_gone"}
+        assert result.fos.limit < result.forces_only == result.fos.highest
+        assert result.fos.limit <= result.fos.static_bound * (1.0 + 1e-6)
+        assert result.fos.lowest is None or result.fos.lowest < 0.99 * result.fos.limit
+        assert result.balance.force < 1e-9
+        assert result.balance.moment < 1e-9
+        assert result.balance.friction_excess < 1e-9
+        assert result.balance.pull == 0.0
 
 
-def test_the_sheet_and_the_json_carry_the_rules() -> None:
-
+def test_the_sheet_and_the_json_say_what_opens() -> None:
     result = sk.wedge(**turning_on_two_edges())
-    found = result.to_dict()["cohesion_under_moments"]
-    assert found["rule"] == "bond_gone"
-    assert found["headline"] == found["bond_gone"] == result.fos.limit == found["range"][0]
-    assert found["range"][1] == found["cracked_base"] == pytest.approx(3.767, rel=1e-3)
-    assert found["evidence"]["J1"]["pressed_share"] == pytest.approx(0.930, abs=2e-3)
-    assert found["evidence"]["J2"]["opens_at_m"] is None
-    assert "W314" in [notice.code for notice in result.warnings]
-    assert "W312" not in [notice.code for notice in result.warnings]
-    line = " ".join(str(result).split("COHESION")[1].split("MODEL")[0].split())
-    assert line.startswith("cracked base 3.764, by mechanism 1.625, bond gone 1.279; used: bond gone;")
-    assert "bond gone 1.279; used: bond gone; J1 93 % pressed, force at (" in line
-    assert "opens from (-6.299, -4.520, 6.533); J2 100 % pressed" in line
+    found = result.to_dict()["openings"]
+    assert found["J1"]["pressed_share"] == pytest.approx(0.930, abs=2e-3)
+    assert found["J2"]["opens_at_m"] is None
+    line = " ".join(str(result).split("MOMENTS")[1].split("MODEL")[0].split())
+    assert line.startswith(
+        "6.99 % of J1 opens at failure and carries no cohesion there: FoS 3.764 (forces alone 4.604)"
+    )
 
 
-def test_a_block_that_moves_and_rests_again_says_so(opened) -> None:
-    """The second wedge of seed 5 moves at 0.2012, as separate springs say (0.197), and rests again farther off."""
-    inputs, _, _ = opened[1]
-    result = sk.wedge(**inputs)
-    found = result.cohesion_under_moments
-    assert found.rule == "cracked_base"
-    assert result.fos.limit == found.headline == found.range[0] == pytest.approx(0.2012, rel=1e-3)
-    (said,) = [notice.message for notice in result.warnings if notice.code == "W398"]
-    farther = float(re.search(r"up to a factor of (\S+): the first motion is its limit", said)[1])
-    assert 0.5 < farther <= found.range[1] * (1.0 + 1e-3)
-    assert "W398" not in [notice.code for notice in sk.wedge(**turning_on_two_edges()).warnings]
+def test_a_wedge_that_presses_on_all_of_its_joints_follows_no_path(monkeypatch) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError
 
-
-def test_no_model_is_solved_twice_in_one_analysis(monkeypatch) -> None:
-    """By mechanism, with the bond gone and by the path: what is asked again is remembered."""
-    asked = Counter[bytes]()
-
-    def counted(model: Model) -> LimitAnalysis:
-        asked[b"".join(part.tobytes() for part in (model.rows, model.load, model.cohesion, model.tan_friction))] += 1
-        return limit_on_lines(model)
-
-    monkeypatch.setattr("slopekit.preie.one_block.limit.limit_on_lines", counted)
-    sk.wedge(**turning_on_two_edges())
-    assert len(asked) > 3
-    assert max(asked.values()) == 1
-
-
-def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:
-    """Neither the plain wedge nor one that has lost all contact on one joint."""
-    monkeypatch.setattr("slopekit.kinds.single_block.one_block_limit.limit_by_rules", judge_never)
-    for water in ((0, 0), (290, 0)):
-        result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=water)
-        assert result.cohesion_under_moments is None
-        assert result.to_dict()["cohesion_under_moments"] is None
-
-
-def judge_never(*_: object) -> None:
-    raise AssertionError(limit_by_rules)
+    monkeypatch.setattr("slopekit.preie.one_block.flat_limit.cracked_base", never)
+    result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195")
+    assert result.to_dict()["openings"] == {}
+    assert not result.moments_govern

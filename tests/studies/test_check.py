@@ -21,7 +21,7 @@ from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOC
 
 ONE_PLANE = {
     "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
-    "joints": {"J1": {"plane": "40/160"}, "J2": {"plane": "80/220"}}, "strength": {"s": {"c": 20, "phi": 30}},
+    "joints": {"J1": {"plane": "45/160"}, "J2": {"plane": "80/240"}}, "strength": {"s": {"c": 20, "phi": 30}},
     "rock": {"unit_weight": 26},
 }  # fmt: skip
 

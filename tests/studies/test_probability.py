@@ -207,7 +207,7 @@ def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
     """
     turning = {
         "slopekit": 1, "kind": "wedge",
-        "joints": {"J1": {"plane": "40/160", "strength": "a"}, "J2": {"plane": "80/220", "strength": "b"}},
+        "joints": {"J1": {"plane": "45/160", "strength": "a"}, "J2": {"plane": "80/240", "strength": "b"}},
         "slope": {"face": "65/180", "upper": "0/180", "height": 10},
         "strength": {"a": {"c": 20, "phi": PHI | {"mean": 30, "sd": 0.6}},
                      "b": {"c": {"dist": "normal", "mean": 20, "sd": 2}, "phi": 30}},

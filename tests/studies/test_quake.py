@@ -434,7 +434,8 @@ def _settles(monkeypatch, slid: list[tuple[float, float]], opens: bool) -> tuple
         return SimpleNamespace(level=level, area=np.ones(8 * 4**level), translations=2)
 
     monkeypatch.setattr("slopekit.studies.quake.six.shake", shaken)
-    made = SimpleNamespace(refine=0, most_refined=len(slid) - 1)
+    monkeypatch.setattr("slopekit.studies.quake.six._MOST_REFINED", len(slid) - 1)
+    made = SimpleNamespace(refine=0)
     block, _, change = _settled(SimpleNamespace(block=on_pairs(0), made=made, finer=on_pairs), np.ones(1))
     return block.level, change
 

@@ -142,7 +142,7 @@ def test_sheet_json_and_line(study) -> None:
     assert max(map(len, sheet.splitlines())) <= 100
     assert "angles ±2°" in sheet
     assert "changes nothing: " in sheet
-    assert study.line.startswith("water.fill 0.5184")
+    assert study.line.startswith("water.fill 0.5514")
     document = study.to_dict()
     assert json.loads(json.dumps(document, allow_nan=False)) == document
     assert document.keys() >= {"study", "rule", "base", "bars", "left_out", "disagree", "warnings"}
@@ -171,7 +171,7 @@ def test_the_command(monkeypatch, capsys, tmp_path) -> None:
     with pytest.raises(SystemExit) as left:
         main()
     assert (left.value.code or 0) == 0
-    assert capsys.readouterr().out.startswith("water.fill 0.5184")
+    assert capsys.readouterr().out.startswith("water.fill 0.5514")
     assert {path.name for path in tmp_path.iterdir()} == {"tornado.json", "tornado.txt", "tornado.png"}
 
 

@@ -160,7 +160,7 @@ def explore(source: Any = None, keys: Sequence[str] | None = None) -> Explorer:
     >>> under = sk.explore(design, ["joints", "water"])
     >>> under.set({"water.fill": "100 %"})
     >>> round(under.result.fos.limit, 3), under.changed
-    (1.039, ['water.fill'])
+    (1.006, ['water.fill'])
     """
     session = Session(_opened(source))
     if keys is not None:

@@ -132,9 +132,9 @@ def _timed(result: Result, began: float) -> dict[str, float]:
 
 
 def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
-    if result.cohesion_under_moments is not None:
-        yield Notice("W452", "moments open joints with cohesion: the elastic limit is to be compared with the "
-                     f"rigid one on its pairs, {_number(answer.rigid_limit)}, not with COHESION")  # fmt: skip
+    if result.openings:
+        yield Notice("W452", "moments open joints: the elastic limit is to be compared with the rigid one on its "
+                     f"pairs, {_number(answer.rigid_limit)}")  # fmt: skip
     if answer.bracket is not None:
         low, high = answer.bracket
         at = answer.limit_at_bracket

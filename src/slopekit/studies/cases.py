@@ -6,7 +6,7 @@
 ...          "wet": {"set": {"water": "full"}, "accept": "fos >= 1.2"}}}
 >>> found = sk.run(wedge)
 >>> round(found.cases["wet"].fos.limit, 3), found.governing, found.exit_code
-(1.039, 'wet', 1)
+(1.006, 'wet', 1)
 """
 
 import math

@@ -19,7 +19,6 @@ from slopekit.core.sheet import Section, counted
 from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
     AllPairs,
-    CurvedStrength,
     FactorsOfSafety,
     Forces,
     History,
@@ -525,11 +524,11 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
     )  # fmt: skip
 
 
-def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> CurvedStrength | None:
+def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, SecantLine]:
     """The line of each curved joint at the mean normal traction of its node pairs that carry any."""
     solved = [part for part in parts if part.model.lines is not None and part.limit.factor]
     if not solved:
-        return None
+        return {}
     kinds = [part.model.lines.joint[part.model.joint_pairs] for part in solved if part.model.lines is not None]
     joint = np.concatenate(kinds)
     areas = [part.model.control_area[part.model.joint_pairs] * part.model.area_scale for part in solved]
@@ -545,8 +544,7 @@ def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> CurvedStrength | Non
                 line.traction_kpa, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
                 line.friction_angle_deg,
             )  # fmt: skip
-    rounds = max(part.model.lines.rounds for part in solved if part.model.lines is not None)
-    return CurvedStrength(None, None, rounds, lines)
+    return lines
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------

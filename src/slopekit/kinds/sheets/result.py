@@ -14,7 +14,7 @@ from slopekit.kinds.words import line_in_words, size_number
 from slopekit.notices import INVENTED
 from slopekit.result import Result
 
-_NARROW = 2e-3  # a range of factors narrower than this part is not printed: node pairs are not refined any closer
+_WHOLE = 5e-4  # of a joint: so little of it that opens is rounding
 
 
 def sheet_of(result: Result) -> Sheet:
@@ -45,9 +45,8 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section("FoS", [shared.factors_table(result, _factors(result))])
     yield from shared.elastic(result)
     yield Section("COLUMNS", shared.methods(result))
-    yield Section("ROTATION", _rotation(result))
+    yield Section("MOMENTS", _moments(result))
     yield Section("STRENGTH", shared.curved_strength(result))
-    yield Section("COHESION", shared.cohesion(result))
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("SERIES", shared.series(result))
     yield Section("ACCEPT", shared.accept(result))
@@ -72,17 +71,15 @@ def _factors(result: Result) -> Iterator[Factor]:
     dilating = dilates(result.design)
     assumption = "limit, PRE-IE, joints dilate as given" if dilating else "limit, PRE-IE"
     assumption += result.words.assumes
-    if curved is not None:
+    if curved:
         assumption += ", strength of each node pair at its own normal traction"
-    yield Factor(fos.limit, assumption, shared.verdict(result) if compared and curved is None else "")
-    if fos.lowest is not None and (fos.highest is None or fos.highest > (1.0 + _NARROW) * fos.lowest):
-        yield shared.locked_in(result)
+    yield Factor(fos.limit, assumption, shared.verdict(result) if compared else "")
+    if fos.lowest is not None:
+        yield Factor(fos.lowest, "lowest, for a joint stiffness ratio of 0.1 to 1 and where the joints creep open")
     if result.moments_govern and result.forces_only is not None:
-        yield Factor(result.forces_only, "forces only, PRE-IE (no turning: the closed form's assumptions)")
-    if curved is not None and curved.mean_stress is not None and fos.closed_form is not None:
-        yield Factor(curved.mean_stress, "one traction a plane, PRE-IE", shared.verdict(result))
+        yield Factor(result.forces_only, "forces only, PRE-IE (no moments: the closed form's assumptions)")
     zero = ", zero dilation" if dilating else ""
-    zero += "" if curved is None else ", secant at the mean normal traction of each plane"
+    zero += "" if not curved else ", secant at the mean normal traction of each plane"
     closed = f"{result.words.closed_form}{zero}" if compared else f"closed form: {result.words.no_closed_form}"
     yield Factor(fos.closed_form, closed)
     if fos.static_bound is not None:
@@ -91,19 +88,33 @@ def _factors(result: Result) -> Iterator[Factor]:
         yield Factor(fos.all_pairs_failed, "all pairs failed (the paper's criterion; depends on the stiffness)")
 
 
-def _rotation(result: Result) -> list[str]:
-    if not result.words.turns:
+def _moments(result: Result) -> list[str]:
+    """What moments do to the factor of safety, where they matter."""
+    fos, forces = result.fos, result.forces_only
+    if not result.words.turns or not result.moments_govern:
         return []
-    what = result.words.block
     if result.status == "topples":
-        return [f"first: moments turn the {what} over, {result.turns_over}"]
-    if result.moments_govern and result.forces_only and result.fos.limit:
-        less = (1.0 - result.fos.limit / result.forces_only) * 100
-        return [f"first: moments lower the limit by {less:.1f} % below what forces alone give"]
-    if result.status in ("lifted", "falls", "no_driving_force", "not_converged"):
-        because = f"nothing drives the {what}" if result.status == "no_driving_force" else result.status_text
-        return [f"not asked: {because}"]
-    return [f"not first: with moments the {what} slides at the same factor, or only at a higher one"]
+        unused = "" if forces is None else f" (forces alone would give {forces:.4g}: do not use it)"
+        return [f"they turn the {result.words.block} over, {result.turns_over}{unused}"]
+    if fos.limit is None:
+        return []
+    opened = [
+        f"{(1.0 - opening.pressed_share) * 100:.3g} % of {name}"
+        for name, opening in result.openings.items()
+        if opening.pressed_share < 1.0 - _WHOLE
+    ]
+    change = "lower the FoS"
+    if opened:
+        verbs = "open at failure and carry" if len(opened) > 1 else "opens at failure and carries"
+        change = f"{' and '.join(opened)} {verbs} no cohesion there: FoS"
+    alone = "" if forces is None else f" (forces alone {forces:.4g})"
+    lines = [f"{change} {fos.limit:.4g}{alone}" if opened else f"moments {change} to {fos.limit:.4g}{alone}"]
+    if fos.static_bound is not None and fos.closed_form is not None and fos.static_bound < fos.closed_form:
+        lines.append(
+            f"no distribution of forces can balance at the closed form's {fos.closed_form:.4g} "
+            f"(upper bound {fos.static_bound:.4g})"
+        )
+    return lines
 
 
 def _model(result: Result) -> list[str]:

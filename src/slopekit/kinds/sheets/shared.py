@@ -3,19 +3,12 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from operator import attrgetter, itemgetter
 
-from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import JUDGED, METHODS, OTHERWISE, STATUSES, Result
-
-#: The rules on cohesion where moments open part of a contact.
-RULES = {
-    "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
-    "forces_alone": "forces only",
-}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,49 +359,13 @@ def times(count: int) -> str:
     return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
-def cohesion(result: Result) -> list[str]:
-    """Where moments open part of a contact with cohesion: the factor by each rule, and the evidence."""
-    under_moments = result.cohesion_under_moments
-    if under_moments is None:
-        return []
-    named = {
-        "cracked_base": under_moments.cracked_base,
-        "by_mechanism": under_moments.by_mechanism,
-        "bond_gone": under_moments.bond_gone,
-    }
-    parts = [f"{RULES[name]} {'none' if value is None else f'{value:.4g}'}" for name, value in named.items()]
-    said = f"{', '.join(parts)}; used: {RULES[under_moments.rule]}"
-    for name, contact in under_moments.evidence.items():
-        said += f"; {name} {_share(contact.pressed_share)} pressed"
-        if contact.resultant_m is not None:
-            said += f", force at {coordinates(contact.resultant_m.tolist())}"
-        if contact.opens_at_m is not None:
-            said += f", opens from {coordinates(contact.opens_at_m.tolist())}"
-    return [said]
-
-
 def curved_strength(result: Result) -> list[str]:
     """Where strength is curved: the line of each joint at its mean normal traction, and what the mean leaves out."""
-    strength = result.curved_strength
-    if strength is None:
-        return []
-    said = []
-    for name, line in strength.lines.items():
-        low, high = line.range_kpa
-        said.append(
-            f"{name} at {line.traction_kpa:.4g} kPa (node pairs {low:.4g} .. {high:.4g}): "
-            f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
-        )
-    if strength.gap is not None:
-        said.append(
-            f"the tractions of the node pairs lower the limit by {-strength.gap * 100:.2f} % below that of one mean "
-            "traction a joint"
-        )
-    return said
-
-
-def _share(part: float) -> str:
-    return f"{part * 100:.3g} %"
+    return [
+        f"{name} at {line.traction_kpa:.4g} kPa (node pairs {line.range_kpa[0]:.4g} .. {line.range_kpa[1]:.4g}): "
+        f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
+        for name, line in result.curved_strength.items()
+    ]
 
 
 def governs(result: Result) -> list[Entry]:

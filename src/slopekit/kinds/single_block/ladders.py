@@ -11,13 +11,15 @@ from dataclasses import field, replace
 from functools import partial
 from typing import Any
 
-from slopekit.core.onlooker import say
+from slopekit.core.onlooker import Clock, say
 from slopekit.core.records import dataclass
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.one_block import Cut
+from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.motion.balance import Balance
-from slopekit.preie.one_block.limit import LimitAnalysis, forces_only_limit, limit_analysis, passes_limit
+from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor
+from slopekit.preie.one_block.limit import LimitAnalysis, passes_limit
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.mechanism import COLD, Stages
 from slopekit.preie.system.model import Model
@@ -139,12 +141,12 @@ def ladder_of_block(
     made = cut(design)
     scene = made.scene_at(made.refine)
     model = scene.model
-    if model.lines is not None:
-        model = made.limit(model).model or model  # on the lines of its limit
-    if made.limit is limit_analysis:
-        alone, seconds = timed(lambda: forces_only_limit(model))
+    if scene.bedding is not None:
+        alone, seconds = timed(lambda: forces_limit(model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
-    if not model.dilates:  # plain passes know no dilation
+    elif model.lines is not None:
+        model = made.limit(model).model or model  # on the lines of its limit
+    if not model.dilates and (model.lines is None or scene.bedding is None):  # plain passes know no dilation
         rungs += _passes(model)
     return Ladder(result, (*rungs, *finer(design, result, made)), tuple(_others(result, made)))
 
@@ -166,11 +168,19 @@ def _passes(model: Model) -> Iterator[Rung]:
 
 
 def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
-    """Flat joints with their parts split further and further."""
-    for level in range(made.refine, max(_MOST_REFINED, result.model.refined + 1) + 1):
+    """Flat joints with their parts, or the pressed parts of their bed, split further and further."""
+    for level in range(made.refine, _MOST_REFINED + 1):
         setting = f"parts split {often(level)}"
         say(f"ladder, {setting}", head=True)
-        yield limit_rung(made.scene_at(level), made.limit, setting, level)
+        scene = made.scene_at(level)
+        factor, seconds = timed(partial(_split_factor, scene, level))
+        yield Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
+
+
+def _split_factor(scene: ContactModel, level: int) -> float | None:
+    """Return the limit of a block on flat joints whose parts are split so often."""
+    assert scene.bedding is not None
+    return refined_factor(flat_limit(scene.model, scene.bedding.polygons, scene.bedding.centroid), level)
 
 
 def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:
@@ -182,15 +192,33 @@ def limit_rung(scene: ContactModel, analyse: Callable[[Model], LimitAnalysis], s
 
 
 def _others(result: Result, made: Cut) -> Iterator[float | None]:
-    model = made.scene_at(max(made.refine, result.model.refined)).model
+    scene = made.scene_at(made.refine)
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
         say("other strengths, divided by", k, head=True)
-        other = replace(
-            model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k,
-            bolt_capacity=model.bolt_capacity / k, lines=None if model.lines is None else model.lines.reduced(k),
-        )  # fmt: skip
-        limit = made.limit(other).governing
+        found = find_limit(partial(_reduced, scene, k), made.refine, Clock(), made.limit)
+        limit = found.analysis.governing
         yield k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
+
+
+def _reduced(scene: ContactModel, k: float, _: int) -> ContactModel:
+    """Return the scene with the strength of all joints and bolts divided by k."""
+
+    def weaker(model: Model) -> Model:
+        return replace(
+            model,
+            cohesion=model.cohesion / k,
+            tan_friction=model.tan_friction / k,
+            bolt_capacity=model.bolt_capacity / k,
+            lines=None if model.lines is None else model.lines.reduced(k),
+        )
+
+    bedding = scene.bedding
+    if bedding is None:
+        return replace(scene, model=weaker(scene.model))
+    model_of = bedding.model_of
+    return replace(
+        scene, model=weaker(scene.model), bedding=replace(bedding, model_of=lambda pairs: weaker(model_of(pairs)))
+    )
 
 
 def kept_bonds_factor(model: Model) -> float | None:

@@ -19,8 +19,7 @@ from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
     AllPairs,
     AtFactorOne,
-    CohesionUnderMoments,
-    CurvedStrength,
+    ContactOpening,
     FactorsOfSafety,
     Forces,
     ModelSize,
@@ -31,11 +30,7 @@ from slopekit.evidence import (
 from slopekit.extents import Geometry
 from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, WhenRead, compare, one_or_error
-from slopekit.kinds.single_block.moments import (
-    CohesionRules,
-    locked_in_range,
-)
-from slopekit.kinds.single_block.one_block_limit import MOST_REFINED, FoundLimit, comparable, find_limit
+from slopekit.kinds.single_block.one_block_limit import FoundLimit, comparable, find_limit
 from slopekit.kinds.single_block.one_block_states import (
     ContactModel,
     arrows,
@@ -54,6 +49,7 @@ from slopekit.notices import Facts, Interface, notices_of_factor
 from slopekit.notices import notices as common_notices
 from slopekit.preie.motion.balance import balance, of_one_block
 from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
+from slopekit.preie.one_block.flat_limit import lowest_factor
 from slopekit.preie.one_block.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bound import static_bound
@@ -76,22 +72,27 @@ class Solved:
 
     Attributes
     ----------
-    refined : how often the triangles were split; change : what the last split did to the limit
+    found : the limit with the node pairs that carry it
     bound : the static bound; at_rest : the equilibrium at full strength
-    rules : on cohesion, where moments open part of a contact that has some
-    span : lowest and highest factor of the mechanism, whatever forces are locked in, where moments govern
+    lowest : the limit with other joint stiffness, or soon after it begins to creep, where that is lower
     """
 
-    scene: ContactModel
-    analysis: LimitAnalysis
-    refined: int
-    change: float | None
-    bound: float | None
-    at_rest: Equilibrium | None
-    pairs: "AllPairsFailed | None"
-    series: tuple[ReductionStep, ...]
-    rules: CohesionRules | None = None
-    span: tuple[float | None, float | None] = (None, None)
+    found: FoundLimit
+    bound: float | None = None
+    at_rest: Equilibrium | None = None
+    pairs: "AllPairsFailed | None" = None
+    series: tuple[ReductionStep, ...] = ()
+    lowest: float | None = None
+
+    @property
+    def scene(self) -> ContactModel:
+        """The node pairs with their model."""
+        return self.found.scene
+
+    @property
+    def analysis(self) -> LimitAnalysis:
+        """The limit on them, and whether moments govern."""
+        return self.found.analysis
 
     @property
     def limit(self) -> Limit:
@@ -105,8 +106,7 @@ class Cut:
 
     Attributes
     ----------
-    scene_at : its node pairs and their model, by how often the parts of the joints are split; `refine` times to begin
-        with, `most_refined` at most
+    scene_at : its node pairs and their model, by how often the parts of the joints are split; `refine` times here
     interfaces : its joints; faces : names of those that water can press on
     geometry : made where a result asks for it; left_out : what is not modelled
     face : the free face that bolts go into, None where support is not looked for; hull : the planes that they meet
@@ -125,7 +125,6 @@ class Cut:
     face: int | None = None
     hull: Callable[[], Hull] | None = None
     refine: int = 0
-    most_refined: int = MOST_REFINED
     limit: Callable[[Model], LimitAnalysis] = limit_analysis
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     axes: Floats | None = None
@@ -197,14 +196,14 @@ def kind_of_one_block(
 
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)
-        found_limit = find_limit(design, made.scene_at, made.refine, Clock())
+        found_limit = find_limit(made.scene_at, made.refine, Clock())
         limit, governs = found_limit.analysis.governing, found_limit.analysis.moments_govern
         status = block_status(limit, found_limit.analysis, found_limit.scene, made.joints)
-        compared = comparable(found_limit.analysis, found_limit.scene.model)
+        compared = comparable(found_limit)
         difference, agree = compare(compared, status, closed, design.agree_within)
 
         def facts() -> Facts:
-            return facts_of(own_words(design), made, limit_of(found_limit), status, closed)
+            return facts_of(own_words(design), made, Solved(found_limit), status, closed)
 
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
@@ -256,23 +255,22 @@ def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
 
 
 def solve(design: Design, made: Cut, clock: Clock) -> Solved:
-    """Mesh, limit, refinement where it is needed, static bound, displacements, and what else the design asks for."""
-    found_limit = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
-    scene, analysis = found_limit.scene, found_limit.analysis
-    limit, model = analysis.governing, scene.model
+    """Mesh, limit, static bound, range, displacements, and what else the design asks for."""
+    found_limit = find_limit(made.scene_at, made.refine, clock, made.limit)
+    model, analysis = found_limit.bounded.model, found_limit.analysis
+    limit = analysis.governing
+    bound = lowest = at_rest = pairs = None
     with clock("bound"):
-        bound = None
         if limit.factor:
             velocity = limit.velocity_of(model)
-            bound = static_bound(found_limit.bounded.model, velocity, limit.factor, found_limit.rules is None).factor
-    with clock("solve"):
-        span = locked_in_range(found_limit.analysis, scene, found_limit.rules)
+            bound = static_bound(model, velocity, limit.factor, not analysis.moments_govern).factor
+    with clock("range"):
+        if limit.factor and found_limit.factors is not None:
+            lowest = lowest_factor(found_limit.factors)
     stiffness = joint_stiffness(design)
     with clock("displacements"):
-        at_rest = None
         if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
             at_rest = equilibrium(model, 1.0, stiffness)
-    pairs = None
     with clock("all_pairs"):
         if design.criterion == "all-pairs" and limit.factor:
             from slopekit.preie.motion.all_pairs import all_pairs_failed
@@ -280,19 +278,12 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
         series = tuple(series_of(model, design.factors, stiffness, bound))
-    return Solved(
-        scene, analysis, found_limit.refined, found_limit.change, bound, at_rest, pairs, series, found_limit.rules, span
-    )
+    return Solved(found_limit, bound, at_rest, pairs, series, lowest)
 
 
-def limit_alone(design: Design, made: Cut, clock: Clock) -> Solved:
+def limit_alone(_: Design, made: Cut, clock: Clock) -> Solved:
     """`solve` without the static bound and what else does not change the limit."""
-    return limit_of(find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined))
-
-
-def limit_of(limit: FoundLimit) -> Solved:
-    """A limit as what `solve` finds, without what else it does."""
-    return Solved(limit.scene, limit.analysis, limit.refined, limit.change, None, None, None, (), limit.rules)
+    return Solved(find_limit(made.scene_at, made.refine, clock, made.limit))
 
 
 def facts_of(words: Words, made: Cut, solved: Solved, status: str, closed: ClosedForm) -> Facts:
@@ -300,9 +291,8 @@ def facts_of(words: Words, made: Cut, solved: Solved, status: str, closed: Close
     rest, shaking = solved.at_rest, made.loads.parts["seismic"]
     return Facts(
         status, solved.analysis, solved.scene.pairs, solved.scene.model,
-        solved.bound is not None or not solved.limit.factor, solved.change, rest is not None and not rest.stands,
-        closed.why_not, words.block, shaking if shaking.any() else None, solved.rules is not None,
-        solved.span, None if solved.rules is None else solved.rules.rests_to,
+        solved.bound is not None or not solved.limit.factor, solved.found.change, rest is not None and not rest.stands,
+        closed.why_not, words.block, shaking if shaking.any() else None,
     )  # fmt: skip
 
 
@@ -322,25 +312,28 @@ def result(
     pairs, searched = solved.pairs, solved.pairs.factor if solved.pairs else None
     if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
         searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
-    compared = comparable(analysis, model)
+    compared = comparable(solved.found)
     difference, agree = compare(compared, status, closed, design.agree_within)
     rest = solved.at_rest
     facts = facts_of(words, made, solved, status, closed)
     origin, turn = made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
+    plain = solved.found.bounded
     size = ModelSize(
-        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, (*made.left_out, *of_laws),
+        1, model.unknowns, len(plain.pairs), made.refine, solved.found.change, (*made.left_out, *of_laws),
         limit.passes,
         limit.change,
     )  # fmt: skip
     return Result(
         design=design, words=words, status=status,
-        fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched, *solved.span),
+        fos=FactorsOfSafety(
+            limit.factor or None, closed.factor or None, solved.bound, searched, solved.lowest, _highest(solved)
+        ),
         difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
         static_bound_proved=solved.bound is not None, geometry=made.geometry(), forces=forces, model=size,
         mechanism=turned(mechanism_of(limit, model), turn),
         at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
-            turned_back(movement_of(model, rest.displacement), turn), rest.failed_pairs, rest.residual
+            turned_back(movement_of(plain.model, rest.displacement), turn), rest.failed_pairs, rest.residual
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
         governs=governs, warnings=(*extra, *common_notices(design, made.interfaces, facts)),
@@ -352,51 +345,48 @@ def result(
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=balance(of_one_block(model, analysis)),
-        cohesion_under_moments=_under_moments(solved, made.interfaces, origin, turn),
+        openings=_openings(solved, made.interfaces, origin, turn),
         turns_over=turns_over(limit, model) if status == "topples" else "",
-        curved_strength=_curved(solved, made.interfaces, compared), timing_s=clock.done(),
+        curved_strength=_curved(solved, made.interfaces), timing_s=clock.done(),
     )  # fmt: skip
 
 
-def _curved(solved: Solved, interfaces: Sequence[Interface], mean: float | None) -> CurvedStrength | None:
-    """What one mean traction a joint makes of the limit, and the lines there; None where no law is curved."""
-    model, limit = solved.scene.model, solved.limit
+def _highest(solved: Solved) -> float | None:
+    """Return the factor of the forces alone where the limit lies below it."""
+    return solved.analysis.forces_only.factor if solved.analysis.moments_govern and solved.limit.factor else None
+
+
+def _curved(solved: Solved, interfaces: Sequence[Interface]) -> Mapping[str, SecantLine]:
+    """Return the line of each curved law at the mean normal traction of its joint; empty where no law is curved."""
+    model, limit, lines = solved.scene.model, solved.limit, dict[str, SecantLine]()
     if model.lines is None:
-        return None
+        return lines
     per_area = model.force_scale / model.area_scale
-    lines = {}
     for interface in interfaces:
-        on = model.interface == interface.key
-        traction = float(limit.normal_force[on].sum() / model.control_area[on].sum()) * per_area
+        joint = model.interface == interface.key
+        traction = float(limit.normal_force[joint].sum() / model.control_area[joint].sum()) * per_area
         if (line := secant_of(interface.strength, traction)) is not None:
-            pairs = limit.normal_force[on] / model.control_area[on] * per_area
+            pairs = limit.normal_force[joint] / model.control_area[joint] * per_area
             lines[interface.name] = SecantLine(
                 line.traction_kpa, (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
             )
-    gap = limit.factor / mean - 1.0 if limit.factor and mean else None
-    return CurvedStrength(mean, gap, model.lines.rounds, lines)
+    return lines
 
 
-def _under_moments(
+def _openings(
     solved: Solved, interfaces: Sequence[Interface], origin: Floats, turn: Floats | None
-) -> CohesionUnderMoments | None:
-    """The rules on cohesion with their evidence in the user's coordinates."""
-    rules, axes = solved.rules, np.eye(3) if turn is None else turn
-    if rules is None:
-        return None
+) -> Mapping[str, ContactOpening]:
+    """Return where joints are pressed at the limit, by their names and in the user's coordinates."""
+    axes = np.eye(3) if turn is None else turn
 
     def place(point: Floats | None) -> Floats | None:
         return None if point is None else point @ axes + origin
 
-    evidence = {}
-    for interface in interfaces:
-        if (contact := rules.contacts.get(interface.key)) is not None:
-            resultant, opens_at = place(contact.resultant_m), place(contact.opens_at_m)
-            evidence[interface.name] = replace(contact, resultant_m=resultant, opens_at_m=opens_at)
-    return CohesionUnderMoments(
-        rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
-        max(rules.numbers), rules.runs, evidence,
-    )  # fmt: skip
+    return {
+        interface.name: replace(opening, resultant_m=place(opening.resultant_m), opens_at_m=place(opening.opens_at_m))
+        for interface in interfaces
+        if (opening := solved.found.openings.get(interface.key)) is not None
+    }
 
 
 # -- reading the answer -------------------------------------------------------------------------------
@@ -419,7 +409,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: ContactModel, int
     if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
-    opens = opening_pairs(limit, model, velocity, by_motion=analysis.by_rule)
+    opens = opening_pairs(limit, model, velocity, by_motion=scene.bedding is not None)
     partly = [bool(opens[scene.pairs.interface == joint].any()) for joint in interfaces]
     wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint in interfaces]
     moving, turning = velocity[: model.translations], velocity[model.translations :]
@@ -453,7 +443,7 @@ def turns_over(limit: Limit, model: Model) -> str:
     there is no balance at any friction (virtual work), and what opens has lost its cohesion.
     """
     if limit.outcome is Outcome.NO_REST:
-        from slopekit.preie.one_block.one_path import STRONGEST
+        from slopekit.preie.one_block.cracked import STRONGEST
 
         return f"at every strength tried (up to {STRONGEST:g} times what forces in balance need)"
     velocity = limit.velocity_of(model)

@@ -138,7 +138,7 @@ def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene
 
     return Cut(
         _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
-        most_refined=0, limit=curved_limit_analysis, origin=cut.origin,
+        limit=curved_limit_analysis, origin=cut.origin,
     )  # fmt: skip
 
 

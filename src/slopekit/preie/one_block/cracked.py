@@ -35,8 +35,9 @@ from slopekit.preie.tolerances import (
     TINY,
 )
 
-_SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
+_SPLIT, _MOST_SPLIT = 3, 4  # each triangle of a pressed part is split in four so often, and at most so often
 _MOST_NEWTON = 14  # steps to one point of the path; where it takes more, the step along it was too long
+_MOST_STUCK = 150  # steps to where every point sticks: a hundred where a millionth of the load is left before tipping
 _MOST_WORK = 3000  # times the forces are summed; a second or two, after which the last state of rest is the limit
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
@@ -48,10 +49,14 @@ _LEAST_LEARNT = 0.2  # a step of Newton's method may be so much shorter, or long
 _CORNER = 1e-3  # steps may turn by more where they are as short: the path has corners where a point begins to slip
 _STRONG = 4.0  # the path starts at this many times the strength that the guess needs, or at more
 _HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
+#: So many times the strength that forces in balance need is the most that is tried.
+STRONGEST = _STRONG * _HARDEST
 _FLOWS = 30.0  # times the displacement: what flows so far runs
 _SETTLES = 5.0  # times its slope: λ of a path that runs is as near to that of the running state
 _CALMER = 0.7  # of what drove it: a block that flows and is driven by less may come to rest
 _MOST_FLOW = 40  # steps of viscous flow
+_SNAP = 10.0  # elastic displacements: a block that comes to rest again within them has not failed
+EARLY = 30.0  # elastic displacements, beyond which a path that creeps has all but failed
 _STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
 
 
@@ -69,7 +74,8 @@ class CrackedBase:
     forces : of the points of the bed
     change : what splitting the triangles once more does to F, in parts of it (first order)
     residual : unbalanced force in parts of the load; points : of the path
-    rests_to : where it moves at `factor`, but comes to rest again farther off, the factor up to which it does
+    early_factor : the largest F reached within `EARLY` elastic displacements, where the limit lies farther; else None
+    is_unstable : the block rests at no strength
     """
 
     factor: float | None
@@ -82,7 +88,8 @@ class CrackedBase:
     change: float = 0.0
     residual: float = 0.0
     points: int = 0
-    rests_to: float | None = None
+    early_factor: float | None = None
+    is_unstable: bool = False
 
 
 def cracked_base(bed: PolygonBed, guess: float) -> CrackedBase:
@@ -104,7 +111,7 @@ def cracked_limit(bed: PolygonBed, guess: float, split: int) -> CrackedBase:
     path = _Path(bed, split)
     begun = path.start(_STRONG / guess)
     if begun is None:
-        return CrackedBase(None, "the block does not rest on its bed at any strength")
+        return CrackedBase(None, "the block does not rest on its bed at any strength", is_unstable=True)
     return path.follow(*begun)
 
 
@@ -115,6 +122,11 @@ class _PathPoint:
     u: Floats
     log_reduction: float
     tangent: Floats
+
+    @property
+    def displacement(self) -> float:
+        """The size of u."""
+        return math.sqrt(float(self.u @ self.u))
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,30 +160,47 @@ class _Path:
 
     def start(self, reduction: float) -> tuple[Floats, float] | None:
         """The block at rest where a first point slips; else at a λ of this size or the least multiple with a rest."""
-        bonded, most = self.springs.bonded, reduction * _HARDEST
-        stuck = self._rest(bonded, reduction, sticks=True)
+        begin, most = self.springs.bonded, reduction * _HARDEST
+        stuck = self._stuck(reduction)
         if stuck is not None:
             first = self.springs.first_slip(stuck)
             if most / _HARDEST**2 < first < most:
                 return stuck, first
+            begin = stuck
         while reduction < most:
             for rests in (self._rest, self._flow):
-                rest = rests(bonded, reduction)
+                rest = rests(begin, reduction)
                 if rest is not None:
                     return rest, reduction
             reduction *= 4.0
         return None
 
-    def _rest(self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0) -> Floats | None:
-        """Newton's method at one λ; with `slow` the block is held back from u by that part of its bonded stiffness."""
+    def _rest(self, u: Floats, reduction: float, slow: float = 0.0) -> Floats | None:
+        """Newton's method at one λ; `slow` parts of the bonded stiffness hold the block back to u."""
         drag, small = slow * self.springs.stiffness, SETTLED * max(1.0, reduction)
 
         def forces(at: Floats) -> tuple[Floats, Unbalanced]:
-            there = self.forces(at, at, reduction, False, sticks)
+            there = self.forces(at, at, reduction, False)
             return there.out - drag @ (at - u), there
 
         rest, _, size = balanced(forces, lambda _, there: there.by_opening + there.by_slip - drag, u, small)
         return rest if size <= small else None
+
+    def _stuck(self, reduction: float) -> Floats | None:
+        """The block at rest with every point stuck, by Newton's method from the bonded displacement; None without one.
+
+        Full steps: each takes a third of a pressed part that is too large, however little of it the load leaves.
+        """
+        u, small = self.springs.bonded, SETTLED * max(1.0, reduction)
+        for _ in range(_MOST_STUCK):
+            at = self.forces(u, u, reduction, False, sticks=True)
+            if float(np.abs(at.out).max()) <= small:
+                return u
+            try:
+                u = u - np.linalg.solve(at.by_opening + at.by_slip, at.out)
+            except np.linalg.LinAlgError:
+                return None
+        return None
 
     def _flow(self, u: Floats, reduction: float) -> Floats | None:
         """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
@@ -265,9 +294,10 @@ class _Path:
             return CrackedBase(None, "the elastic path could not be followed")
         point = best = begun
         folds: list[_Fold] = []
-        moved: CrackedBase | None = None
         last = point, _FIRST
-        length, most, is_fold, ended = _FIRST, _RUNS * math.sqrt(float(u @ u)), False, False
+        elastic = math.sqrt(float(u @ u))
+        length, most, is_fold, ended = _FIRST, _RUNS * elastic, False, False
+        early = begun.log_reduction
         while not ended:
             self.points += 1
             if self.work > _MOST_WORK:
@@ -279,7 +309,7 @@ class _Path:
                 if length > PATH_ENDS:
                     continue
                 best, is_fold = self._lowest(folds, best, is_fold)
-                onward = self._march(best)  # a corner of the path: by λ alone, from the last state that rests
+                onward = self._snapped(best, elastic)  # a corner of the path
                 if onward is None:
                     is_fold = True
                     break
@@ -293,16 +323,16 @@ class _Path:
                     folds.append(_Fold(point, after, length))
                 longer = 4.0 if turned > _STRAIGHTER else 2.0 if turned > _STRAIGHT else 1.0
                 last, length = (point, length), min(length * longer, _LONGEST)
+            early = min(early, _within(point, after, EARLY * elastic))
             if after.log_reduction < best.log_reduction:
                 best, is_fold = after, False
             point = after
-            ended = math.sqrt(float(point.u @ point.u)) > most
+            ended = point.displacement > most
             if not ended and point.log_reduction > best.log_reduction + math.log(_TURNED):
                 best, is_fold = self._lowest(folds, best, is_fold)
-                onward = self._march(best, 0.5 * _MARCH)  # it moves: to rest again farther off?
+                onward = self._snapped(best, elastic, 0.5 * _MARCH)
                 ended = onward is None
                 if onward is not None:
-                    moved = moved or self._at_rest(best, not is_fold)
                     point = best = onward
                     length, is_fold, folds = _FIRST / 10.0, False, []
         best, is_fold = self._lowest(folds, best, is_fold)
@@ -311,16 +341,21 @@ class _Path:
         running = self._running(best, POLISHED + _SETTLES * slope)
         if running is None and ended and best is point:
             best = self._landed(*last, point, most)
-        farthest = running or self._at_rest(best, not is_fold)
-        if moved is None or moved.factor is None or farthest.factor is None or farthest.factor <= moved.factor:
-            return farthest
-        # what it comes to farther off hangs on the way there: the first motion is its limit
-        return replace(moved, rests_to=farthest.factor, points=farthest.points)
+        limit = running or self._at_rest(best, not is_fold)
+        return replace(limit, early_factor=math.exp(-early)) if best.displacement > EARLY * elastic else limit
+
+    def _snapped(self, point: _PathPoint, elastic: float, least: float = PATH_ENDS) -> _PathPoint | None:
+        """Lower λ alone from a state of rest; None where the block runs, or rests only too far off to be at rest."""
+        onward = self._march(point, least)
+        if onward is None:
+            return None
+        moved = onward.u - point.u
+        return onward if math.sqrt(float(moved @ moved)) <= _SNAP * elastic else None
 
     def _landed(self, before: _PathPoint, length: float, after: _PathPoint, most: float) -> _PathPoint:
         """Where between two points of a path that creeps the displacement is `most`, however long the steps were."""
         for _ in range(_MOST_NEWTON):
-            start, end = (math.sqrt(float(point.u @ point.u)) for point in (before, after))
+            start, end = before.displacement, after.displacement
             if abs(end / most - 1.0) < PATH_ENDS:
                 break
             length *= (most - start) / (end - start)
@@ -457,6 +492,17 @@ class _Path:
             return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
         except np.linalg.LinAlgError:
             return math.inf
+
+
+def _within(before: _PathPoint, after: _PathPoint, most: float) -> float:
+    """Return the least ln λ of a step of the path up to the displacement `most`; inf where it lies beyond."""
+    start, end = before.displacement, after.displacement
+    if end <= most:
+        return after.log_reduction
+    if start >= most:
+        return math.inf
+    part = (most - start) / (end - start)
+    return before.log_reduction + part * (after.log_reduction - before.log_reduction)
 
 
 def _misses(before: _PathPoint, after: _PathPoint, length: float) -> bool:

@@ -49,8 +49,6 @@ _MOST_TRIES = 40  # bonds let go and found again
 class LimitAnalysis:
     """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
 
-    `by_rule`: the one that governs is that of a rule on cohesion (`moments`): what has lost its own need not open.
-    `without_path`: the elastic path was asked and came to no limit; the one that governs is that of the search.
     `model`: where laws are curved, the model with the line of each pair at its own traction; None where none is.
     """
 
@@ -58,8 +56,6 @@ class LimitAnalysis:
     forces_only: Limit
     with_turning: Limit
     moments_govern: bool
-    by_rule: bool = False
-    without_path: bool = False
     model: Model | None = None
 
     @property
@@ -100,7 +96,7 @@ def limit_on_lines(model: Model) -> LimitAnalysis:
     if intact is not None:
         return _alike(intact)
     alone = forces_only_limit(model)
-    stands = alone.outcome is Outcome.NO_DRIVING_FORCE and _stands_without_strength(model)
+    stands = alone.outcome is Outcome.NO_DRIVING_FORCE and stands_without_strength(model)
     if stands or alone.outcome is Outcome.LIFTED or alone.factor == 0.0:
         return _alike(alone)
     if model.dilates and (associated := _associated_limit(model, limit_analysis)) is not None:
@@ -140,6 +136,20 @@ def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
     return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)
 
 
+def dilating_limit(model: Model) -> Limit | None:
+    """Return the exact limit of joints that all stay closed, or dilate by all of their friction; None without one."""
+    limit = _on_lines(model, _dilating_on_lines).governing
+    return limit if limit.factor else None
+
+
+def _dilating_on_lines(model: Model) -> LimitAnalysis:
+    limit = _intact_limit(model) or _associated_limit(model, limit_analysis)
+    if limit is None:
+        bond = np.ones(len(model.control_area))
+        limit = Limit(Outcome.NOT_CONVERGED, None, np.zeros(model.unknowns), 0.0 * bond, bond, 0, 0.0)
+    return _alike(limit)
+
+
 def curved_limit_analysis(model: Model) -> LimitAnalysis:
     """The limit factor of one block on a curved surface, where a block that may not turn cannot slide either.
 
@@ -155,7 +165,7 @@ def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
     none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
     if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
         return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0))
-    if _stands_without_strength(model):
+    if stands_without_strength(model):
         return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0))
     if model.dilates and (associated := _associated_limit(model, curved_limit_analysis)) is not None:
         return _alike(associated)
@@ -369,7 +379,7 @@ def _first_loss(
     return limit(Outcome.SLIDES, 1.0 / high, at(low, near=False))
 
 
-def _stands_without_strength(model: Model) -> bool:
+def stands_without_strength(model: Model) -> bool:
     """Whether pushes on the joints alone balance the forces and the moments."""
     count = len(model.control_area)
     _, rest = bounded_least_squares(model.normal_rows.T, -model.load, np.full(count, np.inf))

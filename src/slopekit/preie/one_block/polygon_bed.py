@@ -1,10 +1,10 @@
 """One block on an elastic bed without tension: the forces of flat contacts that are pressed on part of their polygon.
 
-Springs (normal 1, tangential `SHEAR_TO_NORMAL`) are spread evenly over the polygons. With the block's displacement u
-the opening g = B_n u and the slip s = B_t u vary linearly over a polygon. What is pressed (g < 0) carries σ = -g and
-has all of its cohesion; what is open has none and carries nothing:
+Springs (normal 1, tangential k) are spread evenly over the polygons. With the block's displacement u the opening
+g = B_n u and the slip s = B_t u vary linearly over a polygon. What is pressed (g < 0) carries σ = -g and has all of its
+cohesion; what is open has none and carries nothing:
 
-    N = -g a,   T = -k s a, cut back to λ (c + σ tan φ) a,   ∫ (B_nᵀ N + B_tᵀ T) + P + λ P_bolts = 0,   λ = 1/F
+    N = -g a,   T = -k s a, cut back to λ τ(σ) a,   ∫ (B_nᵀ N + B_tᵀ T) + P + λ P_bolts = 0,   λ = 1/F
 
 a is area. Pressed parts are clipped out of their polygons along the line of zero traction, so that the normal forces
 and their moments are exact; the shear is summed over triangles (vertices 1/12, middle 3/4: exact where all of a contact
@@ -23,8 +23,9 @@ from slopekit.core.records import dataclass
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.system.model import Model, local_axes
 from slopekit.preie.system.patch_pairs import fan_rule
-from slopekit.preie.tolerances import NO_MOTION, TINY
+from slopekit.preie.tolerances import LEAST_TRACTION, NO_MOTION, TINY
 from slopekit.strength.mohr_coulomb import line
+from slopekit.strength.protocol import LEAST_KPA, StrengthLaw
 
 BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
 
@@ -42,6 +43,9 @@ class PolygonBed:
     keys : (m,) interface of each contact
     load : (u,) P; bolt_rows : (b, u); bolt_capacity : (b,)
     columns : (u,) which of the six motions are unknowns
+    laws : of each contact, None where its strength is a line; empty where all are
+    stress_scale : kPa of a traction of one
+    shear_ratio : tangential to normal stiffness
     """
 
     corners: tuple[Floats, ...]
@@ -54,6 +58,9 @@ class PolygonBed:
     bolt_rows: Floats
     bolt_capacity: Floats
     columns: Ints
+    laws: "tuple[StrengthLaw | None, ...]" = ()
+    stress_scale: float = 1.0
+    shear_ratio: float = SHEAR_TO_NORMAL
 
     def corner_rows(self, k: int) -> Floats:
         """Motions (j, 3, u) of the corners of one contact per unknown: opening and two slips."""
@@ -103,6 +110,29 @@ class _Flat:
         self.corners: Floats = np.concatenate([np.ones((len(corners), 1)), self.plane], axis=1)
         self.share = float(bed.area[k])
         self.cohesion, self.tan_friction = float(bed.cohesion[k]), float(bed.tan_friction[k])
+        self.law = bed.laws[k] if bed.laws else None
+        self.stress_scale = bed.stress_scale
+        # a mean traction is one part of the load on all contacts; steeper laws are lines below the least traction
+        self.least = max(LEAST_KPA, LEAST_TRACTION * bed.stress_scale)
+
+    def resistance(self, normal: Floats) -> Floats:
+        """Return the shear strength (q,) at normal tractions (q,), both in the scaled units of the bed."""
+        if self.law is None:
+            return line(self.cohesion, self.tan_friction, normal)
+        stress = normal * self.stress_scale
+        none, least = self.law.resistance(np.array([0.0, self.least]))
+        curve = self.law.resistance(np.maximum(stress, self.least))
+        strength: Floats = np.where(stress < self.least, none + (least - none) / self.least * stress, curve)
+        return strength / self.stress_scale
+
+    def slope(self, normal: Floats) -> Floats:
+        """Return how that strength grows with the normal traction, (q,)."""
+        if self.law is None:
+            return np.full(len(normal), self.tan_friction)
+        stress = normal * self.stress_scale
+        none, least = self.law.resistance(np.array([0.0, self.least]))
+        slope = self.law.slope(np.maximum(stress, self.least))
+        return np.where(stress < self.least, (least - none) / self.least, slope)
 
     def places(self, at: Floats) -> Floats:
         """Arms (q, 3) of points of its plane."""
@@ -143,7 +173,7 @@ class BedSprings:
             powers = _powers(at)
             self._whole.append((np.ascontiguousarray(powers[:, :3].T), powers, area))
             moments = (area @ powers)[_SECOND]
-            for axis, spring in enumerate((1.0, SHEAR_TO_NORMAL, SHEAR_TO_NORMAL)):
+            for axis, spring in enumerate((1.0, bed.shear_ratio, bed.shear_ratio)):
                 along = flat.rows[3 * axis : 3 * axis + 3]
                 stiffness += spring * (along.T @ moments @ along)
         #: (u, u) stiffness with every point bonded, and the displacement under the loads then
@@ -156,12 +186,12 @@ class BedSprings:
         """The compiled kernels and this bed as they take it; None where NumPy does it."""
         from slopekit.preie.kernels import compiled  # not for a block whose base is whole
 
-        kernels = compiled(solvers=False)
+        kernels = None if any(self.bed.laws) else compiled(solvers=False)
         if kernels is None:
             return None, None
         flats = self.flats
         return kernels, kernels.polygons(
-            len(self.bed.load), SHEAR_TO_NORMAL, TINY, np.cumsum([0, *(len(flat.plane) for flat in flats)]),
+            len(self.bed.load), self.bed.shear_ratio, TINY, np.cumsum([0, *(len(flat.plane) for flat in flats)]),
             np.stack([flat.rows for flat in flats]), np.concatenate([flat.plane for flat in flats]),
             np.array([(flat.share, flat.cohesion, flat.tan_friction) for flat in flats]),
             *self.templates[2], *self.templates[3],
@@ -193,6 +223,7 @@ class BedSprings:
         by_opening: Floats, by_slip: Floats, by_reduction: Floats,
     ) -> None:  # fmt: skip
         """What the contacts carry, and its slopes."""
+        spring = self.bed.shear_ratio
         field = np.empty((3, 3))  # normal traction and slips, each by 1, ξ and η
         for k, flat in enumerate(self.flats):
             gap = flat.rows[:3] @ opening
@@ -203,8 +234,8 @@ class BedSprings:
             field[0], field[1:] = -gap, (flat.rows[3:] @ slip).reshape(2, 3)
             normal, first, second = field @ phi
             size = np.sqrt(first * first + second * second)
-            strength = line(flat.cohesion, flat.tan_friction, normal)
-            allowed, elastic = reduction * strength, SHEAR_TO_NORMAL * size
+            strength = flat.resistance(normal)
+            allowed, elastic = reduction * strength, spring * size
             size = np.maximum(size, TINY)
             first, second = first / size, second / size
             if sticks:
@@ -215,12 +246,12 @@ class BedSprings:
                 slides = elastic > allowed
                 sliding, shear = area * slides, np.where(slides, allowed, elastic)
             turning = shear / size
-            turning[elastic == 0.0] = 0.0 if running else SHEAR_TO_NORMAL
+            turning[elastic == 0.0] = 0.0 if running else spring
             turning *= area
             slips = turning if running else turning * (sliding > 0.0)
             weights = np.empty((10, len(area)))
             np.negative(area, out=weights[0])
-            drags = sliding * (reduction * flat.tan_friction)
+            drags = sliding * (reduction * flat.slope(normal))
             weights[1], weights[2] = drags * first, drags * second
             turned = slips * first
             weights[3], weights[4] = turning - turned * first, -turned * second
@@ -285,8 +316,8 @@ class BedSprings:
                 continue
             (phi, _, _), _ = part
             slip = (flat.rows[3:] @ u).reshape(2, 3) @ phi
-            strength = line(flat.cohesion, flat.tan_friction, -gap @ phi)
-            shear = SHEAR_TO_NORMAL * np.sqrt((slip * slip).sum(axis=0))
+            strength = flat.resistance(-gap @ phi)
+            shear = self.bed.shear_ratio * np.sqrt((slip * slip).sum(axis=0))
             most = max(most, float((shear / np.maximum(strength, TINY)).max()))
         if len(self.bed.bolt_capacity):
             most = max(most, float((-self.bed.bolt_rows @ u).max() / (BOLT_GIVE * self.first)))
@@ -308,8 +339,8 @@ class BedSprings:
                 normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
                 across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
                 size = np.maximum(np.sqrt((across * across).sum(axis=1)), TINY)
-                cap = reduction * (line(flat.cohesion, flat.tan_friction, normal))
-                shear = cap if running else np.minimum(SHEAR_TO_NORMAL * size, cap)
+                cap = reduction * flat.resistance(normal)
+                shear = cap if running else np.minimum(self.bed.shear_ratio * size, cap)
                 shear = np.zeros(len(area)) if open_part else shear * area
                 by_contact.append((
                     flat.places(at), area, np.full(len(area), k), normal * area,
@@ -400,15 +431,23 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Po
         axes.append(local_axes(normal[None])[0])
         own = float(model.control_area[model.interface == key].sum())
         area.append(own / _size(scaled))
-    per_share = model.cohesion[first] / model.control_area[first]
+    laws: tuple[StrengthLaw | None, ...] = ()
     if model.lines is not None:
-        from slopekit.preie.system.strength_lines import averaged  # a contact of curved strength: one line all over it
-
-        model = averaged(model)
+        laws = tuple(model.lines.laws[int(joint)] for joint in model.lines.joint[first])
     return PolygonBed(
-        tuple(corners), np.array(axes), np.array(area), per_share, model.tan_friction[first], keys, model.load,
-        model.bolt_rows, model.bolt_capacity, columns,
-    )  # fmt: skip
+        corners=tuple(corners),
+        axes=np.array(axes),
+        area=np.array(area),
+        cohesion=model.cohesion[first] / model.control_area[first],
+        tan_friction=model.tan_friction[first],
+        keys=keys,
+        load=model.load,
+        bolt_rows=model.bolt_rows,
+        bolt_capacity=model.bolt_capacity,
+        columns=columns,
+        laws=laws,
+        stress_scale=model.force_scale / model.area_scale,
+    )
 
 
 # -- polygons -----------------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ _SAME_VOLUME = 1e-6
 #: Of what slides, that finer node pairs may still change.
 SETTLED = 0.01
 _SLIDES = 1e-3  # m: what slides less does not ask for finer ones
+_MOST_REFINED = 4  # times that the parts of the joints are split
 _MOST_PAIRS = 2000
 _TURNS_DEG = 0.05  # a rotation that is a cause, not the give of the springs
 #: Polarities by their names.
@@ -188,7 +189,7 @@ def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake
 
     block, motions = of.block, shaken(of.block)
     change: float | None = None
-    for level in range(of.made.refine + 1, of.made.most_refined + 1):
+    for level in range(of.made.refine + 1, _MOST_REFINED + 1):
         finer = of.finer(level)
         if finer is None or not len(block.area) < len(finer.area) <= _MOST_PAIRS:
             break

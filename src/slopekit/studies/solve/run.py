@@ -86,7 +86,7 @@ def solve(
     >>> import slopekit as sk
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> round(sk.solve(sk.load(wedge), "water.fill", fos=1.2).answer.value, 4)
-    0.6894
+    0.6805
     """
     crew = checked_crew(jobs, scheduler)
     if pf is None:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from slopekit.studies.suite.run import Row, Verification
 from slopekit.studies.suite.sheet import COLUMNS, against, by_source, line_of, standing, value_text
 
-_SINGLE_PLANE = "9_single-plane 40/160 + 80/220 c=20"
+_BED = "bed"  # the source of wedges governed by moments
 _READING = """\
 Made by `slopekit check --suite -o docs`, with every number in `verification.json` beside it; not edited by hand. Run it
 again and only the times and the versions may change: a test holds this page to that.
@@ -62,13 +62,13 @@ def page_of(verification: Verification) -> str:
 def _moments(verification: Verification) -> Iterator[str]:
     """What stands behind limits that moments decide; nothing where the case is not among the rows."""
     rows = [
-        row for row in verification.rows if row.case.id == _SINGLE_PLANE and row.reference.source == "prototype"
+        row for row in verification.rows if row.reference.source == _BED and row.reference.quantity == "limit"
     ]  # fmt: skip
-    for row in rows:
+    if rows:
+        held = ", ".join(f"`{row.case.id}` {value_text(against(row))} against {row.limit or 0.0:.4g}" for row in rows)
         yield (
-            "Where moments govern, the limit of a wedge that its closed form does not see (it balances forces) rests "
-            f"on one row, and that of a throw-away prototype: `{row.case.id}`, {value_text(against(row))} against "
-            f"{row.limit or 0.0:.4g}, tolerance {100.0 * (row.reference.tolerance or 0.0):.0f} %. "
+            "Where moments govern, the limit of a wedge that its closed form does not see (it balances forces) is held "
+            f"against an independent program: {held}. "
             "Surfaces that turn with friction rest on the "
             "prototype as well (`6a_ellipsoid_li`, `sphere-phi-20`). What else turns or tips: the columns of Goodman & "
             "Bray, published to two decimals (`5a_goodman_bray`, `goodman-bray-b`, `-c`, `-d`); exact "

@@ -56,14 +56,13 @@ from slopekit.studies.support.search import (
     least_force,
     limit_answer,
     pre_ie,
-    pre_ie_coarse,
     site_of,
 )
 
 if TYPE_CHECKING:
     from slopekit.studies.support.crest import PlaneCrest
 
-_ROUGH = 1e-3  # on coarse node pairs
+_ROUGH = 1e-3  # of the target: bolts in groups only show where the force of all of them lies
 _NEAR = 0.02  # of the target: a first answer so near is as good as a rough search
 _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where moments govern the search begins there
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
@@ -197,10 +196,6 @@ class _Answers:
             self._known[force] = pre_ie(self.changed(force))
         return self._known[force]
 
-    def coarsely(self, force: float) -> Answer:
-        """On the coarsest node pairs."""
-        return pre_ie_coarse(self.changed(force))
-
 
 class _SupportSearch:
     """One design at one target."""
@@ -314,13 +309,6 @@ class _SupportSearch:
             near = self.bare_limit.moments_govern and abs(first / self.target - 1.0) < _NEAR
             if near and first > at_zero:
                 slope = (first - at_zero) / guess
-            elif first < self.target * (1.0 - WITHIN):
-                # moments govern, and each answer takes long: look on coarse node pairs first
-                rough_target = max(self.target * (1.0 - _ROUGH), 0.5 * (at_zero + self.target))
-                rough = least_force(ask.coarsely, rough_target, _ROUGH, guess, at_zero, most)
-                if rough.force is None:  # finer ones seldom give more: ask them once, where the coarse gave most
-                    return least_force(ask, self.target, within, guess, at_zero, most, upward=[rough.best_force])
-                guess, slope = rough.force, rough.slope
         return least_force(ask, self.target, within, guess, at_zero, most, slope)
 
     def _with_moments(self) -> float:
@@ -354,7 +342,7 @@ class _SupportSearch:
         direction = site.local(line.vector())
         first: float | None = None
         asked: tuple[Floats, Ints, _Answers] | None = None
-        wanted, guess, slope, rounds = force, force, rate, 0
+        wanted, guess, slope, rounds, grew = force, force, rate, 0, False
         at_once = (1, _MOST_GROUPS) if ways.passive else (1,)
         while True:
             laid = layout(site, direction, wanted, options.capacity, options.spacing)
@@ -377,9 +365,11 @@ class _SupportSearch:
                     break  # it slides without turning: every bolt is drawn out alike, wherever its head is
                 at_once = at_once[-1:] if most == at_once[-1] else at_once  # the next layout begins there
             rounds += 1
-            fits = root.force is not None and 0.9 * wanted < root.force <= wanted * (1.0 + 1e-9)
+            least_wanted = 0.0 if grew else 0.9 * wanted
+            fits = root.force is not None and least_wanted < root.force <= wanted * (1.0 + 1e-9)
             if root.force is None or fits or rounds == _LAYOUTS:
                 return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
+            grew = grew or root.force > wanted  # fewer bolts ask for more force, and so for more bolts
             wanted = root.force
 
     def _laid_out(self, pattern: Pattern, laid: Layout, root: SearchResult, least: float) -> Pattern:

@@ -11,15 +11,13 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.onlooker import Clock
 from slopekit.core.orientation import Line, line_of
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
 from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds import cut, factors_of, kind_of
+from slopekit.kinds import factors_of, kind_of
 from slopekit.kinds.protocol import Factors
-from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.loads import Hull
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.model import Model
@@ -37,6 +35,7 @@ _SAME_WAY = 1e-12  # 1 - cosine of bolts that pull one way
 _DOWN = (1.0 - 1e-6, 0.999, 0.97, 0.85, 0.6, 0.3, 0.1, 0.01)
 _UP = (1.0 + 1e-6, 1.003, 1.03, 1.12, 1.3, 1.7, 2.5, 4.0, 7.0, 12.0)
 _SHARES = (0.01, 0.1, 0.3, 0.6, 0.9)  # of the range of forces that the closed form allows
+_MOST_HALVED = 6  # times, where too much force was tried and the factor has fallen
 _MOST_ASKED = 24
 _NARROW = 1e-10  # a bracket this narrow (in parts of the force) in which the factor still changes is a jump ...
 _LEAP, _LEAPS_WITHIN = 1.05, 1e-3  # ... and one this narrow in which it changes that much
@@ -184,15 +183,6 @@ def closed_form_answer(factors: Factors) -> Answer | None:
     return Answer(factors.closed_form, factors.closed_status or factors.status)
 
 
-def pre_ie_coarse(design: Design) -> Answer:
-    """PRE-IE's answer on the coarsest node pairs, which take a tenth of the time: to look where the target lies."""
-    made = cut(design)
-    at_limit = find_limit(design, made.scene_at, made.refine, Clock(), most_refined=made.refine)
-    limit = at_limit.analysis.governing
-    status = _OUTCOMES.get(limit.outcome, "slides")
-    return Answer(limit.factor or None, status, at_limit.analysis.moments_govern)
-
-
 def site_of(design: Design) -> Site:
     """The site of a wedge or a plane.
 
@@ -302,6 +292,15 @@ def least_force(
         rate = (level(force) - other) / (force - near) if force != near and math.isfinite(level(force)) else None
         return SearchResult(force, tried[force], force, below, rate if rate and rate > 0.0 else slope)
 
+    def rising(low: float, fallen: float) -> tuple[float, float]:
+        """Return forces below and at the target before the level falls; the second is inf where it rises to less."""
+        for _ in range(_MOST_HALVED):
+            middle = 0.5 * (low + fallen)
+            if level(middle) >= target:
+                return low, middle
+            low, fallen = (middle, fallen) if level(middle) > level(low) else (low, middle)
+        return low, math.inf
+
     low, high = 0.0, math.inf
     if met(guess):
         return found(guess)
@@ -317,6 +316,9 @@ def least_force(
         for force in _upward(guess, level(guess), at_zero, target, most, slope) if upward is None else upward:
             if level(force) >= target:
                 high = force
+            elif level(force) < level(low):
+                low, high = rising(low, force)
+            if math.isfinite(high):
                 break
             low = force
     if not math.isfinite(high):

@@ -28,9 +28,9 @@ _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm
 #: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
 _SECTIONS = {
     "factors": ("FoS",), "rules": ("ACCEPT", "FACTORED"), "bolts": ("BOLTS",), "forces": ("FORCES",),
-    "moments": ("ROTATION", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("NEXT", "BY BLOCK", "TABLE"),
+    "moments": ("MOMENTS", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("NEXT", "BY BLOCK", "TABLE"),
     "checks": ("CHECKS",),
-    "searches": ("STRENGTH", "COHESION", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
+    "searches": ("STRENGTH", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
 }  # fmt: skip
 _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
 #: The tables of a section by its label, as the page calls them one after the other.
