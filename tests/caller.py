@@ -44,13 +44,8 @@ assert isinstance(drawn, sk.Probability)
 assert_type(drawn.all_samples.share, float | None)
 drawn.sensitivities[0][0].upper()
 solved = sk.solve(design, "slope.height", fos=1.3, within=(10, 20))
-probable = sk.solve(design, "slope.height", pf=0.05, n=200)
 assert_type(solved, sk.Solution | sk.Cases[sk.Solution])
-assert_type(probable, sk.ProbabilitySolution | sk.Cases[sk.ProbabilitySolution])
 assert isinstance(solved, sk.Solution)
-assert isinstance(probable, sk.ProbabilitySolution)
-if probable.answer is not None:
-    assert_type(probable.answer.estimate.value, float)
 if solved.answer is not None:
     assert_type(solved.answer.value, float)
     assert_type(solved.answer.factor, float)

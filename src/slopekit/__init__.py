@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from slopekit.studies.quake import quake
     from slopekit.studies.sets import JointSets as JointSets
     from slopekit.studies.sets import sets
-    from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
     from slopekit.studies.solve import Solution as Solution
     from slopekit.studies.solve import solve
     from slopekit.studies.solve.for_cases import SolutionForAll as SolutionForAll
@@ -61,7 +60,7 @@ _LATER = {
     "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
     "Check": "studies.check", "ColumnSupport": "studies.support.columns", "Combos": "studies.combos",
     "explore": "app.notebook", "Explorer": "app.notebook", "export": "exchange.export", "JointSets": "studies.sets",
-    "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
+    "Kinematic": "studies.kinematic", "Probability": "studies.prob",
     "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
     "SolutionForAll": "studies.solve.for_cases", "Support": "studies.support",
     "SupportForAll": "studies.support.for_cases", "Sweep": "studies.sweep", "Tornado": "studies.tornado",

@@ -21,7 +21,6 @@ from slopekit.studies.prob.judged import failing
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_load, factor_request
-from slopekit.studies.solve.by_probability import Estimate, for_probability
 from tests.commands import slopekit
 from tests.studies.test_solve_load import _slab
 
@@ -105,13 +104,6 @@ def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
     with pytest.raises(DesignError) as error:
         yielding.yields_of(_slab(), ALONE, lambda _: None)
     assert error.value.exit_code == 4
-
-
-@pytest.mark.parametrize(("disagree", "code"), [(0, 1), (3, 4)])
-def test_a_probability_of_samples_in_doubt_proves_nothing(disagree, code) -> None:
-    found = for_probability(_slab(), PHI, 0.5, lambda _: Estimate(0.25, disagree=disagree))
-    assert found.answer is None
-    assert found.exit_code == code
 
 
 def test_the_command_ends_as_the_study_does(monkeypatch) -> None:

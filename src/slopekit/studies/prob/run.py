@@ -168,7 +168,7 @@ class Probability(StudyOutcome):
         """Its histogram."""
         return ("histogram",)
 
-    # what is asked of a study that is shown, and of none of the many that `solve --pf` makes
+    # what is asked of a study that is shown, and of none of the many that a range of means makes
 
     @cached_property
     def variables(self) -> tuple[Drawn, ...]:
