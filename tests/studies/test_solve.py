@@ -4,18 +4,16 @@ import json
 import math
 import sys
 from dataclasses import replace
-from functools import cache, partial
-from statistics import NormalDist
+from functools import cache
 from types import ModuleType
 
 import pytest
 
 import slopekit as sk
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.kinds import factors_of, kind_of
+from slopekit.kinds import factors_of
 from slopekit.studies.points import factor_at
-from slopekit.studies.prob import prob
 from slopekit.studies.solve import factor_request, solve
 from slopekit.studies.solve.factor_request import level_of
 from slopekit.studies.solve.solutions import notices
