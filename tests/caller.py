@@ -50,7 +50,7 @@ if solved.answer is not None:
     assert_type(solved.answer.value, float)
     assert_type(solved.answer.factor, float)
 needed = sk.support(design, 1.5, acts="active", toward="180/-5")
-assert_type(needed, sk.Support | sk.ColumnSupport | sk.Cases[sk.Support | sk.ColumnSupport])
+assert_type(needed, sk.Support | sk.Cases[sk.Support])
 assert isinstance(needed, sk.Support)
 for case in needed.cases:
     assert_type(case.force, float | None)

@@ -322,7 +322,6 @@ def test_the_target_may_be_the_acceptance_rule() -> None:
         ("strength.weak.c", {}, "E314"), ("strength.weak.c", {"fos": 0.0}, "E314"),
         ("strength.weak.c", {"fos": math.nan}, "E314"), ("strength.weak.c", {"fos": math.inf}, "E314"),
         ("analysis.refine", {"fos": 1.2}, "E311"), ("strength.weak", {"fos": 1.2}, "E311"), ("c", {"fos": 1.2}, "E310"),
-        ("slope.height", {"fos": 1.2, "n": 30}, "E313"), ("slope.height", {"fos": 1.2, "seed": 1}, "E313"),
         ("slope.height=1:2", {"fos": 1.2, "within": (1, 2)}, "E312"), ("slope.height=2:1", {"fos": 1.2}, "E312"),
     ],
 )  # fmt: skip

@@ -89,7 +89,6 @@ from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds.single_block.ladders import Ladder
-    from slopekit.kinds.topple import ToppleDesign
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
@@ -154,7 +153,7 @@ def kind_of_many_blocks(
     name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
     figures: Mapping[str, Callable[[A, Any], float]] | None = None, carried: Carried, falls_west: bool = False,
-    column_row: "Callable[[A], ToppleDesign] | None" = None, answered: Literal["release", "button"] = "release",
+    answered: Literal["release", "button"] = "release",
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
@@ -211,7 +210,7 @@ def kind_of_many_blocks(
         ladder, lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
-        falls_west=falls_west, column_row=column_row, answered=answered,
+        falls_west=falls_west, answered=answered,
     )  # fmt: skip
 
 
