@@ -15,7 +15,7 @@ from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.one_block.limit import LimitAnalysis
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import MESH_CHANGE
+from slopekit.preie.tolerances import MESH_CHANGE, PASSES_SETTLED
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
@@ -386,7 +386,7 @@ def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
     if facts.rests_to:
         yield Notice("W398", f"the {facts.block} moves on its cracked base and may rest again farther off, up to a "
                      f"factor of {facts.rests_to:.4g}: the first motion is its limit")  # fmt: skip
-    if limit.factor and not limit.settled_to(design.stop_when):
+    if limit.factor and not limit.settled_to(PASSES_SETTLED):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
         yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")

@@ -78,7 +78,7 @@ def test_what_was_not_computed_is_no_proof(monkeypatch, low, target, code, said)
 
 
 def test_a_sweep_that_meets_no_convergence_ends_with_four(monkeypatch) -> None:
-    """Whether the status says so, or the passes did not settle to `stop_when` and there is no number."""
+    """Whether the status says so, or the passes did not settle and there is no number."""
     for factors in (
         Factors("not_converged", None, None, None, None, False, False, False),
         Factors("slides", None, None, None, None, None, False, False),

@@ -80,7 +80,7 @@ class Factors:
     closed_status, closed_form : of the closed form, None where the kind has none
     difference, agree : of the two on the same assumptions, None where they are not compared
     moments_govern : the limit lies below what the forces alone give
-    settled : whether the passes settled to the design's `stop_when`
+    settled : whether the passes settled to `PASSES_SETTLED`
     notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
     also : what acceptance of a run is held against besides
     """

@@ -85,6 +85,7 @@ from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
+from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -168,7 +169,7 @@ def kind_of_many_blocks(
         ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
         mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
         status = mechanisms[0].status if mechanisms else "no_driving_force"
-        settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > design.stop_when)
+        settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > PASSES_SETTLED)
         reached = mechanisms[0].fos if mechanisms else None  # compared as in a result, whether it settled or not
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)

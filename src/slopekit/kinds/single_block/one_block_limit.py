@@ -20,7 +20,7 @@ from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.one_block.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.one_block.passes import STEERED, Outcome
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import MESH_CHANGE
+from slopekit.preie.tolerances import MESH_CHANGE, PASSES_SETTLED
 
 A = TypeVar("A")
 Ts = TypeVarTuple("Ts")
@@ -139,7 +139,7 @@ def _refined(
     while refined < most_refined and not opens_cohesive(scene, analysis):
         before = analysis.governing
         depends = analysis.turns or scene.model.lines is not None  # curved strength: on the tractions of the pairs
-        if before.settled_to(design.stop_when) and not (depends and before.factor):
+        if before.settled_to(PASSES_SETTLED) and not (depends and before.factor):
             break  # a plain slide ends here
         with clock("mesh"):
             finer = scene_at(refined + 1)
@@ -147,7 +147,7 @@ def _refined(
             finer, again = on_its_lines(finer, look(finer))
         after = again.governing
         change, done = _mesh_change(analysis, again)
-        if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
+        if before.settled_to(PASSES_SETTLED) and not after.settled_to(PASSES_SETTLED):
             break  # the coarser answer stands, and `change` says what the finer one made of it
         scene, analysis, refined = finer, again, refined + 1
         bounded = scene if refined <= _BOUND_REFINED else bounded

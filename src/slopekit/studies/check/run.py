@@ -21,6 +21,7 @@ from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
 from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.motion.balance import Balance
+from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result
 from slopekit.studies.protocol import DESK, ADesign, StudyOutcome, Workplace, study
 
@@ -255,11 +256,11 @@ def _findings(
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
     yield _convergence(result, ladder, orders, evidence.unrefined)
-    settled = result.model.residual <= design.stop_when
+    settled = result.model.residual <= PASSES_SETTLED
     last = "what it changed of the factor (0: solved exactly)"
     if result.findings is not None:
         last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
-    yield Finding("last pass", result.model.residual, design.stop_when, settled, last)
+    yield Finding("last pass", result.model.residual, PASSES_SETTLED, settled, last)
     yield from _balance(result, evidence.rest, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
