@@ -64,7 +64,6 @@ _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where mo
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
 _WANTED = 1.5  # where nobody says another factor of safety
 _CLOSE_M = 1.0  # bolts that stand closer share the rock they hold
-_LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many rounds
 
 
 @study
@@ -279,13 +278,11 @@ class _SupportSearch:
 
     # -- PRE-IE ---------------------------------------------------------------------------------------------
 
-    def _least(
-        self, ask: "_Answers", guess: float, most: float, slope: float | None = None, within: float = WITHIN
-    ) -> SearchResult:
+    def _least(self, ask: "_Answers", guess: float, most: float, slope: float | None = None) -> SearchResult:
         at_zero = self.bare_limit.search_level
         if self.bare_limit.reaches(self.target):
             return SearchResult(0.0, self.bare_limit, 0.0, None, None)
-        within = min(within, 4e-7 / self.target) if within == WITHIN else within
+        within = min(WITHIN, 4e-7 / self.target)
         if slope is None:
             guess = min(guess * self._with_moments(), most)
             first = ask(guess).search_level
@@ -324,41 +321,25 @@ class _SupportSearch:
     # -- heads on the face ------------------------------------------------------------------------------------
 
     def _pattern(self, ways: BoltDirections, line: Line, force: float, least: float, rate: float | None) -> Pattern:
-        """Heads on the face for a force that is enough through the centroid, and what PRE-IE says of them.
+        """Heads on the face for a force that is enough through the centroid, and what PRE-IE asks with them there.
 
-        `least` is what the forces alone need, `rate` how the level rises with the force.
+        `least` is what the forces alone need, `rate` how the level rises with the force. Where the moments of the heads
+        ask for another force the heads are laid out for that; the analysis of the bolts as they are built judges them.
         """
         options, site = self.options, self.site
         direction = site.local(line.vector())
-        first: float | None = None
-        asked: tuple[Floats, Ints, _Answers] | None = None
-        wanted, guess, slope, rounds = force, force, rate, 0
-        at_once = (1, _MOST_GROUPS) if ways.passive else (1,)
-        while True:
-            laid = layout(site, direction, wanted, options.capacity, options.spacing)
+        laid = layout(site, direction, force, options.capacity, options.spacing)
+        if isinstance(laid, Notice):
+            return Pattern(None, (laid,), asked=force)
+        heads, counts = groups(site, laid, direction, _MOST_GROUPS if ways.passive else 1)
+        ask = _Answers(self._with_heads(ways, line, direction, heads, counts))
+        first = ask(force).level
+        root = self._least(ask, force, math.inf, rate)
+        if root.force is not None and not 0.9 * force < root.force <= force * (1.0 + 1e-9):
+            laid = layout(site, direction, root.force, options.capacity, options.spacing)
             if isinstance(laid, Notice):
                 return Pattern(None, (laid,), asked=force, first=first)
-            for most in at_once:
-                heads, counts = groups(site, laid, direction, most)
-                if asked is None or not (np.array_equal(heads, asked[0]) and np.array_equal(counts, asked[1])):
-                    asked = heads, counts, _Answers(self._with_heads(ways, line, direction, heads, counts))
-                ask = asked[2]
-                first = ask(force).level if first is None else first
-                within = _ROUGH if most != at_once[-1] and ask(guess).moments_govern else WITHIN
-                root = self._least(ask, guess, math.inf, slope, within)
-                if root.force is not None and within != WITHIN and not root.answer.moments_govern:
-                    root = self._least(ask, root.force, math.inf, root.slope)
-                if root.force is None:
-                    break
-                guess, slope = root.force, root.slope
-                if not root.answer.moments_govern:
-                    break  # it slides without turning: every bolt is drawn out alike, wherever its head is
-                at_once = at_once[-1:] if most == at_once[-1] else at_once  # the next layout begins there
-            rounds += 1
-            fits = root.force is not None and 0.9 * wanted < root.force <= wanted * (1.0 + 1e-9)
-            if root.force is None or fits or rounds == _LAYOUTS:
-                return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
-            wanted = root.force
+        return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
 
     def _laid_out(self, pattern: Pattern, laid: Layout, root: SearchResult, least: float) -> Pattern:
         """A pattern with its lengths, and whether those given are enough."""
