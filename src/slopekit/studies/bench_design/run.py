@@ -155,9 +155,6 @@ def bench_design(
     accept: Annotated[
         Any, Option("Least reliability; exit code 1 where no bench reaches it with its lower limit.")
     ] = None,
-    agree_within: Annotated[Any, Option("Largest difference of the two methods [1%].")] = None,
-    gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
-    water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
     convention: Convention = None,
     columns: Columns = None,
     skip_bad: SkipBad = False,
