@@ -4,6 +4,7 @@ python -m benchmarks.elastic_oracle [HOW_MANY [SEED]]: a line a wedge, and how f
 wet, cracked, bolted; rock of 1 to 20 GPa; elements of a quarter of the longest edge.
 """
 
+import math
 import sys
 import time
 
@@ -11,6 +12,45 @@ import numpy as np
 
 import slopekit as sk
 from slopekit.core.errors import SlopekitError
+from slopekit.elastic.rest import Rest, RestSearch
+from slopekit.kinds import elastic, kind_of
+from slopekit.kinds.elastic_scene import ElasticScene, scene_of_one
+from slopekit.result import Result
+
+MOST_STEPS = 3000  # of Newton's method, to both ends of a bracket
+
+
+def state_of(result: Result, factor: float = 1.0) -> tuple[ElasticScene, RestSearch, Rest]:
+    """Return the elastic block of a result at rest at a strength reduction factor."""
+    scene = scene_of_one(result.design, kind_of(result.design).cut(result.design))
+    return scene, *elastic._at_rest(scene, scene.model, factor)
+
+
+def last_rest(search: RestSearch, rest: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float]:
+    """Return the last state of one block at rest, and a factor no farther on than `within` where none is found.
+
+    A factor at which there is no rest from far away is tried again from nearer. Where `search.spent` the steps ran out
+    and the factor was not decided.
+    """
+    search.most = search.steps + MOST_STEPS
+    low, high, target = rest, math.inf, max(guess * (1.0 - 5.0 * within), rest.factor * (1.0 + within))
+    while True:
+        before, trial = low.factor, search.settled(low, target)
+        if trial.stands:
+            low = trial
+        elif search.spent or target <= before * (1.0 + within):
+            return low, target
+        else:
+            high = target
+        if low.factor >= high:  # it was tried from too far away
+            high = math.inf
+        if not math.isfinite(high):
+            far = 1e-3 if low.factor < guess * 1.01 else 0.05
+            target = max(guess * (1.0 + 5.0 * within), low.factor * (1.0 + far))
+        elif high > low.factor * (1.0 + within):
+            target = math.sqrt(low.factor * high)
+        else:
+            target = high
 
 
 def random_wedge(rng: np.random.Generator) -> dict[str, object]:
@@ -45,21 +85,27 @@ def main(wanted: int = 50, seed: int = 1) -> None:
                 left_out += 1
                 continue
             sides = np.ptp(np.array([*plain.to_dict()["geometry"]["corners_m"].values()]), axis=0)
-            found = sk.wedge(**given, edge=float(np.sqrt(sides @ sides)) / 3.0, elastic_bracket=True).elastic
+            found = sk.wedge(**given, edge=float(np.sqrt(sides @ sides)) / 3.0, elastic=True)
         except SlopekitError:
             left_out += 1
             continue
-        if found is None or found.bracket is None or found.limit_at_bracket is None:
+        blocks = found.elastic
+        if blocks is None or blocks.limit is None or blocks.rigid_limit is None:
             print("no state at rest:", given)
             off.append(float("nan"))
             continue
-        low, high = found.bracket
-        last = found.limit_at_bracket
+        scene, search, rest = state_of(found, blocks.factor)
+        end, high = last_rest(search, rest, blocks.limit)
+        low, last = end.factor, scene.limit_without(end.opened(scene.model))[0]
+        if last is None:
+            print("no limit without what is open:", given)
+            off.append(float("nan"))
+            continue
         off.append(max(low / last - 1.0, last / high - 1.0, 0.0, key=abs))
         with_ = [key for key in ("water", "crack", "bolts") if key in given]
-        print(f"{found.opened_share:7.2%} {found.rigid_limit:9.5f} {found.limit:9.5f} {last:9.5f}   "
+        print(f"{blocks.opened_share:7.2%} {blocks.rigid_limit:9.5f} {blocks.limit:9.5f} {last:9.5f}   "
               f"{low:.5f} .. {high:.5f}  {off[-1]:8.1e}  {', '.join(with_)}"
-              f"{', gave up' * found.gave_up}", flush=True)  # fmt: skip
+              f"{', gave up' * search.spent}", flush=True)  # fmt: skip
     near = np.abs(off)
     print(f"{wanted} wedges, seed {seed}, {left_out} without one or beyond 1 < F < 5: within 3e-4 "
           f"{int((near <= 3e-4).sum())}, most {np.nanmax(near):.1e}, {int(np.isnan(near).sum())} without a state; "

@@ -60,7 +60,7 @@ def timed(plain: Result, order: int = elastic_scene.ORDER) -> tuple[ElasticBlock
     """The elastic blocks of a result with elements of an order, and the CPU seconds that they take."""
     began = time.process_time()
     with patch.object(elastic_scene, "ORDER", order):
-        found = elastic.with_elastic(kind_of(plain.design), plain, bracket=False).elastic
+        found = elastic.with_elastic(kind_of(plain.design), plain).elastic
     took = time.process_time() - began
     assert found is not None
     assert found.limit is not None

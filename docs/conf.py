@@ -30,7 +30,7 @@ html_theme = "furo"
 html_math_renderer = "mathml"  # made here by docutils: browsers draw it, nothing is fetched
 html_title = f"slopekit {release}"
 html_show_sourcelink = False
-smartquotes = False  # --pf is two hyphens
+smartquotes = False  # --set is two hyphens
 default_role = "code"  # docstrings write `name`
 
 myst_enable_extensions = ["dollarmath", "amsmath"]

@@ -33,13 +33,11 @@ if TYPE_CHECKING:
     from slopekit.studies.quake import quake
     from slopekit.studies.sets import JointSets as JointSets
     from slopekit.studies.sets import sets
-    from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
     from slopekit.studies.solve import Solution as Solution
     from slopekit.studies.solve import solve
     from slopekit.studies.solve.for_cases import SolutionForAll as SolutionForAll
     from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
-    from slopekit.studies.support.columns import ColumnSupport as ColumnSupport
     from slopekit.studies.support.for_cases import SupportForAll as SupportForAll
     from slopekit.studies.sweep import Sweep as Sweep
     from slopekit.studies.sweep import sweep
@@ -59,9 +57,9 @@ _LATER = {
     **dict.fromkeys(("analyse", "load", "plot", "report", "run", "wedge"), "api"),
     **dict.fromkeys(("DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError"), "core.errors"),
     "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
-    "Check": "studies.check", "ColumnSupport": "studies.support.columns", "Combos": "studies.combos",
+    "Check": "studies.check", "Combos": "studies.combos",
     "explore": "app.notebook", "Explorer": "app.notebook", "export": "exchange.export", "JointSets": "studies.sets",
-    "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
+    "Kinematic": "studies.kinematic", "Probability": "studies.prob",
     "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
     "SolutionForAll": "studies.solve.for_cases", "Support": "studies.support",
     "SupportForAll": "studies.support.for_cases", "Sweep": "studies.sweep", "Tornado": "studies.tornado",

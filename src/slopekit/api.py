@@ -19,11 +19,10 @@ if TYPE_CHECKING:
 
 
 ELASTIC = Option("Elastic blocks beside the rigid ones (extra: elastic).")
-BRACKET = Option("The same, and the bracket where elastic blocks no longer come to rest: takes longer.")
 
 
 _OF_ELASTIC = ("modulus", "poisson", "edge", "bedrock")
-_NO_INPUTS = ("desk", "elastic", "elastic_bracket")
+_NO_INPUTS = ("desk", "elastic")
 
 
 @documented
@@ -67,7 +66,6 @@ def wedge(
     edge: Annotated[Any, Option("Longest edge of its finite elements [auto].")] = None,
     bedrock: Annotated[str | None, Option("rigid, or elastic as the wedge [rigid].")] = None,
     elastic: Annotated[bool, ELASTIC] = False,
-    elastic_bracket: Annotated[bool, BRACKET] = False,
     desk: Workplace = DESK,
     **unknown: Any,
 ) -> "Result":
@@ -118,15 +116,14 @@ def wedge(
     (1.006, False)
     """
     given = {name: value for name, value in locals().items() if name != "unknown"} | unknown
-    for name, asked in (("elastic", elastic), ("elastic_bracket", elastic_bracket)):
-        if not isinstance(asked, bool):
-            raise wrong_kind("wedge", name, "True or False", asked)
+    if not isinstance(elastic, bool):
+        raise wrong_kind("wedge", "elastic", "True or False", elastic)
     design = design_of_wedge(given)
     from slopekit.kinds import analyse as analyse_design
 
-    result = analyse_design(design, elastic, elastic_bracket)
+    result = analyse_design(design, elastic)
     idle = [name for name in _OF_ELASTIC if given[name] is not None]
-    if not idle or elastic or elastic_bracket:
+    if not idle or elastic:
         return result
     message = f"{' and '.join(idle)}: of elastic blocks, which were not asked for (--elastic); nothing was done with it"
     return replace(result, warnings=(*result.warnings, Notice("W457", message)))
@@ -188,14 +185,13 @@ def load(
         return load_design(source, tuple((set or {}).items()), case)
 
 
-def analyse(design: "Source", elastic: bool = False, elastic_bracket: bool = False) -> "Result | Cases[Result]":
+def analyse(design: "Source", elastic: bool = False) -> "Result | Cases[Result]":
     """Analyse a design of any kind: a `Result`; with load cases `Cases`, whose `.cases` has a `Result` of each.
 
     Parameters
     ----------
     design : what `load` returns, the path of a design file, or the same as a dict
     elastic : elastic blocks beside the rigid ones (extra: elastic)
-    elastic_bracket : and the bracket where they no longer come to rest
 
     Raises
     ------
@@ -222,9 +218,8 @@ def analyse(design: "Source", elastic: bool = False, elastic_bracket: bool = Fal
     if design.cases:
         from slopekit.studies.cases import each_case
 
-        asked = {"elastic": elastic, "bracket": elastic_bracket} if elastic or elastic_bracket else {}
-        return each_case(analyse_design, "run", design, asked)
-    return analyse_design(design, elastic, elastic_bracket)
+        return each_case(analyse_design, "run", design, {"elastic": True} if elastic else {})
+    return analyse_design(design, elastic)
 
 
 @overload
@@ -234,7 +229,6 @@ def run(
     *,
     case: str,
     elastic: bool = False,
-    elastic_bracket: bool = False,
 ) -> "Result": ...
 
 
@@ -244,7 +238,6 @@ def run(
     set: Mapping[str, Any] | None,
     case: str,
     elastic: bool = False,
-    elastic_bracket: bool = False,
 ) -> "Result": ...
 
 
@@ -254,7 +247,6 @@ def run(
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
     elastic: bool = False,
-    elastic_bracket: bool = False,
 ) -> "Result | Cases[Result]": ...
 
 
@@ -264,7 +256,6 @@ def run(
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
     elastic: Annotated[bool, ELASTIC] = False,
-    elastic_bracket: Annotated[bool, BRACKET] = False,
 ) -> "Result | Cases[Result]":
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple.
 
@@ -298,7 +289,7 @@ def run(
     from slopekit.design.reading.files import design_from
 
     if isinstance(source, str | os.PathLike | Mapping):
-        return analyse(load(source, set, case), elastic, elastic_bracket)
+        return analyse(load(source, set, case), elastic)
     source = design_from(source, "run", "source")
     if set:
         raise DesignError(
@@ -308,7 +299,7 @@ def run(
         from slopekit.design.cases import case_named
 
         source = case_named(source, case).design
-    return analyse(source, elastic, elastic_bracket)
+    return analyse(source, elastic)
 
 
 # -- pictures and pages -----------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.one_block.limit import LimitAnalysis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import MESH_CHANGE
+from slopekit.preie.tolerances import MESH_CHANGE, PASSES_SETTLED
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
@@ -361,7 +361,7 @@ def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
                          f"strengths that were tried{unused}")  # fmt: skip
         else:
             yield Notice("W303", f"moments turn the {block} over{opened}, and no strength is called on{unused}")
-    if limit.factor and not limit.settled_to(design.stop_when):
+    if limit.factor and not limit.settled_to(PASSES_SETTLED):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
         yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")

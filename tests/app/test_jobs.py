@@ -117,7 +117,7 @@ def test_what_studies_refuse_is_said_by_their_codes(what, options, code):
 def test_every_kind_can_start_what_there_is_for_it():
     for kind in KINDS:
         assert set(jobs_of(kind)) <= set(WHAT)
-        assert ("support" in jobs_of(kind)) == (kind in ("wedge", "plane", "topple"))
+        assert ("support" in jobs_of(kind)) == (kind in ("wedge", "plane"))
 
 
 # -- the process ------------------------------------------------------------------------------------------------------

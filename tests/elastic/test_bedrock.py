@@ -8,6 +8,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 import slopekit as sk
+from benchmarks.elastic_oracle import last_rest, state_of
 from slopekit.core.errors import DesignError
 from slopekit.elastic.bedrock import _far, bedrock, box_around, box_of, cut_cells, graded
 from slopekit.elastic.flexibility import Elements, Rock
@@ -187,10 +188,13 @@ def turned_by(plane: str, degrees: float) -> str:
 
 def test_a_wedge_on_elastic_bedrock_and_the_same_turned_moved_scaled() -> None:
     """The oracle of METHOD-2 §10 on elastic bedrock too, and what may not change anything."""
-    base = sk.wedge(**WEDGE, elastic_bracket=True).elastic
+    whole = sk.wedge(**WEDGE, elastic=True)
+    base = whole.elastic
     assert base.bedrock == "elastic"
-    low, high = base.bracket
-    assert low * (1.0 - 3e-4) <= base.limit_at_bracket <= high * (1.0 + 3e-4)
+    scene, search, state = state_of(whole)
+    last, high = last_rest(search, state, base.limit)
+    without = scene.limit_without(last.opened(scene.model))[0]
+    assert last.factor * (1.0 - 3e-4) <= without <= high * (1.0 + 3e-4)
     assert base.opened_share > 0.0
     stiff = sk.wedge(**WEDGE | {"bedrock": "rigid"}, elastic=True)
     assert stiff.elastic.bedrock == "rigid"

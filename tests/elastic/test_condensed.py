@@ -2,7 +2,6 @@
 flexibilities, one block, stiff blocks and a bench are what they have to be; work that ends says so."""
 
 from dataclasses import replace
-from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +15,6 @@ from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
 from slopekit.kinds.elastic_scene import scene_of_many
-from slopekit.result import Result
 
 
 def wall(cohesion: float = 0.0, high: int = 4) -> dict:
@@ -161,26 +159,17 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     monkeypatch.setattr("slopekit.kinds.elastic.scene_of_many", without_limit)
     found = sk.run(wall(cohesion=1.0, high=1), elastic=True)
     assert found.elastic.limit is None
-    assert found.elastic.bracket is None
     assert "W360" in [one.code for one in found.warnings]
     shown = " ".join(str(found).split())
     assert "was not found; rigid" in shown
     assert "without strength" not in shown
     assert found.to_dict()["elastic"]["limit"] is None
-    checked = sk.check(sk.load(wall(cohesion=1.0, high=1)), elastic=True)
-    assert "elastic blocks none: see NOTE" in " ".join(str(checked).split())
 
 
-@cache
-def bracketed() -> Result:
-    """A wall and where its elastic blocks no longer come to rest."""
-    return sk.run(wall(cohesion=2.0, high=2), elastic_bracket=True)
-
-
-@pytest.mark.parametrize("asked", [{"elastic": True}, {"elastic_bracket": True}])
-def test_a_limit_that_is_not_found_has_two_ends(monkeypatch: pytest.MonkeyPatch, asked: dict) -> None:
+def test_a_limit_that_is_not_found_has_two_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Elastic blocks rest at the first, near where they end; the second is no less than that end."""
-    given, whole = wall(cohesion=2.0, high=2), bracketed()
+    given = wall(cohesion=2.0, high=2)
+    whole = sk.run(given, elastic=True)
     scenes = []
 
     def without_limit(*asked):
@@ -188,11 +177,11 @@ def test_a_limit_that_is_not_found_has_two_ends(monkeypatch: pytest.MonkeyPatch,
         return replace(scenes[-1], limit_without=lambda parted: (None, True))
 
     monkeypatch.setattr("slopekit.kinds.elastic.scene_of_many", without_limit)
-    found = sk.run(given, **asked)
+    found = sk.run(given, elastic=True)
     assert found.elastic.limit is None
     low, high = found.elastic.between
-    assert low == pytest.approx(whole.elastic.bracket[0], rel=0.02)
-    assert low <= whole.elastic.bracket[1] <= high * (1.0 + 1e-4)
+    assert low == pytest.approx(whole.elastic.limit, rel=0.02)
+    assert low <= whole.elastic.limit <= high * (1.0 + 1e-4)
     assert high <= whole.fos.static_bound * (1.0 + 1e-6)
     (said,) = [one.message for one in found.warnings if one.code == "W360"]
     assert f"it lies between {low:.4f} and {high:.4f}" in said
@@ -263,26 +252,14 @@ def test_a_limit_that_nothing_holds_without_the_cohesion_is_not_for_want_of_work
     assert "none was found, and not for want of work" in said["W371"]
 
 
-def test_a_bracket_that_runs_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rest, "_WORK_OF_BRACKET", 1e3)
-    plane = {
-        "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
-        "joints": {"J1": {"plane": "35/180"}}, "strength": {"joint": {"c": 20, "phi": 30}},
-        "rock": {"density": 2600}, "contact": {"shear_stiffness": 1e6}, "analysis": {"elastic": {"edge": "3 m"}},
-    }  # fmt: skip
-    plane.pop("contact")
-    found = sk.run(plane, elastic_bracket=True)
-    assert "W456" in [one.code for one in found.warnings]
-
-
-def test_the_bracket_of_a_wall_encloses_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wall_rests_up_to_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """It slides on its base at tan φ / tan 0.35, rigid or elastic: no cohesion to lose, no forces locked in."""
     monkeypatch.setattr("slopekit.elastic.model._DENSE", 0)
     exact = np.tan(np.radians(35.0)) / np.tan(0.35)
-    low, high = (found := sk.run(wall(high=2), elastic_bracket=True).elastic).bracket
-    assert not found.gave_up
-    assert exact * (1.0 - 2e-4) < low < exact * (1.0 + 1e-6)
-    assert exact * (1.0 - 1e-4) < high < exact * (1.0 + 3e-4)
-    assert high < low * (1.0 + 2.6e-5)  # of many blocks a quarter as wide as of one
-    assert high == pytest.approx(exact, rel=1e-6)  # the static bound, which nothing has to be tried beyond
-    assert low == pytest.approx(exact, rel=2.5e-5)
+    design = sk.load(wall(high=2))
+    scene = scene_of_many(design, cut(design), sk.analyse(design))
+    search = RestSearch(scene.model, scene.stiffness)
+    last = search.onward(search.rest(1.0), exact * (1.0 - 2.5e-5))
+    assert last is not None
+    assert not search.settled(last, exact * (1.0 + 1e-6)).stands
+    assert scene.bound_without(last.parted) == pytest.approx(exact, rel=1e-6)

@@ -32,7 +32,7 @@ def test_json_and_sheet_have_it_where_it_is_asked_for() -> None:
     assert document["limit"] == found.elastic.limit <= document["rigid_limit"]
     assert document["rigid_limit"] == pytest.approx(found.fos.limit, rel=1e-9)
     assert document["taken"] == ["modulus", "poisson"]
-    assert document["bracket"] is None
+    assert document["between"] is None
     assert len(document["pairs"]["elastic_kpa"]) == document["node_pairs"]
     assert "ELASTIC" in str(found.sheet)
     assert found.timing_s["elastic"] > 0.0
@@ -91,10 +91,13 @@ def test_columns() -> None:
 
 def test_columns_do_not_hang_on_what_is_open() -> None:
     """Elastic columns come to rest up to the rigid limit, no farther: springs of open pairs are no contact."""
-    found = sk.run(columns(0), elastic_bracket=True).elastic
-    low, high = found.bracket
-    assert low <= found.limit * 1.0003
-    assert high >= found.limit * 0.9997
+    design = sk.load(columns(0))
+    rigid = sk.analyse(design)
+    scene = scene_of_many(design, cut(design), rigid)
+    search = RestSearch(scene.model, scene.stiffness)
+    last = search.onward(search.rest(1.0), rigid.fos.limit * 0.9997)
+    assert last is not None
+    assert not search.settled(last, rigid.fos.limit * 1.0003).stands
 
 
 def test_open_pairs_carry_nothing() -> None:
@@ -172,3 +175,9 @@ def test_the_table_of_cases_has_the_elastic_limit() -> None:
     assert f"{one.elastic.limit:.4f}" in str(found.sheet).split("quake", 1)[1].split("\n", 1)[0]
     assert f"elastic {found.cases[found.governing].elastic.limit:.4f}" in found.line
     assert "elastic" not in str(sk.run(design).sheet)
+
+
+@pytest.mark.parametrize("given", [{"modulus": "5 GPa"}, {"bedrock": "elastic", "edge": 4}])
+def test_what_is_of_elastic_blocks_alone_is_not_dropped_silently(given) -> None:
+    said = {one.code: one.message for one in sk.wedge(dips=("45/115", "45/245"), **given).warnings}
+    assert said["W457"].startswith(" and ".join(one for one in ("edge", "bedrock") if one in given) or "modulus")

@@ -6,7 +6,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 import slopekit as sk
-from slopekit.elastic import rest
+from benchmarks.elastic_oracle import last_rest, state_of
 from slopekit.elastic.flexibility import Elements, Rock, flexibility
 from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_evenly
 from slopekit.elastic.model import with_blocks
@@ -17,7 +17,6 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.system.contact import JointStiffness, tractions
 from slopekit.preie.system.model import local_axes
-from slopekit.studies.check.run import _elastic
 
 WEDGE = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30, "c": (24, 48),
          "phi": (20, 30), "unit_weight": 25}  # fmt: skip
@@ -77,34 +76,18 @@ def test_displacements_on_nodes_give_the_same_forces() -> None:
 
 @pytest.mark.parametrize("more", [{"water": "50%"}, {"crack": "80/180@8", "bolts": ["1000@5/-10,passive"]}])
 def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(more) -> None:
-    """The oracle of METHOD-2 §10; the rest of the bracket is the search's own."""
-    found = sk.wedge(**WEDGE, **COARSE, **more, elastic_bracket=True).elastic
+    """The oracle of METHOD-2 §10: the factor up to which the elastic block comes to rest."""
+    result = sk.wedge(**WEDGE, **COARSE, **more, elastic=True)
+    found = result.elastic
     assert found is not None
-    assert found.bracket is not None
-    low, high = found.bracket
+    scene, search, state = state_of(result)
+    last, high = last_rest(search, state, found.limit)
+    assert not search.spent
+    low, without = last.factor, scene.limit_without(last.opened(scene.model))[0]
     assert high / low - 1.0 < 1.1e-4
-    assert low * (1.0 - 3e-4) <= found.limit_at_bracket <= high * (1.0 + 3e-4)
+    assert low * (1.0 - 3e-4) <= without <= high * (1.0 + 3e-4)
     assert found.limit <= found.rigid_limit
-    assert found.limit == pytest.approx(found.limit_at_bracket, rel=0.02)
-
-
-def test_a_bracket_that_ran_out_of_steps_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is printed as at rest is so with all steps; the second factor is no end, and nothing is compared with it."""
-    whole = sk.wedge(**WEDGE, **COARSE, elastic_bracket=True)
-    monkeypatch.setattr(rest, "_MOST_OF_BRACKET", 10)
-    found = sk.wedge(**WEDGE, **COARSE, elastic_bracket=True)
-    low, high = found.elastic.bracket
-    said = {notice.code: notice.message for notice in found.warnings}
-    assert (whole.elastic.gave_up, found.elastic.gave_up) == (False, True)
-    assert low <= whole.elastic.bracket[0]
-    assert high > low
-    assert f"gave up at {high:.4f}" in said["W456"]
-    assert "W453" not in said
-    assert "W456" not in {notice.code for notice in whole.warnings}
-    assert f"{low:.5f}  elastic blocks come to rest there; gave up at {high:.5f}" in str(found.sheet)
-    assert _elastic(found).code == "W456"
-    assert _elastic(found).met is None
-    assert found.to_dict()["elastic"]["gave_up"]
+    assert found.limit == pytest.approx(without, rel=0.02)
 
 
 def test_a_state_that_is_not_that_of_full_strength_is_said() -> None:
@@ -118,9 +101,9 @@ def test_a_state_that_is_not_that_of_full_strength_is_said() -> None:
     assert (found.elastic.factor, found.elastic.limit) == (0.95, pytest.approx(1.0065, abs=1e-3))
     said = {notice.code: notice.message for notice in found.warnings}
     assert "come to rest at F = 0.95, at 1 none was found: their limit may lie between, below the 1.00" in said["W501"]
-    asked = sk.wedge(**given, elastic_bracket=True)
-    assert asked.elastic.bracket[1] < 0.96
-    assert "see the bracket" in {notice.code: notice.message for notice in asked.warnings}["W501"]
+    assert said["W501"].endswith("rely on 0.95")
+    _, search, state = state_of(found, 0.95)
+    assert last_rest(search, state, found.elastic.limit)[1] < 0.96
     assert "W501" not in {notice.code for notice in sk.wedge(**WEDGE, **COARSE, elastic=True).warnings}
 
 
@@ -177,13 +160,13 @@ def test_where_moments_govern_once_cohesion_is_lost() -> None:
         "bolts": ["5450@0/-10,active"],
     }  # fmt: skip
     cohesion = {"J1": 66.1, "J2": 55.0}
-    result = sk.wedge(**given, c=(66.1, 55.0), modulus="9.6 GPa", edge="39 m", elastic_bracket=True)
+    result = sk.wedge(**given, c=(66.1, 55.0), modulus="9.6 GPa", edge="39 m", elastic=True)
     found = result.elastic
     assert found is not None
-    low, high = found.bracket
+    scene, search, state = state_of(result)
+    last, high = last_rest(search, state, found.limit)
     left = {name: c * (1.0 - found.joints[name].opened_share) for name, c in cohesion.items()}
     without = sk.wedge(**given, c=(left["J1"], left["J2"])).fos.closed_form
     assert found.joints["J2"].opened_share > 0.3
-    assert found.limit_at_bracket < 0.97 * low
+    assert scene.limit_without(last.opened(scene.model))[0] < 0.97 * last.factor
     assert 1.0 < high < without < result.forces_only
-    assert "W453" in [notice.code for notice in result.warnings]

@@ -115,20 +115,6 @@ def test_every_study_of_a_design_takes_cases() -> None:
     assert swept.cases["static"].points[1].factors.closed_form == pytest.approx(plane_factor(k=0.1), rel=1e-9)
 
 
-def test_columns_take_their_support_case_by_case() -> None:
-    """Forces on columns are no bolts on a face: the cases stand side by side, each as it would alone."""
-    design = {
-        "slopekit": 1, "kind": "topple", "rock": {"unit_weight": 25}, "strength": {"joint": {"c": 0, "phi": 38}},
-        "columns": {"dip": 60, "width": "10 m", "heights": [4, 10, 16, 22], "base_step": "1 m"},
-        "cases": {"static": {"accept": "fos >= 1.4"}, "quake": {"set": {"loads.seismic.k": 0.02}}},
-    }  # fmt: skip
-    found = sk.support(sk.load(design), 1.4, acts="active")
-    assert found.for_all is None
-    alone = sk.support(sk.load(design, case="quake"), 1.4, acts="active")
-    assert found.cases["quake"].line == alone.line
-    assert [name in str(found) for name in ("static: ", "quake: ")] == [True, True]
-
-
 def test_support_satisfies_every_case() -> None:
     """The bolts that are written, put into the design by hand, and every case run with them."""
     found = sk.support(sk.load(FILE), acts="active")

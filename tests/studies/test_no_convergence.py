@@ -21,7 +21,6 @@ from slopekit.studies.prob.judged import failing
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
 from slopekit.studies.solve import by_load, factor_request
-from slopekit.studies.solve.by_probability import Estimate, for_probability
 from tests.commands import slopekit
 from tests.studies.test_solve_load import _slab
 
@@ -79,7 +78,7 @@ def test_what_was_not_computed_is_no_proof(monkeypatch, low, target, code, said)
 
 
 def test_a_sweep_that_meets_no_convergence_ends_with_four(monkeypatch) -> None:
-    """Whether the status says so, or the passes did not settle to `stop_when` and there is no number."""
+    """Whether the status says so, or the passes did not settle and there is no number."""
     for factors in (
         Factors("not_converged", None, None, None, None, False, False, False),
         Factors("slides", None, None, None, None, None, False, False),
@@ -105,13 +104,6 @@ def test_no_k_is_found_where_pre_ie_does_not_converge(monkeypatch) -> None:
     with pytest.raises(DesignError) as error:
         yielding.yields_of(_slab(), ALONE, lambda _: None)
     assert error.value.exit_code == 4
-
-
-@pytest.mark.parametrize(("disagree", "code"), [(0, 1), (3, 4)])
-def test_a_probability_of_samples_in_doubt_proves_nothing(disagree, code) -> None:
-    found = for_probability(_slab(), PHI, 0.5, lambda _: Estimate(0.25, disagree=disagree))
-    assert found.answer is None
-    assert found.exit_code == code
 
 
 def test_the_command_ends_as_the_study_does(monkeypatch) -> None:

@@ -62,14 +62,6 @@ def test_values_solved_for_are_a_table() -> None:
     assert "root" not in str(solution)  # text has the entries
 
 
-def test_probabilities_solved_for_are_a_table() -> None:
-    solution = sk.solve(sk.load(path_of("wedge-scatter")), "slope.height=10:40", pf=0.2, n=20)
-    (row,) = list(csv.DictReader(io.StringIO(solution.tables()["solve"].csv())))[:1]
-    assert float(row["slope.height"]) == solution.answer.value
-    assert float(row["probability_of_failure"]) == solution.answer.estimate.value
-    assert float(row["low"]) < float(row["probability_of_failure"]) < float(row["high"])
-
-
 def test_cases_of_support_are_a_table() -> None:
     support = found("support")
     own = rows("support")

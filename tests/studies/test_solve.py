@@ -1,23 +1,20 @@
-"""The value that gives a target: put back, by both methods; jumps, gaps, several values, none; probabilities."""
+"""The value that gives a target: put back, by both methods; jumps, gaps, several values, none."""
 
 import json
 import math
 import sys
 from dataclasses import replace
-from functools import cache, partial
-from statistics import NormalDist
+from functools import cache
 from types import ModuleType
 
 import pytest
 
 import slopekit as sk
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.kinds import factors_of, kind_of
+from slopekit.kinds import factors_of
 from slopekit.studies.points import factor_at
-from slopekit.studies.prob import prob
 from slopekit.studies.solve import factor_request, solve
-from slopekit.studies.solve.by_probability import Estimate, for_probability
 from slopekit.studies.solve.factor_request import level_of
 from slopekit.studies.solve.solutions import notices
 from tests.studies.wedge_oracle import wedge_factor
@@ -348,7 +345,6 @@ def test_the_target_may_be_the_acceptance_rule() -> None:
         ("strength.weak.c", {}, "E314"), ("strength.weak.c", {"fos": 0.0}, "E314"),
         ("strength.weak.c", {"fos": math.nan}, "E314"), ("strength.weak.c", {"fos": math.inf}, "E314"),
         ("analysis.refine", {"fos": 1.2}, "E311"), ("strength.weak", {"fos": 1.2}, "E311"), ("c", {"fos": 1.2}, "E310"),
-        ("slope.height", {"fos": 1.2, "n": 30}, "E313"), ("slope.height", {"fos": 1.2, "seed": 1}, "E313"),
         ("slope.height=1:2", {"fos": 1.2, "within": (1, 2)}, "E312"), ("slope.height=2:1", {"fos": 1.2}, "E312"),
     ],
 )  # fmt: skip
@@ -398,157 +394,6 @@ def test_data_frames_need_pandas(monkeypatch) -> None:
     assert repr(found) == f"<Solution: {found.line}>"
 
 
-# -- probabilities ----------------------------------------------------------------------------------------------------
-
-
-def normal_share(design) -> float:
-    """P(X < 0) of X normal about (c - 30) with standard deviation 10: a probability that is known."""
-    return NormalDist(design.cohesion_kpa[0] - 30.0, 10.0).cdf(0.0)
-
-
-def test_a_probability_that_is_known() -> None:
-    """P = Φ((30 - c) / 10) is 5 % at c = 30 + 16.448536."""
-    found = for_probability(sk.load(WEDGE), "strength.weak.c", 0.05, normal_share)
-    assert found.answer.value == pytest.approx(30.0 + 10.0 * NormalDist().inv_cdf(0.95), rel=1e-8)
-    assert not found.answer.rises
-    assert found.answer.limits == (None, None)
-    assert found.before.value == pytest.approx(normal_share(sk.load(WEDGE)))
-    assert found.exit_code == 0
-
-
-def test_steps_end_on_the_safe_side_and_limits_bound_the_value() -> None:
-    """A hundred samples: the share is a multiple of 1 %, with limits of ± 2 %."""
-
-    def share(design) -> Estimate:
-        value = math.floor(100.0 * normal_share(design)) / 100.0
-        return Estimate(value, max(value - 0.02, 0.0), value + 0.02)
-
-    found = for_probability(sk.load(WEDGE), "strength.weak.c", 0.065, share)
-    (_, upper), (_, lower) = found.answer.bracket
-    assert (upper.value, lower.value) == (0.07, 0.06)
-    assert found.answer.estimate.value == 0.06
-    low, high = found.answer.limits
-    exact = [30.0 + 10.0 * NormalDist().inv_cdf(1.0 - p) for p in (0.09, 0.05)]
-    assert (low, high) == pytest.approx(exact, rel=1e-4)
-    coarse = for_probability(sk.load(WEDGE), "strength.weak.c", 0.005, share)
-    assert [notice.code for notice in coarse.warnings] == ["W357"]
-    sheet = str(found)
-    assert max(map(len, sheet.splitlines())) <= 100
-    assert "confidence limits" in sheet
-    assert found.line.startswith(found.key.shown(found.answer.value))
-    json.dumps(found.to_dict(), allow_nan=False)
-
-
-def test_probabilities_with_no_or_many_values() -> None:
-    design = sk.load(WEDGE)
-
-    def refused(_design):
-        raise DesignError([Fault("E281", "too far out")])
-
-    cases = [(lambda d: 0.25, "E316"), (lambda d: 0.2 + 1e-7 * d.height_m, "E315"), (refused, "E318")]
-    for share, code in cases:
-        found = for_probability(design, "slope.height", 0.5, share)
-        assert (found.reason.code, found.exit_code) == (code, 1)
-        assert str(found)
-        assert found.line.startswith("none")
-
-    def partly_refused(changed):
-        return refused(changed) if changed.height_m < 50.0 else 0.2 + 1e-7 * changed.height_m
-
-    found = for_probability(design, "slope.height", 0.1, partly_refused)
-    assert "values tried give no probability (E281): it may lie among them" in found.reason.message
-    waves = for_probability(
-        design, "slope.face.dip", 0.5, lambda d: 0.5 + 0.4 * math.sin(math.radians(8 * d.face.dip_deg))
-    )
-    assert len(waves.roots) >= 2
-    assert waves.warnings[0].code == "W356"
-    distances = [abs(root.value - 60.0) for root in waves.roots]
-    assert distances == sorted(distances)
-
-
-@pytest.mark.parametrize(
-    ("key", "pf", "code"),
-    [("slope.height", 0.0, "E314"), ("slope.height", 2.0, "E314"), ("strength.weak.phi", 0.1, "E311"),
-     ("slope.height", 0.1, "E302")],
-)  # fmt: skip
-def test_probabilities_that_cannot_be_asked(key, pf, code) -> None:
-    scatters = {"strength": {"weak": {"c": 50, "phi": {"dist": "normal", "mean": 20, "sd": 2}}}}
-    design = sk.load(WEDGE | (scatters if code == "E311" else {}))
-    with pytest.raises(DesignError) as caught:
-        sk.solve(design, key, pf=pf)
-    assert caught.value.codes == (code,)
-
-
-def test_a_probability_from_samples(monkeypatch) -> None:
-    """The value put back has the probability, from the same samples; PRE-IE looks at few, for it takes its time."""
-    monkeypatch.setattr("slopekit.studies.solve.run.prob", partial(prob, confirm=9, near=0.0))
-    strength = {"weak": {"c": 50, "phi": {"dist": "normal", "mean": 20, "sd": 3}}}
-    design = sk.load(WEDGE | {"strength": strength})
-    found = sk.solve(design, "strength.weak.phi.mean", pf=0.05, n=2000, seed=3, within=(12, 20))
-    assert found.answer.estimate.value <= 0.05
-    assert (found.answer.estimate.by, found.answer.counted, found.warnings) == ("closed form", None, ())
-    put_back = strength["weak"]["phi"] | {"mean": found.answer.value}
-    led = prob(sk.load(WEDGE | {"strength": {"weak": {"c": 50, "phi": put_back}}}), 2000, seed=3, confirm=0, near=0.0)
-    assert led.leading.probability == found.answer.estimate.value
-    assert found.answer.limits[0] < found.answer.value < found.answer.limits[1]
-    # F = 1 at φ = 10.378: 5 % of N(mean, 3) lie below it where the mean is 1.645 sd higher
-    expected = solved("wedge", "strength.weak.phi", 1.0).answer.value + 3.0 * NormalDist().inv_cdf(0.95)
-    assert found.answer.limits[0] < expected < found.answer.limits[1]
-
-
-@pytest.mark.parametrize("more", [
-    lambda c: 0.03, lambda c: 0.01 + 0.0005 * c, lambda c: 0.4 * math.exp(-c / 60.0),
-])  # fmt: skip
-def test_a_value_holds_the_probability_that_prob_leads_with(more) -> None:
-    """P = exp(-c/20) counted, and PRE-IE judging it higher by what changes with c: against the root by bisection."""
-
-    def cohesion(design) -> float:
-        return kind_of(design).strengths(design)[0].cohesion_kpa
-
-    def judged(c: float) -> float:
-        return math.exp(-c / 20.0) + more(c)
-
-    found = for_probability(
-        sk.load(WEDGE), "strength.weak.c=1:150", 0.1,
-        lambda design: Estimate(math.exp(-cohesion(design) / 20.0), by="closed form"),
-        lambda design: Estimate(judged(cohesion(design)), by="PRE-IE's judgement"),
-    )  # fmt: skip
-    low, high = 1.0, 100.0
-    for _ in range(60):
-        middle = (low + high) / 2.0
-        low, high = (middle, high) if judged(middle) > 0.1 else (low, middle)
-    at, held = found.answer.value, found.answer.estimate
-    assert 0.095 <= held.value == judged(at) <= 0.1
-    assert high <= at < high * 1.05  # on the safe side, within the 5 % of the target
-    assert found.before.value == judged(50.0)
-    assert found.answer.counted.value == pytest.approx(math.exp(-at / 20.0))
-    assert [notice.code for notice in found.warnings] == ["W430"]
-    assert f"{-20.0 * math.log(0.1):.4f}"[:7] in found.warnings[0].message  # the closed form's own, not to be used
-    assert "by PRE-IE's judgement" in str(found)
-    assert (found.exit_code, found.to_dict()["roots"][0]["probability"]["by"]) == (0, "PRE-IE's judgement")
-
-
-@pytest.mark.parametrize("key", ["strength.weak.c=1:150", "strength.weak.c=60:150"])
-def test_where_pre_ie_judges_more_than_the_target_there_is_no_value(key) -> None:
-    """Whether the closed form has a value or not (its probability is below the target from 46 kPa on)."""
-    found = for_probability(
-        sk.load(WEDGE), key, 0.1,
-        lambda design: Estimate(math.exp(-kind_of(design).strengths(design)[0].cohesion_kpa / 20.0), by="closed form"),
-        lambda design: Estimate(0.4, by="PRE-IE's judgement"),
-    )  # fmt: skip
-    assert (found.answer, found.reason.code, found.exit_code) == (None, "E463", 1)
-    assert "judges" in found.line or "none" in found.line
-
-
-def test_a_probability_on_which_the_methods_disagree_says_so() -> None:
-    found = for_probability(
-        sk.load(WEDGE), "strength.weak.c=1:150", 0.1,
-        lambda design: Estimate(math.exp(-kind_of(design).strengths(design)[0].cohesion_kpa / 20.0), by="closed form"),
-        lambda design: Estimate(math.exp(-kind_of(design).strengths(design)[0].cohesion_kpa / 20.0), disagree=1),
-    )  # fmt: skip
-    assert (found.answer.counted, found.exit_code) == (None, 4)
-
-
 # -- the command ------------------------------------------------------------------------------------------------------
 
 
@@ -578,11 +423,7 @@ WEDGE_FILE = str(path_of("wedge"))
         ),
         (("slope.face", "--fos", "1.2"), 2, "E311 slope.face is an orientation"),
         (("slope.height=10:20ft", "--fos", "1.2"), 2, "E312 slope.height: some values carry a unit"),
-        (("slope.height", "--fos", "1.2", "--seed", "3"), 2, "E313 --seed belongs to --pf"),
-        (("slope.height", "--fos", "1.2", "-n", "30"), 2, "E313 -n belongs to --pf"),
         (("slope.height", "--fos", "none"), 2, "E106 --fos is 'none'"),
-        (("slope.height", "--pf", "5"), 2, "E314 the target is a probability of failure of 5"),
-        (("slope.height", "--pf", "5%"), 2, "E302 nothing in this design scatters"),
         (("slope.height", "--jobs", "0"), 2, "E300 --jobs is 0"),
     ],
 )

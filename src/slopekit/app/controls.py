@@ -41,7 +41,7 @@ _LEAST_USUAL: Mapping[str, float] = {"density": 1500.0, "unit weight": 5.0}
 _TIMES = 3.0  # how far beyond what it is now a slider reaches
 _DECADES = 100.0  # the same of a number that goes by its logarithm
 _LOGARITHMIC = ("stiffness",)
-_OF_LOGARITHMS = ("analysis.stop_when", "rock.modulus")
+_OF_LOGARITHMS = ("rock.modulus",)
 _STEPS = 200  # of a slider, about
 #: Sliders that stop short of what may be typed: it takes too long, or nobody means it.
 _FARTHEST: Mapping[str, float] = {"loads.seismic.k": 0.5, "analysis.refine": 2.0, "analysis.agree_within": 0.1}

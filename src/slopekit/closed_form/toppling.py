@@ -9,7 +9,6 @@ below it; P_n is the force between columns n and n + 1, square to the sides, who
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -18,8 +17,6 @@ from slopekit.closed_form.tolerances import HOLDS, ROUNDING
 from slopekit.core.array_types import ArrayLike, Bools, Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-
-_MOST_ANCHOR = 1e3  # times all the weight: more than any column is worth holding with
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,8 +34,7 @@ class ColumnSlope:
     seismic : horizontal, out of the slope, and seismic_up : upward, parts of the weight
     toe_force_kn : kN per metre on column 1, into the slope; it is not divided by the factor of safety
     toe_force_plunge_deg : degrees below the horizontal
-    toe_force_height_m : m, of its line above the base at the outer side of its column; None: half way up
-    force_column : which it acts on, 1 at the toe; an anchor of another column is the same force there
+    toe_force_height_m : m, of its line above the base at the outer side of column 1; None: half way up
     loads : (n, 3) further loads on each column, water among them: kN per metre down along the bases and square into
         them, and their overturning moment (kNm per metre) about the outer corner of its base; None: none
 
@@ -61,7 +57,6 @@ class ColumnSlope:
     toe_force_kn: float = 0.0
     toe_force_plunge_deg: float = 0.0
     toe_force_height_m: float | None = None
-    force_column: int = 1
     loads: ArrayLike | None = None
 
     def __post_init__(self) -> None:
@@ -219,8 +214,6 @@ def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     >>> round(toe_force_required(columns), 3)
     2012.857
     """
-    if slope.force_column != 1:
-        raise DesignError([Fault("E260", f"the toe force acts on column 1, not on {slope.force_column}")])
     row = _ColumnRow.of(slope)
     chain = row.chain(_one(factor))
     along, into = row.pull
@@ -233,47 +226,6 @@ def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
         if needed > 0.0:
             force = max(force, needed / gain if gain > 0.0 else math.inf)
     return force
-
-
-def anchor_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
-    """The force (kN per metre) on its own column, plunge and height that gives a factor of safety; any column.
-
-    0.0 where none is needed, inf where no force there is enough. The least force at which column 1 needs none: P_0 of
-    the table falls with it, piecewise straight, and is bisected.
-
-    Raises
-    ------
-    DesignError
-        E260 the factor is not above 0.
-
-    Formula: P_0(T) = 0 (Goodman & Bray 1976, whose anchor is in column 1: there it is `toe_force_required`).
-
-    >>> columns = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10, 1, 30, 25, 33.0239)
-    >>> round(anchor_force_required(columns), 3)
-    2012.857
-    """
-    trial = _one(factor)
-    row = _ColumnRow.of(replace(slope, toe_force_kn=0.0))
-    k, along, into = slope.force_column - 1, *row.pull
-
-    def needs(force: float) -> bool:
-        down, off, moment = row.down.copy(), row.off.copy(), row.moment.copy()
-        down[k] -= force * along
-        off[k] += force * into
-        moment[k] -= force * along * row.pull_height
-        return bool(replace(row, down=down, off=off, moment=moment).chain(trial).force[0, 0] > 0.0)
-
-    if not needs(0.0):
-        return 0.0
-    low, high = 0.0, float(abs(row.off).sum() + abs(row.down).sum())
-    most = _MOST_ANCHOR * high
-    while needs(high):
-        low, high = high, 4.0 * high
-        if high > most:
-            return math.inf
-    while low < (middle := 0.5 * (low + high)) < high:
-        low, high = (middle, high) if needs(middle) else (low, middle)
-    return high
 
 
 def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
@@ -367,11 +319,10 @@ class _ColumnRow:
             down, off, moment = down + more[:, 0], off + more[:, 1], moment + more[:, 2]
         turned = dip + math.radians(slope.toe_force_plunge_deg)
         pull = math.cos(turned), math.sin(turned)
-        k = slope.force_column - 1
-        at = heights[k] / 2.0 if slope.toe_force_height_m is None else slope.toe_force_height_m
-        down[k] -= slope.toe_force_kn * pull[0]
-        off[k] += slope.toe_force_kn * pull[1]
-        moment[k] -= slope.toe_force_kn * pull[0] * at
+        at = heights[0] / 2.0 if slope.toe_force_height_m is None else slope.toe_force_height_m
+        down[0] -= slope.toe_force_kn * pull[0]
+        off[0] += slope.toe_force_kn * pull[1]
+        moment[0] -= slope.toe_force_kn * pull[0] * at
         upper = np.minimum(heights, np.append(heights[1:], 0.0) + slope.step_m)
         lower = np.minimum(heights, np.append(0.0, heights[:-1]) - slope.step_m)
         side = slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg
@@ -441,9 +392,6 @@ def _faults(slope: ColumnSlope) -> list[Fault]:
     heights = np.array(slope.heights_m, dtype=np.float64)
     if heights.ndim != 1 or not heights.size or not np.all(np.isfinite(heights) & (heights > 0.0)):
         return [*faults, Fault("E260", "the heights are a list of one or more numbers above 0 m, from the toe up")]
-    if not 1 <= slope.force_column <= heights.size:
-        message = f"the force acts on column {slope.force_column}, the columns are 1 to {heights.size}"
-        faults.append(Fault("E260", message))
     for i in np.flatnonzero(heights[:-1] <= slope.step_m)[:5]:
         message = f"column {i + 1} is {heights[i]:.6g} m high, no more than the step of {slope.step_m:.6g} m"
         faults.append(Fault("E260", message + f": it does not touch column {i + 2}", "", "Leave it out."))

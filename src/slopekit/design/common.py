@@ -79,7 +79,6 @@ class Design:
 
     Attributes
     ----------
-    stop_when : a factor that still moved by more than this part in the last pass is not settled
     factors : strength reduction factors at which the displacements and failed pairs are wanted (the paper's Table 3)
     assumed : inputs that were given as distributions, with the value a deterministic run takes
     defaults : names of the inputs that were left out
@@ -199,9 +198,6 @@ class Design:
     agree_within: float = number("analysis.agree_within", "ratio", default=0.01, above=0.0, below=1.0, code="E127",
                                  scatters=False, role="setting",
                                  doc="largest relative difference of the methods")  # fmt: skip
-    stop_when: float = number("analysis.stop_when", "ratio", default=1e-4, least=1e-12, most=0.1, code="E127",
-                              scatters=False, role="setting",
-                              doc="change of the factor at which passes have settled")  # fmt: skip
     factors: tuple[float, ...] = number(
         "analysis.factors", "ratio", default=(), above=0.0, code="E127", many="list", scatters=False, role="setting",
         example="[1.0, 1.1, 1.2]", label="factor",

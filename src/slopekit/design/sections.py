@@ -29,7 +29,7 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     """
     title = reader.at("title")
     attributes = reader.fields(Design, only=(
-        "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within", "stop_when",
+        "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within",
         "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock",
     ))  # fmt: skip
     attributes |= read_weight(reader, attributes["gravity_m_s2"])

@@ -37,11 +37,8 @@ class ElasticBlocks:
     ----------
     limit : the rigid limit without the cohesion of the pairs that elastic blocks pull open, `rigid_limit` that without
         what rigid ones pull open in the same state (a sliding block: nothing), on the same node pairs
-    bracket : the last factor at which the elastic blocks come to rest and the first tried at which they do not;
-        `gave_up` : whether the search for it ran out of steps: the second was then not decided, rest may go farther;
-        `limit_at_bracket` : the limit without what is open there; None where it was not asked for
-    between : of many blocks, where the bracket was asked for or the limit not settled, a factor at which they rest and
-        the static bound without the cohesion of what is open there, above which no forces hold them; None elsewhere
+    between : of many blocks whose limit was not settled, a factor at which they rest and the static bound without the
+        cohesion of what is open there, above which no forces hold them; None elsewhere
     factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
     opened_share, rigid_opened_share : of the area of all contacts; lost_share, rigid_lost_share : of it what had
         cohesion to lose there; joints : by name
@@ -54,9 +51,7 @@ class ElasticBlocks:
 
     limit: float | None
     rigid_limit: float | None
-    bracket: tuple[float, float] | None
-    limit_at_bracket: float | None
-    gave_up: bool
+    between: tuple[float, float] | None
     factor: float
     opened_share: float
     rigid_opened_share: float
@@ -79,4 +74,3 @@ class ElasticBlocks:
     residual: float
     steps: int
     pairs: ElasticPairs = field(repr=False)
-    between: tuple[float, float] | None = None

@@ -1,4 +1,4 @@
-"""Elastic blocks at rest at a strength reduction factor, and the bracket where they no longer come to rest.
+"""Elastic blocks at rest at a strength reduction factor.
 
 Newton's method on (d, γ), d eliminated. Full steps first, even where the residual rises; damped ones only after. Pairs
 that have parted keep in mind where: else they would go round between open and closed. Open pairs have soft springs on
@@ -6,7 +6,6 @@ the way, which lead blocks in flight back; a rest is one without them, so nothin
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -25,27 +24,20 @@ _FULL, _DAMPED = 12, 40  # steps of Newton's method
 _LOOK, _FALLEN = 4, 0.5  # full steps of many blocks after which the residual is looked at, and what it has to be then
 _ROUNDS, _ROUND = 12, 16  # of steps against dashpots, and in each
 _FLOWS = 5e-4  # residual that is left after half of the rounds where blocks do not rest: no more are made
-_HASTY = 2  # of those rounds, the same, without bonds and where it is tried again from nearer
 _DASHPOT = 0.1  # of the normal stiffness
 _LIGHT_ROUNDS = 10  # of them, after those, against dashpots that are soon lighter
 _IDLE = 2  # of those rounds, one after the other, that bring nothing: no more are made
 _FAR = 1e3  # times as far as at the start: blocks flow, and lighter dashpots are no help
 _NEARLY = 3e-3  # residual at which dashpots at all pairs are no help any more
 _RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
-_MOST_STEPS, _MOST_OF_BRACKET = 300, 3000  # of Newton's method, to a state at rest and to the ends of a bracket
+_MOST_STEPS = 300  # of Newton's method, to a state at rest
 _MORE = 2  # times as many steps for many blocks, of which more part one after the other
-_WORK, _WORK_OF_BRACKET = 1.2e7, 3e7  # steps times rows: two minutes, and five, whatever the number of blocks
+_WORK = 1.2e7  # steps times rows: two minutes, whatever the number of blocks
 _LOST = 1e7  # a residual that has nothing to do with the answer any more
 _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more strength than asked for
 _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
 _LET_GO = 0.5  # pairs in more than this part of the worst tension part together
 _CROWD, _WORST = 100, 0.25  # of many blocks: where more pairs than that are in tension, so many of them part at least
-_FINER = 0.25  # of the width of a bracket: many blocks, which rest near their limit from nearby alone
-_NEAR_TOP, _CLOSED = (
-    2.0,
-    10.0,
-)  # widths below its bound, at which a try that fails is the last, and which count as found
-_SHORT_OF = 0.5  # of the width of a bracket: so far below its bound rest is tried
 _PART_UP, _LEAST_UP = 0.25, 0.02  # of the way to a guess, and where strides upward end
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
@@ -124,7 +116,7 @@ class RestSearch:
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
-        self.releases, self.patient, self.bonded = _RELEASES, True, not model.unbonded.all()
+        self.releases = _RELEASES
         if not model.is_dense:
             self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
             self.releases *= _MORE
@@ -136,11 +128,6 @@ class RestSearch:
     def spent(self) -> bool:
         """Whether the steps of Newton's method that it may take are taken."""
         return self.steps > self.most
-
-    @property
-    def looks(self) -> int:
-        """The round after which blocks that do not rest are given up; bonds that part take patience."""
-        return _ROUNDS // 2 if self.patient or self.bonded else _HASTY
 
     def _linear(self) -> Place:
         """Where springs at the pairs that neither slip nor part bring the blocks."""
@@ -183,59 +170,6 @@ class RestSearch:
                 if stride < shortest:
                     return None
         return here
-
-    def bracket(
-        self, here: Rest, guess: float, within: float = 1e-4, bound: Callable[[Bools], float | None] | None = None
-    ) -> tuple[Rest, float, bool]:
-        """The last state at rest, a factor not farther on than `within` at which there is none, and if it gave up.
-
-        A factor at which there is no rest from far away is tried again from nearer, of many blocks with strides at most
-        twice the last that led to rest. Where the steps that are allowed do not suffice it gave up: the factor is one
-        that was not decided then. `bound` is a factor above which there is no rest without the bonds of pairs (n,):
-        what has parted stays so, and where the last rest is near to it nothing has to be tried beyond, and it is the
-        factor that is returned: that Newton's method finds no rest proves less.
-        """
-        wide = within
-        within *= 1.0 if self.model.is_dense else _FINER
-        low, high, reach = here, math.inf, math.inf
-        self.most = self.steps + int(min(_MOST_OF_BRACKET, _WORK_OF_BRACKET / self.model.rows.shape[0]))
-        top = self._top(low, math.inf, bound)
-        guess = min(guess, top)
-        target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
-        while top > low.factor * (1.0 + within):
-            started = low.factor
-            target = min(target, max(top * (1.0 - _SHORT_OF * within), started * (1.0 + _SHORT_OF * within)))
-            self.patient = target <= started * (1.0 + within)  # elsewhere it is tried again from nearer
-            trial = self.settled(low, target)
-            if trial.stands:
-                new = trial.parted.sum() > low.parted.sum()
-                low, reach = trial, 2.0 * (target / started - 1.0)
-                top = self._top(low, top, bound) if new else top
-            elif top <= low.factor * (1.0 + _NEAR_TOP * wide):
-                break
-            elif self.spent or target <= started * (1.0 + within):
-                near = top <= low.factor * (1.0 + _CLOSED * wide)
-                return (low, top, False) if near else (low, target, self.spent)
-            else:
-                high = target
-            if low.factor >= high:  # it was tried from too far away
-                high = math.inf
-            if not math.isfinite(high):
-                far = 1e-3 if low.factor < guess * 1.01 else 0.05
-                target = max(guess * (1.0 + 5.0 * within), low.factor * (1.0 + far))
-            elif high > low.factor * (1.0 + within):
-                target = math.sqrt(low.factor * high)
-            else:
-                target = high
-            if not self.model.is_dense:
-                target = min(target, low.factor * (1.0 + max(reach, within)))
-        return low, top, False
-
-    def _top(self, low: Rest, before: float, bound: Callable[[Bools], float | None] | None) -> float:
-        """A factor above which there is no rest after one; none where it lies below a rest that is there."""
-        found = None if bound is None else bound(low.parted)
-        top = before if found is None else min(before, found)
-        return top if top >= low.factor else math.inf
 
     def upward(self, here: Rest, guess: float) -> Rest:
         """The highest factor at rest that the work of one more search finds, towards a guess and beyond it."""
@@ -345,10 +279,10 @@ class RestSearch:
         for k in range(_ROUNDS):
             began, (here, best, _) = here, self._round(here, given, _DASHPOT, _HEAVY)
             least = min(least, best.size)
-            if best.size <= BALANCED or self.spent or (k >= self.looks and least > _FLOWS):
+            if best.size <= BALANCED or self.spent or (k >= _ROUNDS // 2 and least > _FLOWS):
                 break
             here = self._state(self._slipped(here if best is began else best, given), given)
-        if best.size <= BALANCED or not self.patient:
+        if best.size <= BALANCED:
             return best
         return self._lightened(best, given, _FAR * np.abs(first.at.relative).max())
 

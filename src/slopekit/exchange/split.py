@@ -156,7 +156,7 @@ def _bolt(given: Mapping[str, Any], block: str, at: Sequence[float]) -> str:
 
 
 def _analysis(inputs: Mapping[str, Any], rules: Sequence[str]) -> list[str]:
-    keys = [f"stop_when: {inputs['stop_when']!r}", f"mechanisms: {inputs.get('mechanisms', 1)}"]
+    keys = [f"mechanisms: {inputs.get('mechanisms', 1)}"]
     if inputs.get("criterion", "limit") != "limit":
         keys.append(f"criterion: {inputs['criterion']}")
     lines = [f"analysis: {{{', '.join(keys)}}}"]

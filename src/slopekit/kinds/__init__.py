@@ -40,12 +40,12 @@ def kind_of(design: Design) -> "Kind[Any]":
     return kind_named(design.kind)
 
 
-def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Result:
+def analyse(design: Design, elastic: bool = False) -> Result:
     """Analyse a design of any kind.
 
     Parameters
     ----------
-    elastic : elastic blocks beside the rigid ones; bracket : and where they no longer come to rest
+    elastic : elastic blocks beside the rigid ones
 
     Raises
     ------
@@ -53,15 +53,15 @@ def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Res
         Where no block can be formed.
     """
     kind = kind_of(design)
-    if elastic or bracket:
+    if elastic:
         from slopekit.elastic.meshing import required
 
         required()
     result = with_all_said(kind.analyse(design))
-    if elastic or bracket:
+    if elastic:
         from slopekit.kinds.elastic import with_elastic
 
-        result = with_elastic(kind, result, bracket)
+        result = with_elastic(kind, result)
     return result
 
 

@@ -1,8 +1,8 @@
 """Elastic blocks of a design, beside its rigid answer: what opens, the tractions, the displacements, the limit.
 
 A block that slides has the rigid limit but for the cohesion of the pairs that its deformation pulls open (METHOD-2
-§10): the state at full strength and one rigid limit are enough. The bracket of the factor at which the elastic blocks
-no longer come to rest is the proof, where it is asked for.
+§10): the state at full strength and one rigid limit are enough. `benchmarks.elastic_oracle` holds it against the factor
+at which elastic blocks no longer come to rest.
 """
 
 import math
@@ -45,8 +45,8 @@ _SAME = 1e-6
 _LOCKED = 0.01  # width of the range of locked-in forces, in parts, that is worth a word
 
 
-def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
-    """The result with its elastic blocks; `bracket` asks for the proof as well.
+def with_elastic(kind: Kind[Any], result: Result) -> Result:
+    """The result with its elastic blocks.
 
     Raises
     ------
@@ -81,24 +81,17 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
-    ends, at_bracket, gave_up, last = None, None, False, rest
-    guess = limit or (rigid_limit if spent else None)
-    if bracket and guess is not None:
-        say("elastic bracket", head=True)
-        last, high, gave_up = search.bracket(rest, guess, bound=scene.bound_without)
-        ends, at_bracket = (last.factor, high), None if spent else scene.limit_without(last.opened(scene.model))[0]
-    elif spent and guess is not None:
+    last, guess = rest, limit or rigid_limit
+    if spent and guess is not None:
         say("elastic range", head=True)
         last = search.upward(rest, guess)
-    between = _between(scene, last) if spent or ends is not None else None
-    answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
-    answer = replace(answer, between=between)
+    between = _between(scene, last) if spent else None
+    answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), between, search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if factor < factors[0] and limit is not None:
         known = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
         notes.append(Notice("W501", f"elastic blocks {known}: their limit may lie between, below the {limit:.4f} under "
-                            "ELASTIC, which is without what is open at the first; --elastic-bracket looks for it"
-                            if ends is None else f"elastic blocks {known} from there: see the bracket"))  # fmt: skip
+                            f"ELASTIC, which is without what is open at the first: rely on {factor:.4g}"))  # fmt: skip
     if not stands and limit is None:
         notes.append(_no_limit(spent, between))
     if other:
@@ -135,25 +128,15 @@ def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
     if result.openings:
         yield Notice("W452", "moments open joints: the elastic limit is to be compared with the rigid one on its "
                      f"pairs, {_number(answer.rigid_limit)}")  # fmt: skip
-    if answer.bracket is not None:
-        low, high = answer.bracket
-        at = answer.limit_at_bracket
-        if answer.gave_up:
-            far = "is unknown" if answer.between is None else f"is known to {answer.between[1]:.4f}, the static bound"
-            yield Notice("W456", "the search for the factor at which elastic blocks no longer come to rest "
-                         f"gave up at {high:.4f}: at {low:.4f} they rest, how far on {far}")  # fmt: skip
-        elif at is not None and not low * (1.0 - 1e-3) <= at <= high * (1.0 + 1e-3):
-            yield Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
-                         f"without what they open is {at:.4f}: take the lower")  # fmt: skip
     lowest, highest = result.fos.lowest, result.fos.highest
     wide = lowest is not None and (highest is None or highest > lowest * (1.0 + _LOCKED))
-    if answer.bracket is None and answer.block is not None and wide:
+    if answer.block is not None and wide:
         far = "far above it" if highest is None else f"{highest:.4f}"
         ways = [f", or a motion {how} ({code})," for code, how in OTHERWISE.items()
                 if any(notice.code == code for notice in result.warnings)]  # fmt: skip
         yield Notice("W485", "the limit under ELASTIC is that of the rigid path: forces locked in "
-                     f"between the blocks{''.join(ways)} can make it {lowest:.4f} .. {far}; "
-                     "--elastic-bracket finds where the elastic blocks no longer come to rest")  # fmt: skip
+                     f"between the blocks{''.join(ways)} can make it {lowest:.4f} .. {far}: "
+                     "rely on the lowest")  # fmt: skip
     if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
         shear = elastic_stiffness(result.design, result.findings is not None).tangential
         yield Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³")
@@ -191,7 +174,7 @@ def _at_rest(scene: ElasticScene, model: ElasticModel, factor: float) -> tuple[R
 
 def _answer(
     design: Design, scene: ElasticScene, rest: Rest, rigid: Rest, limits: tuple[float | None, float | None],
-    bracket: tuple[float, float] | None, at_bracket: tuple[float | None, bool], steps: int,
+    between: tuple[float, float] | None, steps: int,
 ) -> ElasticBlocks:  # fmt: skip
     model, (rock, taken) = scene.model, rock_of(design)
     area = model.area
@@ -215,7 +198,7 @@ def _answer(
         *([] if scene.bedrock is None else [scene.bedrock]),
     ]
     return ElasticBlocks(
-        limits[0], limits[1], bracket, *at_bracket, rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
+        limits[0], limits[1], between, rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, rest.failed_pairs, len(area),
         sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load),

@@ -193,7 +193,7 @@ def _crest_x(design: PlaneDesign) -> float:
     return -design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
 
 
-def crest_point(design: PlaneDesign) -> Floats:
+def _crest_point(design: PlaneDesign) -> Floats:
     """The crest, (3,) in the axes of the section."""
     return np.array([_crest_x(design), 0.0, design.height_m])
 
@@ -257,7 +257,7 @@ def _ground(design: PlaneDesign, section: PlaneSection) -> "ground_water.LocalSl
 
     upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
-    offsets = np.array([0.0, float(normals[1] @ crest_point(design))])
+    offsets = np.array([0.0, float(normals[1] @ _crest_point(design))])
     return ground_water.LocalSlope(
         section.block, (J1, CRACK), (FACE, UPPER), normals, offsets,
         _axes(design.face), np.array([-1.0, 0.0, 0.0]), in_section=True,
@@ -321,7 +321,7 @@ def hull_of(design: PlaneDesign, block: Block) -> Hull:
     if UPPER in block.faces:
         return hull
     dip = math.radians(float(_signed_dip(design.upper, design.face)))
-    return hull.below(np.array([math.sin(dip), 0.0, math.cos(dip)]), crest_point(design))
+    return hull.below(np.array([math.sin(dip), 0.0, math.cos(dip)]), _crest_point(design))
 
 
 def _strongest(design: PlaneDesign) -> float:
@@ -534,4 +534,4 @@ KIND = replace(kind_of_one_block(
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS,
-), has_site=True, crest_point=crest_point, in_section=_in_section)  # fmt: skip
+), has_site=True, in_section=_in_section)  # fmt: skip

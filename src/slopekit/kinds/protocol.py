@@ -5,7 +5,6 @@ from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
 
-from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.records import dataclass
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from slopekit.core.sheet import Section
     from slopekit.kinds.single_block.closed_forms import OnArrays
     from slopekit.kinds.single_block.ladders import Ladder
-    from slopekit.kinds.topple import ToppleDesign
 
 D = TypeVar("D", bound=Design)
 T = TypeVar("T")
@@ -82,7 +80,7 @@ class Factors:
     closed_status, closed_form : of the closed form, None where the kind has none
     difference, agree : of the two on the same assumptions, None where they are not compared
     moments_govern : the limit lies below what the forces alone give
-    settled : whether the passes settled to the design's `stop_when`
+    settled : whether the passes settled to `PASSES_SETTLED`
     notes : what a run says of the factor: how it was found, what it rests on, and what it leaves out
     also : what acceptance of a run is held against besides
     """
@@ -200,8 +198,6 @@ class Kind(Generic[D]):
     on_arrays : the same for many designs in one call, None where it takes them one by one
     cut : the blocks, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`
     has_site : support can be looked for: the block is a `Cut` with a free face
-    crest_point : where anchors of the crest have their heads, in local axes (3,) m; None where it has no such place
-    column_row : the row of toppling columns that a design is, for forces on single ones; None of other kinds
     beside : what is known of a factor from elsewhere and takes as long as it: said of one answer, not of thousands
     without_basal : a block that the one analysed is part of, and that may fail before it; None where there is none
     at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
@@ -231,8 +227,6 @@ class Kind(Generic[D]):
     closed_form: Callable[[D], ClosedForm] | None = None
     on_arrays: "OnArrays[D] | None" = None
     has_site: bool = False
-    crest_point: Callable[[D], Floats] | None = None
-    column_row: "Callable[[D], ToppleDesign] | None" = None
     beside: Callable[[D], tuple[Notice, ...]] = lambda _: ()
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None
     at_load: Callable[[D, D, float], AtLoad | None] | None = None
@@ -245,11 +239,6 @@ class Kind(Generic[D]):
     falls_west: bool = False
     answered: Literal["drag", "release", "button"] = "release"
     variants: Mapping[str, Words] = field(default_factory=dict)
-
-    @property
-    def takes_support(self) -> bool:
-        """Whether bolts can be looked for that hold it."""
-        return self.has_site or self.column_row is not None
 
 
 def compare(

@@ -444,5 +444,5 @@ KIND = kind_of_many_blocks(
         _carried, apart=_rows_apart, bedrock_is_last=True,
         mixed="dry risers beside wet bases: each pair of column and bedrock has the pressure of its larger part",
     ),
-    falls_west=True, column_row=lambda design: design,
+    falls_west=True,
 )  # fmt: skip

@@ -166,6 +166,9 @@ SHARP_FAR_DOWN = 1e-5
 #: three benches it is twice that, five times of more blocks, and grows.
 LAGGED_ROUNDING = 5e-3
 
+#: Change of the factor of safety in the last pass, in parts of it, up to which the passes have settled.
+PASSES_SETTLED = 1e-4
+
 #: Range of the factor over the last passes, in parts of it, where the normal forces do not settle.
 PASSES_STEADY = 1e-5
 

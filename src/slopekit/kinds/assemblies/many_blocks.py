@@ -84,11 +84,11 @@ from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
 from slopekit.preie.system.components import whole_model
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
+from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds.single_block.ladders import Ladder
-    from slopekit.kinds.topple import ToppleDesign
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
@@ -153,7 +153,7 @@ def kind_of_many_blocks(
     name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
     figures: Mapping[str, Callable[[A, Any], float]] | None = None, carried: Carried, falls_west: bool = False,
-    column_row: "Callable[[A], ToppleDesign] | None" = None, answered: Literal["release", "button"] = "release",
+    answered: Literal["release", "button"] = "release",
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
@@ -168,7 +168,7 @@ def kind_of_many_blocks(
         ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
         mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
         status = mechanisms[0].status if mechanisms else "no_driving_force"
-        settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > design.stop_when)
+        settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > PASSES_SETTLED)
         reached = mechanisms[0].fos if mechanisms else None  # compared as in a result, whether it settled or not
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
@@ -210,7 +210,7 @@ def kind_of_many_blocks(
         ladder, lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
-        falls_west=falls_west, column_row=column_row, answered=answered,
+        falls_west=falls_west, answered=answered,
     )  # fmt: skip
 
 

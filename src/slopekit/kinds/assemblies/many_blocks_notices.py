@@ -25,7 +25,7 @@ from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.key_blocks import slide_alone
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.tolerances import SAME_FACTOR
+from slopekit.preie.tolerances import PASSES_SETTLED, SAME_FACTOR
 
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
@@ -60,7 +60,7 @@ def notices_of(
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
                      "rest, the peak of the elastic path, on the way to it that holds least; where limits of random "
                      "sections were found they lay up to 4 % below their peaks, which bounds none")  # fmt: skip
-    if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
+    if first.fos and limit.change > PASSES_SETTLED and any(strength.law for strength in scene.strengths):
         yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
     if limit.rounding and first.fos:

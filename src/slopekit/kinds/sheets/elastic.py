@@ -15,7 +15,7 @@ def elastic_entries(result: Result) -> list[Entry]:
     blocks = result.elastic
     if blocks is None:
         return []
-    return [_limit(blocks), *_bracket(blocks), _rock(blocks), _joints(blocks), _moves(blocks), _size(result, blocks)]
+    return [_limit(blocks), _rock(blocks), _joints(blocks), _moves(blocks), _size(result, blocks)]
 
 
 def _limit(blocks: ElasticBlocks) -> str:
@@ -46,22 +46,6 @@ def _limit(blocks: ElasticBlocks) -> str:
 
 def _percent(share: float) -> str:
     return f"{share * 100.0:.2g} %"
-
-
-def _bracket(blocks: ElasticBlocks) -> list[str]:
-    if blocks.bracket is None:
-        return []
-    low, high = blocks.bracket
-    last = (
-        "" if blocks.limit_at_bracket is None else f"; rigid without what is open there {blocks.limit_at_bracket:.5f}"
-    )
-    fails = "not at the second"
-    if blocks.between is not None and blocks.between[1] > high:
-        fails = "at the second no rest was found"
-        last = f"{last}; above {blocks.between[1]:.5f}, the static bound without that cohesion, no forces hold them"
-    if blocks.gave_up:
-        return [f"{low:.5f}  elastic blocks come to rest there; gave up at {high:.5f}{last}"]
-    return [f"{low:.5f} .. {high:.5f}  elastic blocks come to rest up to the first, {fails}{last}"]
 
 
 def _rock(blocks: ElasticBlocks) -> str:

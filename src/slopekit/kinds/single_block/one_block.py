@@ -54,6 +54,7 @@ from slopekit.preie.one_block.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bound import static_bound
 from slopekit.preie.system.model import Model
+from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -207,7 +208,7 @@ def kind_of_one_block(
 
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
-            limit.settled_to(design.stop_when),
+            limit.settled_to(PASSES_SETTLED),
             notes=WhenRead(lambda: (*notices(design), *notices_of_factor(design, made.interfaces, facts()))),
             also=without_basal(design),
         )  # fmt: skip

@@ -414,7 +414,7 @@ _PATHS: Mapping[str, str] = {
     "density": "rock.density", "unit_weight": "rock.unit_weight", "gravity": "rock.gravity", "water": "water.mode",
     "water_unit_weight": "water.unit_weight", "seismic": "loads.seismic", "forces": "loads.forces",
     "bolts": "support.bolts", "criterion": "analysis.criterion", "accept": "acceptance.rules",
-    "agree_within": "analysis.agree_within", "stop_when": "analysis.stop_when", "refine": "analysis.refine",
+    "agree_within": "analysis.agree_within", "refine": "analysis.refine",
     "factors": "analysis.factors", "title": "title", "modulus": "rock.modulus", "poisson": "rock.poisson",
     "edge": "analysis.elastic.edge", "bedrock": "analysis.elastic.bedrock",
 }  # fmt: skip

@@ -34,9 +34,7 @@ RELIABILITY, CONFIDENCE = 0.8, 0.95
 LATERAL_DEG, LATERAL_TOPPLING_DEG = 20.0, 30.0
 SWELL, REPOSE_DEG = 1.4, 37.0
 TOES = ("anywhere", "bench")
-_OF_WEDGE = (
-    "c", "phi", "density", "unit_weight", "water", "seismic", "gravity", "water_unit_weight", "agree_within",
-)  # fmt: skip
+_OF_WEDGE = ("c", "phi", "density", "unit_weight", "water", "seismic")
 #: Numbers by their parameter: what they measure, between which they lie, what they are, what is taken without them.
 _NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
     "n": ("ratio", 100, MOST_TRIALS, "a number of trials", TRIALS),

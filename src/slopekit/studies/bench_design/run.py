@@ -26,7 +26,7 @@ from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion,
 from slopekit.studies.bench_design.said import notices_of, of_columns
 from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
-from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import DESK, Argument, Jobs, Option, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
 from slopekit.studies.surveys import Columns, Convention, SkipBad, survey_head
 
@@ -155,15 +155,11 @@ def bench_design(
     accept: Annotated[
         Any, Option("Least reliability; exit code 1 where no bench reaches it with its lower limit.")
     ] = None,
-    agree_within: Annotated[Any, Option("Largest difference of the two methods [1%].")] = None,
-    gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
-    water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
     convention: Convention = None,
     columns: Columns = None,
     skip_bad: SkipBad = False,
     seed: Annotated[Any, Option("Seed of the random numbers: the same seed gives the same numbers [1].")] = None,
     jobs: Jobs = 1,
-    scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> BenchDesigns:
     """Benches from a joint survey: what fails by height and face angle, the berm that is left, the inter-ramp angle.
@@ -202,7 +198,7 @@ def bench_design(
     (7.5, 7.5, 49.17)
     """
     given, began = dict(locals()), time.perf_counter()
-    crew = checked_crew(jobs, scheduler)
+    crew = checked_crew(jobs)
     asked = bench_inputs(given, desk.named)
     read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")

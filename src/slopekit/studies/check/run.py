@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from operator import attrgetter
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
@@ -21,14 +21,14 @@ from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
 from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.motion.balance import Balance
+from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result
-from slopekit.studies.protocol import DESK, ADesign, Option, StudyOutcome, Workplace, study
+from slopekit.studies.protocol import DESK, ADesign, StudyOutcome, Workplace, study
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
 _STIFFNESS = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
 _BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
-_ELASTIC = 1e-3  # that the rigid limit without what is open may lie outside the bracket of elastic blocks, as of W453
 _INDEPENDENT = ("closed form", "node pairs", "static bound")  # findings that hold the number against something else
 
 
@@ -144,7 +144,6 @@ class Check(StudyOutcome):
             "normals": json_of(self.normals),
             "orders": list(self.orders),
             "balance": result["balance"],
-            **({} if self.result.elastic is None else {"elastic": result["elastic"]}),
             "timing_s": {
                 "total": self.seconds,
                 "cheapest": None if self.cheapest is None else self.ladder[self.cheapest].setting,
@@ -158,9 +157,6 @@ class Check(StudyOutcome):
 def check(
     design: ADesign,
     *,
-    elastic: Annotated[
-        bool, Option("Elastic blocks beside the rigid ones, with their bracket (extra: elastic).")
-    ] = False,
     desk: Workplace = DESK,
 ) -> Check:
     """Closed form against PRE-IE on a design, speed against error; or the verification suite.
@@ -191,23 +187,15 @@ def check(
     (True, 1.6487, 0)
     """
     began = time.perf_counter()
-    if elastic:
-        from slopekit.elastic.meshing import required
-
-        required()
     evidence = kind_of(design).ladder(design)
     evidence = replace(evidence, result=with_all_said(evidence.result))
-    if elastic:
-        from slopekit.kinds.elastic import with_elastic
-
-        evidence = replace(evidence, result=with_elastic(kind_of(design), evidence.result, bracket=True))
     result, ladder = evidence.result, evidence.rungs
     reference, against, own = _reference(result, ladder)
     errors = tuple(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     orders = _orders(ladder)
-    findings = (*_findings(result, ladder, orders, evidence), *([_elastic(result)] if elastic else []))
+    findings = tuple(_findings(result, ladder, orders, evidence))
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
@@ -268,11 +256,11 @@ def _findings(
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
     yield _convergence(result, ladder, orders, evidence.unrefined)
-    settled = result.model.residual <= design.stop_when
+    settled = result.model.residual <= PASSES_SETTLED
     last = "what it changed of the factor (0: solved exactly)"
     if result.findings is not None:
         last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
-    yield Finding("last pass", result.model.residual, design.stop_when, settled, last)
+    yield Finding("last pass", result.model.residual, PASSES_SETTLED, settled, last)
     yield from _balance(result, evidence.rest, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
@@ -381,33 +369,6 @@ def _history(result: Result, limit: float) -> Iterator[Finding]:
         return
     words = f"all blocks, slip that stays: they run at {history.runs:.4g}; how far the limit lies above"
     yield Finding(name, above, history.SAME, not history.falls_short(limit), words, "W504")
-
-
-def _elastic(result: Result) -> Finding:
-    """Elastic blocks: that they lose the cohesion of what they pull open is physics, and no disagreement.
-
-    Judged is whether they come to rest up to the rigid limit without it; where moments lead them to another limit state
-    (W453) that is said and not judged.
-    """
-    name, elastic = "elastic blocks", result.elastic
-    if elastic is None or elastic.limit is None or elastic.rigid_limit is None:
-        stands = elastic is not None and elastic.rigid_limit is None
-        return Finding(name, None, None, None, "no limit: they stand as they are" if stands else "none: see NOTE")
-    less, lost = 1.0 - elastic.limit / elastic.rigid_limit, 100.0 * elastic.lost_share
-    same = "the same" if less < _ALIKE else f"{100.0 * less:.2g} % less, the cohesion of {lost:.2g} % that opens"
-    words = f"limit {elastic.limit:.4f}, rigid {elastic.rigid_limit:.4f}: {same}"
-    if elastic.bracket is None or elastic.limit_at_bracket is None:
-        return Finding(name, None, None, None, f"{words}; where they lose their rest was not found")
-    low, high = elastic.bracket
-    if elastic.gave_up:
-        words = f"{words}; at rest at {low:.5f}, the search gave up at {high:.5f}"
-        return Finding(name, None, None, None, words, "W456")
-    off = max(low / elastic.limit_at_bracket - 1.0, elastic.limit_at_bracket / high - 1.0, 0.0)
-    words = f"{words}; at rest up to {low:.5f} .. {high:.5f}, rigid without what is open there"
-    words = f"{words} {elastic.limit_at_bracket:.5f}"
-    if off > _ELASTIC:
-        return Finding(name, off, _ELASTIC, None, f"{words}: another limit state, take the lower", "W453")
-    return Finding(name, off, _ELASTIC, True, words)
 
 
 def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Finding]:

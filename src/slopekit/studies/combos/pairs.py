@@ -32,10 +32,7 @@ from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 HEIGHT_M = 15.0
 TOP, ALL = 10, "all"
-_SLOPE = (
-    "upper", "height", "c", "phi", "density", "unit_weight", "water", "seismic", "gravity", "water_unit_weight",
-    "agree_within",
-)  # fmt: skip
+_SLOPE = ("upper", "height", "c", "phi", "density", "unit_weight", "water", "seismic")
 #: Why a pair cuts no wedge that could leave the slope, by the code that one wedge would have (`explain CODE`).
 NOT_REMOVABLE: Mapping[str, str] = {
     "E201": "parallel", "E203": "too_steep", "E204": "into_the_slope", "E205": "flatter_than_upper_slope",

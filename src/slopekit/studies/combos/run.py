@@ -26,7 +26,7 @@ from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
-from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import DESK, Jobs, Option, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, partners, survey_head
 
@@ -260,14 +260,10 @@ def combos(
     max_volume: Annotated[Any, Option("Wedges are scaled down to it, m3.")] = None,
     min_volume: Annotated[Any, Option("Smaller wedges are left out, and counted, m3.")] = None,
     limit_by: Annotated[Any, Option("scale or filter: larger wedges are made smaller, or left out [scale].")] = None,
-    agree_within: Annotated[Any, Option("Largest difference of the two methods [1%].")] = None,
-    gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
-    water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
     convention: Convention = None,
     columns: Columns = None,
     skip_bad: SkipBad = False,
     jobs: Jobs = 1,
-    scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> Combos:
     """Every pair of a joint list as a wedge: removable or not and why, ranked; PRE-IE on the worst.
@@ -304,7 +300,7 @@ def combos(
     (1, 1, ('J1', 'J2'), True)
     """
     given, began = dict(locals()), time.perf_counter()
-    crew = checked_crew(jobs, scheduler)
+    crew = checked_crew(jobs)
     asked = pair_inputs(given, desk.named)
     read = time.perf_counter()
     pairs = evaluated(asked.joints, asked.slope, asked.limits, asked.cohesion_kpa, asked.friction_deg)

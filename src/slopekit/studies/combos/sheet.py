@@ -270,8 +270,6 @@ def _again(combos: Combos) -> list[str]:
         parts.append(f"--water u={number(slope.water.pressures_kpa[0])}")
     elif slope.water.mode == "full":
         parts.append(f"--water {number(slope.water.fill * 100)}%")
-    if slope.water.mode != "dry" and slope.water_unit_weight_kn_m3 != 9.81:
-        parts.append(f"--water-unit-weight {number(slope.water_unit_weight_kn_m3)}")
     if slope.seismic.coefficient:
         trend = slope.seismic.trend_deg
         parts.append(f"--seismic {number(slope.seismic.coefficient)}" + ("" if trend is None else f"@{number(trend)}"))

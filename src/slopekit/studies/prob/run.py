@@ -64,7 +64,6 @@ from slopekit.studies.protocol import (
     ADesign,
     Jobs,
     Option,
-    Scheduler,
     Seed,
     StudyOutcome,
     Workplace,
@@ -168,7 +167,7 @@ class Probability(StudyOutcome):
         """Its histogram."""
         return ("histogram",)
 
-    # what is asked of a study that is shown, and of none of the many that `solve --pf` makes
+    # what is asked of a study that is shown, and of none of the many that a range of means makes
 
     @cached_property
     def variables(self) -> tuple[Drawn, ...]:
@@ -378,7 +377,6 @@ def prob(
     draw: Annotated[Draw, Option("Draw its joints, pair by pair, or its sets by Fisher's K [joints].")] = "joints",
     seed: Seed = 1,
     jobs: Jobs = 1,
-    scheduler: Scheduler = None,
     executor: Executor | None = None,
     desk: Workplace = DESK,
 ) -> Probability:
@@ -414,7 +412,7 @@ def prob(
     >>> share.count, share.of, round(share.low, 3), round(share.high, 3)
     (75, 1000, 0.059, 0.093)
     """
-    crew = checked_crew(jobs, scheduler, executor)
+    crew = checked_crew(jobs, executor)
     if design.partial is not None:
         message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"

@@ -91,14 +91,12 @@ class SolutionForAll:
         }  # fmt: skip
 
 
-def for_all(solutions: Mapping[str, Any], given: Mapping[str, Any]) -> SolutionForAll | None:
-    """The value for all cases; None of probabilities, which stand case by case.
+def for_all(solutions: Mapping[str, Solution], given: Mapping[str, Any]) -> SolutionForAll:
+    """The value for all cases.
 
     Where the factor rises with the value the largest of the cases' own values governs, where it falls the smallest. A
     case that has its target at every value asks for nothing.
     """
-    if not all(isinstance(one, Solution) for one in solutions.values()):
-        return None
     lows, highs = dict[str, float](), dict[str, float]()
     for name, one in solutions.items():
         if one.answer is not None:

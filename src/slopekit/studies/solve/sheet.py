@@ -11,34 +11,28 @@ from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import UNSETTLED, Point
-from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution, ProbableValue
 from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
 from slopekit.studies.words import BRIEF, head, status_words
 
 _MOST_REFUSED, _MOST_OTHERS = 6, 12
 
 
-def sheet_of(solution: Solution | ProbabilitySolution) -> Sheet:
+def sheet_of(solution: Solution) -> Sheet:
     """The sheet of a value that was solved for."""
-    if isinstance(solution, Solution):
-        own, values = _of_factor(solution), _values(solution)
-    else:
-        own, values = _of_probability(solution), _probable_values(solution)
+    values = _values(solution)
     return Sheet(head(solution.design, "solve"), (
         Section("KEY", [_asked(solution.key, solution.within)]),
-        *own,
+        *_sections(solution),
         Section("VALUES", [values] if values.rows else []),
         Section("TIME", [f"{solution.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in solution.warnings]),
     ), {"solve.csv": values})  # fmt: skip
 
 
-def line_of(solution: Solution | ProbabilitySolution) -> str:
+def line_of(solution: Solution) -> str:
     """The value, what it gives, and codes of notices on one line."""
     if solution.answer is None:
         parts = ["none", str(solution.reason).splitlines()[0]]
-    elif isinstance(solution, ProbabilitySolution):
-        parts = [solution.key.shown(solution.answer.value), _estimate(solution.answer.estimate)]
     else:
         answer, agree = solution.answer, {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
         parts = [solution.key.shown(answer.value), answer.status, factor_text(answer.factor).strip(), agree]
@@ -46,8 +40,8 @@ def line_of(solution: Solution | ProbabilitySolution) -> str:
     return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
 
 
-def _of_factor(solution: Solution) -> tuple[Section, ...]:
-    """Of a value at which the factor of safety is a target."""
+def _sections(solution: Solution) -> tuple[Section, ...]:
+    """Return the target, the value and what both methods say of it."""
     key, answer = solution.key, solution.answer
     from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
     searched = [
@@ -74,24 +68,6 @@ def _often(one: Answers) -> str:
     return f"{BRIEF[one.method]} " + ("once" if one.evaluations == 1 else f"{one.evaluations} times")
 
 
-def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
-    """Of a value at which the probability of failure is a target."""
-    key, answer = solution.key, solution.answer
-    now = "not known" if solution.before is None else _estimate(solution.before)
-    bracket = [] if answer is None else [f"{key.shown(at)}: {_estimate(of)}" for at, of in answer.bracket]
-    by = " by the closed form" if answer is not None and answer.counted is not None else ""
-    reach = [f"{end[1]:.6g} at {key.shown(end[0], 7)}" for end in (solution.least, solution.most) if end is not None]
-    return (
-        Section("TARGET", [f"probability of failure {number(solution.target)}"]),
-        Section("NOW", [f"probability of failure {now}"]),
-        Section("VALUE", _no_value(solution.reason) if answer is None else _probable(key, answer)),
-        Section("BRACKET", bracket),
-        Section("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]]),
-        Section("REACH", [f"from {' to '.join(reach)}{by}"] if reach else []),
-        Section("ASKED", [f"{solution.evaluations} probabilities, with the same random numbers at every value"]),
-    )
-
-
 # -- tables: what the entries say, in rows; text has the entries -----------------------------------------------------
 
 
@@ -114,18 +90,6 @@ def _other(method: str, crossing: SolvedValue) -> float | None:
     """What the other method says at a value."""
     factors = crossing.both.factors
     return None if factors is None else factors.limit if method == "closed_form" else factors.closed_form
-
-
-def _probable_values(solution: ProbabilitySolution) -> Table[Any]:
-    """Every value, the one nearest to the present value first."""
-    columns: list[Column[ProbableValue]] = [
-        _value_column(solution.key, lambda row: row.value),
-        Column("probability", lambda row: row.estimate.value, "probability_of_failure", show=".6g"),
-        Column("from", lambda row: row.estimate.low, "low", show=".4g"),
-        Column("to", lambda row: row.estimate.high, "high", show=".4g"),
-        Column("it", lambda row: "rises" if row.rises else "falls", "probability_with_it"),
-    ]
-    return Table(columns, solution.roots, said="")
 
 
 def _value_column(key: Key, of: Callable[[Any], float]) -> Column[Any]:
@@ -253,21 +217,6 @@ def _refused(key: Key, stretches: Sequence[tuple[float, float, str, str]], unset
     if len(ours) > _MOST_REFUSED:
         entries.append(f"… {len(ours) - _MOST_REFUSED} more stretches, see the JSON")
     return entries
-
-
-def _probable(key: Key, root: ProbableValue) -> list[str]:
-    way = "rises" if root.rises else "falls"
-    entries = [f"{key.shown(root.value)}: probability of failure {_estimate(root.estimate)}; it {way} with the value"]
-    if root.limits != (None, None):
-        low, high = ("beyond the range" if at is None else key.shown(at, 5) for at in root.limits)
-        entries.append(f"by the confidence limits of the estimate between {low} and {high}")
-    return entries
-
-
-def _estimate(estimate: Estimate) -> str:
-    limits = "" if estimate.low is None else f" ({estimate.low:.4g} to {estimate.high:.4g})"
-    by = f" by {estimate.by}" if estimate.by not in ("", "closed form") else ""
-    return f"{estimate.value:.6g}{limits}{by}"
 
 
 def _factor(factor: float, digits: int = 6) -> str:

@@ -156,14 +156,12 @@ def _table(inside: Sequence[InCase]) -> Table[InCase]:
     return in_each_case("with them", inside, Column("status", attrgetter("status"), "status"))
 
 
-def for_all(supports: Mapping[str, Any], given: Mapping[str, Any]) -> SupportForAll | None:
-    """Bolts for all cases, for each way they act; None of toppling columns, which stand case by case.
+def for_all(supports: Mapping[str, Support], given: Mapping[str, Any]) -> SupportForAll:
+    """Bolts for all cases, for each way they act.
 
     The bolts of the case that needs most force come first: with them the others are asked. Where one of them is not
     satisfied, the bolts of every case are tried with more force, and those of least force are taken.
     """
-    if not all(isinstance(one, Support) for one in supports.values()):
-        return None
     if all(one.stands for one in supports.values()):
         return SupportForAll(supports, (), ())
     tried, lacking = list[Tried](), list[str]()

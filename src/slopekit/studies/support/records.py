@@ -19,7 +19,6 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.words import above_zero, line_of_words
-from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.protocol import StudyOutcome
 from slopekit.studies.support.directions import Optimum
@@ -287,50 +286,6 @@ class BoltCase:
 
 
 @dataclass(frozen=True, slots=True)
-class CrestRow:
-    """One row of anchors with their heads at the crest of a plane failure, per metre of slope.
-
-    Attributes
-    ----------
-    which : best of the plunges that cross the plane, given, or practical (best within limits of plunge too)
-    toward : None where no anchor from there reaches the target
-    head : of the row, m; plunges : that cross the plane, degrees
-    closed_form : as it sees all forces; pre_ie : with the heads at the crest, its own root
-    crosses : from the head to the plane, m; length : with the anchorage behind it, or as given
-    spacing : of anchors along the row, m; each : what each of them carries, kN
-    bolts : what goes into the design beside `existing`, put back; reached : whether that meets the target
-    """
-
-    JSON_ALSO: ClassVar = ("use_kn", "yaml")
-    acts: Acts
-    which: Which = field(metadata={"json": "direction"})
-    toward: Line | None
-    head: tuple[float, float, float] = field(metadata={"json": "head_m"})
-    plunges: tuple[float, float] = field(metadata={"json": "plunges_deg"})
-    closed_form: Need
-    pre_ie: Need | None
-    dilates: bool = field(default=False, metadata={"json": None})
-    crosses: float | None = field(default=None, metadata={"json": "to_plane_m"})
-    length: float | None = field(default=None, metadata={"json": "length_m"})
-    spacing: float | None = field(default=None, metadata={"json": "spacing_m"})
-    each: float | None = field(default=None, metadata={"json": "each_kn"})
-    notices: tuple[Notice, ...] = ()
-    bolts: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
-    existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
-    reached: bool = False
-
-    @property
-    def use_kn(self) -> float | None:
-        """The force to use, kN per metre: the larger (of dilating joints PRE-IE's), None where a method has none."""
-        return _larger(self)
-
-    @property
-    def yaml(self) -> str | None:
-        """The row as `support:` of a design file; None where it does not reach the target."""
-        return snippet((*self.existing, *self.bolts)) if self.bolts and self.reached else None
-
-
-@dataclass(frozen=True, slots=True)
 class FacePressure:
     """An even pressure on the face, square to it: kPa by each method, the area and the point its force acts on."""
 
@@ -363,7 +318,7 @@ class FacePressure:
         return record
 
 
-def _larger(needs: "BoltCase | CrestRow | FacePressure") -> float | None:
+def _larger(needs: "BoltCase | FacePressure") -> float | None:
     """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""
     closed, limit = needs.closed_form.force, needs.pre_ie.force if needs.pre_ie is not None else None
     if closed is None or limit is None:
@@ -371,44 +326,8 @@ def _larger(needs: "BoltCase | CrestRow | FacePressure") -> float | None:
     return limit if needs.dilates else max(closed, limit)
 
 
-class SupportOutcome(StudyOutcome):
-    """What support of one block and of a row of columns have in common: the target, and how far off it is without."""
-
-    __slots__ = ()
-    name: ClassVar[str] = "support"
-    design: Design
-    target: float
-    closed_form: Answer | None
-    pre_ie: Answer
-    dilates: bool = False
-    seconds: float
-
-    @property
-    def stands(self) -> bool:
-        """Whether each method that takes the design (of dilating joints PRE-IE) reaches the target as it is."""
-        return enough(self.target, self.closed_form, self.pre_ie, self.dilates)
-
-    @property
-    def needed(self) -> bool:
-        """Whether it does not stand as it is."""
-        return not self.stands
-
-    @property
-    def without(self) -> dict[str, Any]:
-        """What both methods say without more support."""
-        closed = self.closed_form
-        return {
-            "fos": {"limit": self.pre_ie.factor, "closed_form": None if closed is None else closed.factor},
-            "status": self.pre_ie.status, "closed_form_status": None if closed is None else closed.status,
-        }  # fmt: skip
-
-    def to_dict(self) -> dict[str, Any]:
-        """The support as JSON values; times stand in a block of their own."""
-        return {**self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds}, **self.words()}
-
-
 @dataclass(frozen=True, slots=True, repr=False)
-class Support(SupportOutcome):
+class Support(StudyOutcome):
     """What a design needs.
 
     Attributes
@@ -420,6 +339,7 @@ class Support(SupportOutcome):
     weight : kN; face_area : m²; unit : kN, or kN/m of a plane
     """
 
+    name: ClassVar[str] = "support"
     JSON_ALSO: ClassVar = ("reached", "needed", "without", "existing_bolts")
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})
@@ -433,7 +353,6 @@ class Support(SupportOutcome):
     unit: str
     warnings: tuple[Notice, ...]
     dilates: bool = False
-    crest: tuple[CrestRow, ...] = ()
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
 
     @property
@@ -451,9 +370,23 @@ class Support(SupportOutcome):
         return {f"support-{case.acts}.yaml": case.yaml for case in self.built if case.yaml}
 
     @property
+    def stands(self) -> bool:
+        """Whether both methods (of dilating joints PRE-IE) reach the target as it is."""
+        return enough(self.target, self.closed_form, self.pre_ie, self.dilates)
+
+    @property
+    def needed(self) -> bool:
+        """Whether it does not stand as it is."""
+        return not self.stands
+
+    @property
     def without(self) -> dict[str, Any]:
         """What both methods say without more support, and of each other."""
-        return super().without | {"moments_govern": self.pre_ie.moments_govern, "agree": self.pre_ie.agree}
+        return {
+            "fos": {"limit": self.pre_ie.factor, "closed_form": self.closed_form.factor},
+            "status": self.pre_ie.status, "closed_form_status": self.closed_form.status,
+            "moments_govern": self.pre_ie.moments_govern, "agree": self.pre_ie.agree,
+        }  # fmt: skip
 
     @property
     def existing_bolts(self) -> int:
@@ -479,11 +412,8 @@ class Support(SupportOutcome):
         return 1 if falls_short or not self.reached or not all_reach else 0
 
     def to_dict(self) -> dict[str, Any]:
-        """The support as JSON values, with a crest where the kind of design has one."""
-        record = super().to_dict()
-        if kind_of(self.design).crest_point is None:
-            del record["crest"]
-        return record
+        """The support as JSON values; times stand in a block of their own."""
+        return {**self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds}, **self.words()}
 
 
 def wanted_in_words(design: Design, target: float) -> str:
@@ -514,8 +444,6 @@ def bolt_words(bolt: Bolt) -> dict[str, Any]:
         words["head"] = list(bolt.head_m)
     if bolt.length_m is not None:
         words["length"] = bolt.length_m
-    if bolt.block is not None:
-        words["block"] = bolt.block
     return words
 
 
@@ -551,8 +479,6 @@ def snippet(bolts: Sequence[Bolt]) -> str:
             line += f", head: [{head}]"
         if bolt.length_m is not None:
             line += f", length: {bolt.length_m:.10g} m"
-        if bolt.block is not None:
-            line += f", block: {bolt.block}"
         if len(line) > 98 and bolt.head_m is not None:
             before, after = line.split(", head", 1)
             lines.append(before + ",")

@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -27,13 +27,11 @@ from slopekit.kinds.protocol import Factors
 from slopekit.notices import common_notices
 from slopekit.studies.points import Point, rules_left_out, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
-from slopekit.studies.support.columns import ColumnSupport
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
     DRILLABLE_DEG,
     BoltCase,
-    CrestRow,
     FacePressure,
     Need,
     Pattern,
@@ -59,16 +57,12 @@ from slopekit.studies.support.search import (
     site_of,
 )
 
-if TYPE_CHECKING:
-    from slopekit.studies.support.crest import PlaneCrest
-
-_ROUGH = 1e-3  # of the target: bolts in groups only show where the force of all of them lies
+_ROUGH = 1e-3  # on coarse node pairs
 _NEAR = 0.02  # of the target: a first answer so near is as good as a rough search
 _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where moments govern the search begins there
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
 _WANTED = 1.5  # where nobody says another factor of safety
 _CLOSE_M = 1.0  # bolts that stand closer share the rock they hold
-_LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many rounds
 
 
 @study
@@ -91,18 +85,17 @@ def support(
     bond: Annotated[Any, Option("Anchorage behind the deepest joint [3 m].")] = 3.0,
     length: Annotated[Any, Option("Of every bolt [each as long as it must be, to 0.1 m].")] = None,
     desk: Workplace = DESK,
-) -> Support | ColumnSupport:
+) -> Support:
     """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
 
-    For a wedge or a plane; of toppling columns the force on the toe block, on the crest, and on the column that needs
-    least. Bolts that the design has stay and count. Bolts are laid out as they are built: trend and plunge to 5° (in
-    a section the plunge), forces up to 10 kN, lengths up to 0.1 m, and the design is solved again with them.
-    Exit codes: 0 reached (or nothing is needed), 1 not reached, 4 the methods disagree or one has no answer.
+    For a wedge or a plane. Bolts that the design has stay and count. Bolts are laid out as they are built: trend and
+    plunge to 5° (in a section the plunge), forces up to 10 kN, lengths up to 0.1 m, and the design is solved again with
+    them. Exit codes: 0 reached (or nothing is needed), 1 not reached, 4 the methods disagree or one has no answer.
 
     Raises
     ------
     DesignError
-        E320 for other kinds, E321 for what is not understood, E387 to E389 for columns.
+        E320 for other kinds, E321 for what is not understood.
     GeometryError
         Where no block can be formed.
 
@@ -131,11 +124,6 @@ def support(
         fos=wanted, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
         length=length, named=desk.named,
     )  # fmt: skip
-    column_row = kind_of(design).column_row
-    if column_row is not None:
-        from slopekit.studies.support.columns.run import support_of_columns  # wedges and planes do not pay for it
-
-        return support_of_columns(column_row(design), options, began)
     if options.toward is None and options.plunge is None:
         options = replace(options, plunge=DRILLABLE_DEG)
     site = site_of(design)
@@ -147,7 +135,7 @@ def support(
     return Support(
         design, options.target, options, bare, bare_limit, cases, None if stands else search.pressure(), weight,
         site.area, site.unit, tuple(_said(site, cases, options.target)), search.dilates,
-        () if stands else tuple(search.crest()), time.perf_counter() - began,
+        time.perf_counter() - began,
     )  # fmt: skip
 
 
@@ -217,27 +205,16 @@ class _SupportSearch:
         """Every case that was asked for."""
         return [self._case(*asked) for asked in self._asked()]
 
-    def _asked(
-        self, crest: "PlaneCrest | None" = None
-    ) -> Iterator[tuple[BoltDirections, Which, Way | None, Optimum | None]]:
-        """The directions that were asked for, of bolts of each way to act; of a row at the crest those that cross."""
+    def _asked(self) -> Iterator[tuple[BoltDirections, Which, Way | None, Optimum | None]]:
+        """The directions that were asked for, of bolts of each way to act."""
         goal, toward, plunges = self.factor / (1.0 + AIM), self.options.toward, self.options.plunge
-        low, high = (-90.0, 90.0) if crest is None else (crest.low, crest.high)
         for acts in self.options.acts:
             ways = BoltDirections(self.site, self.factor, acts == "passive")
             if toward is not None:
-                direction = self.site.axes @ toward.vector()
-                crosses = crest is None or low <= crest.plunge(direction) <= high
-                yield ways, "given", ways.along(direction, goal, self.bare) if crosses else None, None
-            if plunges is not None and (crest is None or plunges != DRILLABLE_DEG):
-                limits = max(plunges[0], low), min(plunges[1], high)
-                crosses = limits[0] <= limits[1]
-                search = ways.drillable if crest is None else ways.within
-                yield ways, "practical", search(limits, goal, self.bare) if crosses else None, None
-            if crest is None:
-                yield ways, "best", *ways.best(goal, self.bare)
-            else:
-                yield ways, "best", ways.within((low, high), goal, self.bare), None
+                yield ways, "given", ways.along(self.site.axes @ toward.vector(), goal, self.bare), None
+            if plunges is not None:
+                yield ways, "practical", ways.drillable(plunges, goal, self.bare), None
+            yield ways, "best", *ways.best(goal, self.bare)
 
     def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> BoltCase:
         if way is None:
@@ -296,13 +273,11 @@ class _SupportSearch:
 
     # -- PRE-IE ---------------------------------------------------------------------------------------------
 
-    def _least(
-        self, ask: "_Answers", guess: float, most: float, slope: float | None = None, within: float = WITHIN
-    ) -> SearchResult:
+    def _least(self, ask: "_Answers", guess: float, most: float, slope: float | None = None) -> SearchResult:
         at_zero = self.bare_limit.search_level
         if self.bare_limit.reaches(self.target):
             return SearchResult(0.0, self.bare_limit, 0.0, None, None)
-        within = min(within, 4e-7 / self.target) if within == WITHIN else within
+        within = min(WITHIN, 4e-7 / self.target)
         if slope is None:
             guess = min(guess * self._with_moments(), most)
             first = ask(guess).search_level
@@ -334,43 +309,25 @@ class _SupportSearch:
     # -- heads on the face ------------------------------------------------------------------------------------
 
     def _pattern(self, ways: BoltDirections, line: Line, force: float, least: float, rate: float | None) -> Pattern:
-        """Heads on the face for a force that is enough through the centroid, and what PRE-IE says of them.
+        """Heads on the face for a force that is enough through the centroid, and what PRE-IE asks with them there.
 
-        `least` is what the forces alone need, `rate` how the level rises with the force.
+        `least` is what the forces alone need, `rate` how the level rises with the force. Where the moments of the heads
+        ask for another force the heads are laid out for that; the analysis of the bolts as they are built judges them.
         """
         options, site = self.options, self.site
         direction = site.local(line.vector())
-        first: float | None = None
-        asked: tuple[Floats, Ints, _Answers] | None = None
-        wanted, guess, slope, rounds, grew = force, force, rate, 0, False
-        at_once = (1, _MOST_GROUPS) if ways.passive else (1,)
-        while True:
-            laid = layout(site, direction, wanted, options.capacity, options.spacing)
+        laid = layout(site, direction, force, options.capacity, options.spacing)
+        if isinstance(laid, Notice):
+            return Pattern(None, (laid,), asked=force)
+        heads, counts = groups(site, laid, direction, _MOST_GROUPS if ways.passive else 1)
+        ask = _Answers(self._with_heads(ways, line, direction, heads, counts))
+        first = ask(force).level
+        root = self._least(ask, force, math.inf, rate)
+        if root.force is not None and not 0.9 * force < root.force <= force * (1.0 + 1e-9):
+            laid = layout(site, direction, root.force, options.capacity, options.spacing)
             if isinstance(laid, Notice):
                 return Pattern(None, (laid,), asked=force, first=first)
-            for most in at_once:
-                heads, counts = groups(site, laid, direction, most)
-                if asked is None or not (np.array_equal(heads, asked[0]) and np.array_equal(counts, asked[1])):
-                    asked = heads, counts, _Answers(self._with_heads(ways, line, direction, heads, counts))
-                ask = asked[2]
-                first = ask(force).level if first is None else first
-                within = _ROUGH if most != at_once[-1] and ask(guess).moments_govern else WITHIN
-                root = self._least(ask, guess, math.inf, slope, within)
-                if root.force is not None and within != WITHIN and not root.answer.moments_govern:
-                    root = self._least(ask, root.force, math.inf, root.slope)
-                if root.force is None:
-                    break
-                guess, slope = root.force, root.slope
-                if not root.answer.moments_govern:
-                    break  # it slides without turning: every bolt is drawn out alike, wherever its head is
-                at_once = at_once[-1:] if most == at_once[-1] else at_once  # the next layout begins there
-            rounds += 1
-            least_wanted = 0.0 if grew else 0.9 * wanted
-            fits = root.force is not None and least_wanted < root.force <= wanted * (1.0 + 1e-9)
-            if root.force is None or fits or rounds == _LAYOUTS:
-                return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
-            grew = grew or root.force > wanted  # fewer bolts ask for more force, and so for more bolts
-            wanted = root.force
+        return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
 
     def _laid_out(self, pattern: Pattern, laid: Layout, root: SearchResult, least: float) -> Pattern:
         """A pattern with its lengths, and whether those given are enough."""
@@ -431,66 +388,9 @@ class _SupportSearch:
             for (east, north, up), length in zip(laid.heads_m.tolist(), pattern.taken.tolist(), strict=True)
         )
 
-    # -- a row at the crest -------------------------------------------------------------------------------------
-
-    def crest(self) -> Iterator[CrestRow]:
-        """Anchors from the crest of a plane failure, in every direction that was asked for."""
-        if kind_of(self.site.design).crest_point is None:
-            return
-        from slopekit.studies.support.crest import crest_of  # wedges do not pay for it
-
-        crest = crest_of(self.site)
-        if crest is not None:
-            yield from (self._row(crest, ways, which, way) for ways, which, way, _ in self._asked(crest))
-
     def _line(self, which: Which, way: Way) -> Line:
         """The direction as it was given, else as it was found."""
         return self.options.toward if which == "given" and self.options.toward else self.site.line(way.direction)
-
-    def _row(self, crest: "PlaneCrest", ways: BoltDirections, which: Which, way: Way | None) -> CrestRow:
-        """One row of anchors with its heads at the crest."""
-        site, options, head = self.site, self.options, self.site.place(crest.head)
-        row = CrestRow(
-            ways.acts, which, None, head, (crest.low, crest.high), Need(None, None, self.bare.status), None,
-            self.dilates,
-        )  # fmt: skip
-        if way is None:
-            reason = self._nowhere(ways, "best") if which == "best" else Notice(
-                "E392", "no anchor from the crest in that direction crosses the plane and reaches the target: they "
-                f"cross it at plunges of {crest.low:g} to {crest.high:g}°"
-            )  # fmt: skip
-            return replace(row, notices=(reason,))
-        line = self._line(which, way)
-        own = _need_of(way)
-        row = replace(row, toward=line, closed_form=self.as_it_is or own)
-        if way.force is None:
-            return replace(row, pre_ie=own if self.as_it_is else None)
-        asked = _Answers(lambda force: site.with_bolts(Bolt(force, line, ways.acts, head)))
-        root = self._least(asked, way.force, math.inf)
-        crosses = crest.reach(way.direction)
-        least = crosses + options.bond
-        length = math.ceil(least * 100.0 - 1e-9) / 100.0 if options.length is None else options.length
-        row = replace(row, pre_ie=self._need(root, "with the heads at the crest"), crosses=crosses, length=length)
-        if not row.use_kn:
-            return row
-        bolts = (written(Bolt(row.use_kn, line, ways.acts, head, max(length, least))),)
-        is_met = self._is_met(factors_of(site.with_bolts(*bolts)))
-        spacing = options.capacity / row.use_kn if options.spacing is None else options.spacing
-        each = row.use_kn * spacing
-        notices = []
-        if length < least * (1.0 - 1e-12):
-            notices.append(Notice("E327", f"the anchors are too short at {length:g} m: they need {least:.4g} m"))
-        if each > options.capacity * (1.0 + 1e-6):
-            notices.append(Notice(
-                "E393", f"{each:.6g} kN come to each anchor, {options.capacity:g} kN is what one takes: one row from "
-                "the crest is not enough"
-            ))  # fmt: skip
-        if spacing < _CLOSE_M:
-            message = f"anchors stand {spacing:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
-            notices.append(Notice("W378", f"{message}; stronger ones (--bolt-capacity) stand farther apart"))
-        is_sound = is_met and not any(notice.code.startswith("E") for notice in notices)
-        return replace(row, spacing=spacing, each=each, notices=tuple(notices), bolts=bolts,
-                       existing=site.design.bolts, reached=is_sound)  # fmt: skip
 
     # -- pressure -----------------------------------------------------------------------------------------------
 

@@ -195,7 +195,7 @@ def site_of(design: Design) -> Site:
     """
     kind = kind_of(design)
     if not kind.has_site or kind.closed_form is None:
-        message = f"support is for a wedge, a plane or toppling columns, this design is of kind {design.kind}"
+        message = f"support is for a wedge or a plane, this design is of kind {design.kind}"
         advice = (
             f"A design of kind {design.kind} takes no bolts."
             if "support" in type(design).WITHOUT

@@ -2,14 +2,12 @@
 
 import math
 from operator import attrgetter
-from typing import Any
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
 from slopekit.design.common import Design
-from slopekit.kinds import kind_of
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
-from slopekit.studies.support.records import BoltCase, CrestRow, FacePressure, Need, Pattern, Support, wanted_in_words
+from slopekit.studies.support.records import BoltCase, FacePressure, Need, Pattern, Support, wanted_in_words
 from slopekit.studies.support.search import Answer
 from slopekit.studies.words import head, status_words
 
@@ -34,13 +32,12 @@ def sheet_of(support: Support) -> Sheet:
         Section("BOLTS", _own_bolts(support.design)),
         *roles,
         Section("PRESSURE", _pressure(support.pressure, support.unit) if support.pressure is not None else ()),
-        Section("CREST", _crest(support)),
         Section("CASES", [cases] if cases.rows else []),
         Section("USE", _use(support)),
         Section("NOTE", [str(notice) for notice in support.warnings]),
         Section("PASTE", _paste(support)),
         Section("TIME", [f"{support.seconds:.2f} s"]),
-    ), {"support.csv": cases} | ({"support-crest.csv": _crest_table(support)} if support.crest else {}))  # fmt: skip
+    ), {"support.csv": cases})  # fmt: skip
 
 
 def _own_bolts(design: Design) -> list[Entry]:
@@ -79,7 +76,14 @@ def _cases(support: Support) -> Table[BoltCase]:
         return None if need is None else need.fos
 
     columns: list[Column[BoltCase]] = [
-        *_columns_of_both("bolts are", "direction", support.unit),
+        Column("bolts are", attrgetter("acts"), "acts"),
+        Column("direction", attrgetter("which"), "direction"),
+        Column("toward", lambda case: None if case.toward is None else line_in_words(case.toward), "toward"),
+        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", support.unit, _size),
+        Column(
+            "PRE-IE", lambda case: None if case.pre_ie is None else case.pre_ie.force, "pre_ie_kn", support.unit, _size
+        ),
+        Column("to use", attrgetter("use_kn"), "use_kn", support.unit, _size),
         Column("FoS put back", put_back, "fos", show=".4f"),
         Column("reached", attrgetter("reached"), "reached", show=_yes),
         Column("heads", lambda case: laid(case, "bolts"), "bolts"),
@@ -90,18 +94,6 @@ def _cases(support: Support) -> Table[BoltCase]:
     return Table(columns, support.cases, said="")
 
 
-def _columns_of_both(acts: str, which: str, unit: str) -> list[Column[Any]]:
-    """How bolts act, their direction, and what each method needs of them."""
-    return [
-        Column(acts, attrgetter("acts"), "acts"),
-        Column(which, attrgetter("which"), "direction"),
-        Column("toward", lambda row: None if row.toward is None else line_in_words(row.toward), "toward"),
-        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", unit, _size),
-        Column("PRE-IE", lambda row: None if row.pre_ie is None else row.pre_ie.force, "pre_ie_kn", unit, _size),
-        Column("to use", attrgetter("use_kn"), "use_kn", unit, _size),
-    ]
-
-
 def _yes(reached: bool) -> str:
     return "yes" if reached else "no"
 
@@ -110,11 +102,11 @@ def _size(value: float | None) -> str:
     return "" if value is None else size_number(value)
 
 
-def _needed_by_both(one: BoltCase | CrestRow | FacePressure, unit: str) -> str:
+def _needed_by_both(one: BoltCase | FacePressure, unit: str) -> str:
     return f"{needed(one.closed_form, unit, 'closed form')};  {needed(one.pre_ie, unit, 'PRE-IE')}"
 
 
-def _of_both(one: BoltCase | CrestRow | FacePressure) -> list[str]:
+def _of_both(one: BoltCase | FacePressure) -> list[str]:
     """What is to be known of what each method needs."""
     return [str(need.notice) for need in (one.closed_form, one.pre_ie) if need and need.notice]
 
@@ -250,48 +242,6 @@ def _pressure(pressure: FacePressure, unit: str) -> list[str]:
     if pressure.use is not None:
         lines.append("what presses (a buttress, anchored mesh or shotcrete) must itself be held for that")
     return lines
-
-
-def _crest(support: Support) -> list[str]:
-    """A row of anchors from the crest: force per metre, plunge, spacing and length."""
-    if not support.crest:
-        has_crest = kind_of(support.design).crest_point is not None and not support.stands
-        return ["none: the crack stands in the face, the crest is no part of the block"] if has_crest else []
-    first, lines = support.crest[0], []
-    low, high = first.plunges
-    place = ", ".join(f"{round(part, 6) + 0.0:.6g}" for part in first.head)
-    lines.append(
-        f"one row of anchors, heads at the crest ({place}); they cross the plane at plunges of {low:g} to {high:g}°"
-    )
-    for row in support.crest:
-        head = f"{row.acts}, {'best plunge' if row.which == 'best' else _WHICH[row.which]}"
-        if row.toward is None:
-            lines += [f"{head}: none.  {notice}" for notice in row.notices]
-            continue
-        lines.append(f"{head} {line_in_words(row.toward)}: {_needed_by_both(row, support.unit)}")
-        lines += _of_both(row)
-        if row.which == "best" and row.toward.plunge_deg <= low + 0.05:
-            lines.append("the flattest that crosses it: flatter ones would need less, but come out of the ground")
-        if row.spacing is not None and row.each is not None and row.crosses is not None and row.length is not None:
-            lines.append(
-                f"an anchor of {size_number(row.each)} kN every {row.spacing:.4g} m, {row.length:.4g} m long: "
-                f"{row.crosses:.4g} m to the plane, and {support.options.bond:g} m of anchorage"
-            )
-        lines += [str(notice) for notice in row.notices]
-    return lines
-
-
-def _crest_table(support: Support) -> Table[CrestRow]:
-    """The same in rows."""
-    columns: list[Column[CrestRow]] = [
-        *_columns_of_both("anchors are", "plunge", support.unit),
-        Column("reached", attrgetter("reached"), "reached", show=_yes),
-        Column("to the plane", attrgetter("crosses"), "to_plane_m", "m", _size),
-        Column("length", attrgetter("length"), "length_m", "m", _size),
-        Column("apart", attrgetter("spacing"), "spacing_m", "m", _size),
-        Column("of each", attrgetter("each"), "each_kn", "kN", _size),
-    ]
-    return Table(columns, support.crest, said="")
 
 
 def _use(support: Support) -> list[str]:

@@ -22,7 +22,7 @@ _SYMBOLS = {
     "cohesion_kpa": "cohesion c", "friction_angle_deg": "friction angle φ", "dilation_deg": "dilation ψ",
     "tension_kpa": "tensile strength", "water_unit_weight_kn_m3": "unit weight of water", "gravity_m_s2": "gravity",
     "unit_weight_kn_m3": "unit weight of rock", "density_kg_m3": "density of rock", "normal_kn_m3": "normal stiffness",
-    "shear_kn_m3": "shear stiffness", "agree_within": "methods agree within", "stop_when": "search stops within",
+    "shear_kn_m3": "shear stiffness", "agree_within": "methods agree within",
     "factors": "strength reduction factors", "rules": "acceptance rules", "origin_m": "map coordinates of the toe",
     "height_m": "height", "refine": "splits of the triangles asked for", "pairs": "node pairs along the plane",
 }  # fmt: skip
@@ -30,7 +30,7 @@ _GROUPS = {
     "Rock and water": ("unit_weight_kn_m3", "density_kg_m3", "gravity_m_s2", "water", "water_unit_weight_kn_m3",
                        "table_depth_m", "table_points_m", "table_plane", "pond_m", "pressures_kpa"),
     "Loads and support": ("seismic", "surcharge_kpa", "surcharges_kpa", "forces", "bolts", "load_kn", "load_at_m"),
-    "Analysis": ("criterion", "rules", "agree_within", "stop_when", "factors", "mechanisms", "seed", "refine", "pairs",
+    "Analysis": ("criterion", "rules", "agree_within", "factors", "mechanisms", "seed", "refine", "pairs",
                  "stiffness", "max_blocks", "min_volume_m3", "contact_tolerance_m"),
 }  # fmt: skip
 _STRENGTH = (
