@@ -3,12 +3,17 @@
 Every time is a ratio to something measured in the same run; `docs` writes docs/studies.md.
 """
 
+import json
 import math
 import os
 import platform
+import signal
+import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -76,8 +81,30 @@ def sampling_rows(n: int = 200_000) -> list[str]:
     return rows
 
 
+@contextmanager
+def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """A Dask scheduler and its workers on this machine, as a user starts them."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scheduler.json"
+        quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+        dask = [sys.executable, "-m", "dask"]
+        started = [subprocess.Popen([*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
+                                     "--scheduler-file", str(file)], **quiet)]  # fmt: skip
+        started += [subprocess.Popen([*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny",
+                                      "--no-dashboard"], **quiet) for _ in range(workers)]  # fmt: skip
+        try:
+            while not (file.exists() and file.stat().st_size):
+                time.sleep(0.05)
+            time.sleep(3.0)  # the workers import
+            yield json.loads(file.read_text())["address"], started[1:]
+        finally:
+            for process in reversed(started):
+                process.kill()
+                process.wait()
+
+
 def pre_ie_rows(n: int = _PRE_IE) -> list[str]:
-    """PRE-IE samples a second: one process, and two."""
+    """PRE-IE samples a second: one process, two, Dask with two workers, and with one of them killed half-way."""
     design = load(scattering())
     drawn = samples(design.variables, design.correlation, n, 1)
     settings = [drawn.settings(row) for row in range(n)]
@@ -87,10 +114,10 @@ def pre_ie_rows(n: int = _PRE_IE) -> list[str]:
     alone: list[Any] = []
     base = 0.0
 
-    def row(name: str, crew: Crew) -> None:
+    def row(name: str, crew: Crew, advance: Callable[[int], None] = lambda _: None) -> None:
         nonlocal alone, base
         began = time.perf_counter()
-        found = run_all(work, settings, crew)
+        found = run_all(work, settings, crew, advance=advance)
         taken = time.perf_counter() - began
         alone, base = alone or found, base or taken
         assert found == alone, "another crew, other numbers"
@@ -98,6 +125,18 @@ def pre_ie_rows(n: int = _PRE_IE) -> list[str]:
 
     row("one process", Crew())
     row("two processes (their start included)", checked_crew(2))
+    with cluster(2) as (address, workers):
+        row("Dask, two workers", checked_crew(1, address))
+        done = 0
+
+        def kill_half_way(count: int) -> None:
+            nonlocal done
+            done += count
+            if done > n / 2 and workers[0].poll() is None:
+                workers[0].send_signal(signal.SIGKILL)
+
+        row("Dask, one of two killed half-way", checked_crew(1, address), kill_half_way)
+        assert workers[0].wait(10) == -signal.SIGKILL
     return rows
 
 

@@ -44,7 +44,7 @@ PAGES = [path for path in WRITTEN if path.name not in GENERATED]
 #: Lines of sh blocks that are not run: what installs, fetches, tests and measures.
 NOT_RUN = (
     "git clone", "cd ", "pip install", "python -m pip", "python -m venv", ". ", "python -m pytest",
-    "python -m benchmarks", "python examples/", "slopekit check --suite", "slopekit app",
+    "python -m benchmarks", "python examples/", "dask ", "slopekit check --suite", "slopekit app",
 )  # fmt: skip
 #: Commands that are run with less work than they are shown with, and not compared; "": run by a test of its own.
 LESS = {

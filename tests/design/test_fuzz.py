@@ -84,7 +84,7 @@ def test_surveys_and_options_of_two_studies_are_run_or_refused(tmp_path) -> None
     assert sum(one.stage == "result" for one in each) >= 10
     assert len({code for one in each for code in one.codes}) >= 15
     for study, function in (("bench-design", bench_design), ("sets", sets)):
-        assert set(OPTIONS[study]) == set(function.__kwdefaults__) - {"desk", "jobs"}
+        assert set(OPTIONS[study]) == set(function.__kwdefaults__) - {"desk", "jobs", "scheduler"}
 
 
 def test_files_with_load_cases_are_run_or_refused(tmp_path) -> None:

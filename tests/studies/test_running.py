@@ -1,10 +1,13 @@
-"""Tasks on one process and on several: the same records; deaths, interruptions and journals lose nothing."""
+"""Tasks on one process, on several, on Dask: the same records; deaths, interruptions and journals lose nothing."""
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -13,7 +16,7 @@ import pytest
 from slopekit.core.errors import DesignError, SolverError
 from slopekit.studies import running
 from slopekit.studies.running import Crew, Interrupted, Journal, checked_crew, run_all
-from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, square
+from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, slow_square, square
 
 SQUARES = [number * number for number in range(60)]
 
@@ -22,7 +25,7 @@ def test_processes_and_executors_give_what_one_process_gives() -> None:
     assert run_all(square, range(60)) == SQUARES
     assert run_all(square, range(60), checked_crew(2), at_once=7) == SQUARES
     with ThreadPoolExecutor(2) as executor:
-        assert run_all(square, range(60), checked_crew(1, executor), at_once=1) == SQUARES
+        assert run_all(square, range(60), checked_crew(1, None, executor), at_once=1) == SQUARES
 
 
 def test_a_worker_that_dies_loses_no_task(tmp_path) -> None:
@@ -143,11 +146,93 @@ def test_a_journal_that_cannot_be_written_says_so(tmp_path) -> None:
     assert caught.value.codes == ("E129",)
 
 
-@pytest.mark.parametrize("jobs", ["0", "two"])
-def test_crews_that_cannot_be(jobs) -> None:
+@pytest.mark.parametrize(
+    ("jobs", "scheduler", "code"),
+    [
+        ("0", None, "E300"),
+        ("two", None, "E300"),
+        (2, "tcp://a:1", "E300"),
+        (1, "a:1", "E300"),
+        (1, "tcp://a:1", "E305"),
+    ],
+)
+def test_crews_that_cannot_be(jobs, scheduler, code, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(DesignError) as caught:
-        run_all(square, [1, 2], checked_crew(jobs))
-    assert caught.value.codes == ("E300",)
+        run_all(square, [1, 2], checked_crew(jobs, scheduler))
+    assert caught.value.codes == (code,)
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    """A Dask scheduler with two workers, as a user starts them; the workers can be killed."""
+    root = Path(__file__).parents[2]
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(root), os.environ.get("PYTHONPATH", "")])}
+    address = tmp_path / "scheduler.json"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": env, "cwd": tmp_path}
+    dask = [sys.executable, "-m", "dask"]
+    started = [subprocess.Popen(
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(address)],
+        **quiet,
+    )]  # fmt: skip
+    started += [subprocess.Popen(
+        [*dask, "worker", "--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--no-dashboard"], **quiet
+    ) for _ in range(2)]  # fmt: skip
+    try:
+        yield address, started[1:]
+    finally:
+        for process in reversed(started):
+            process.kill()
+            process.wait()
+
+
+def test_dask_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None:
+    import json
+
+    from slopekit.studies import running
+
+    file, workers = scheduler
+    until = time.monotonic() + 30.0
+    while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
+        time.sleep(0.05)
+    address = json.loads(file.read_text())["address"]
+    killed = threading.Timer(0.5, lambda: workers[0].send_signal(signal.SIGKILL))
+    told: list[int] = []
+
+    def advance(count: int) -> None:
+        if not told:
+            killed.start()  # in the middle of the work
+        told.append(count)
+
+    from distributed import Client
+
+    gathered, lost = Client._gather, []
+
+    async def gather_and_lose(self, futures, *args, **keys):
+        """The worker dies after its result is there, and before anyone asks how the task is."""
+        results = await gathered(self, futures, *args, **keys)
+        if not lost and told and len(futures) == 1:
+            lost.append(futures[0])
+            futures[0]._state.lose()
+        return results
+
+    monkeypatch.setattr(Client, "_gather", gather_and_lose)
+    crew = checked_crew(1, address)
+    assert run_all(slow_square, range(120), crew, advance=advance, at_once=2) == [n * n for n in range(120)]
+    killed.join()
+    assert workers[0].wait(10) == -9
+    assert sum(told) == 120
+    assert lost
+    monkeypatch.setattr(running, "__version__", "another")
+    with pytest.raises(DesignError) as caught:
+        run_all(square, [1], crew)
+    assert caught.value.codes == ("E306",)
+    workers[1].kill()
+    workers[1].wait()
+    monkeypatch.setattr(running, "_CONNECT_S", 1.0)
+    with pytest.raises(DesignError) as caught:
+        run_all(square, [1], crew)
+    assert caught.value.codes == ("E301",)
 
 
 @pytest.mark.parametrize("guard", [False, True])
@@ -164,3 +249,47 @@ def test_a_script_without_a_main_guard_is_told_so(tmp_path, guard) -> None:
     assert "E464 the script has no main guard" in ran.stderr
     assert ran.stderr.endswith('if __name__ == "__main__":\n    main()\n')
     assert "freeze_support" not in ran.stderr
+
+
+@pytest.fixture
+def certificates(tmp_path, monkeypatch) -> Path:
+    """A certificate of its own authority, and Dask's configuration that names it."""
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
+    made = subprocess.run([*command, "-keyout", "key.pem", "-out", "cert.pem"], cwd=tmp_path, capture_output=True)
+    if made.returncode:
+        pytest.skip("openssl makes no certificate here")
+    names = {"CA_FILE": "cert.pem", **{f"{who}__{part.upper()}": f"{part}.pem" for who in
+             ("CLIENT", "WORKER", "SCHEDULER") for part in ("cert", "key")}}  # fmt: skip
+    for name, file in names.items():
+        monkeypatch.setenv(f"DASK_DISTRIBUTED__COMM__TLS__{name}", str(tmp_path / file))
+    return tmp_path
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
+def test_dask_over_tls(certificates) -> None:
+    """The scheduler and its worker take no connection without the certificate; the client finds it by Dask's rules."""
+    pytest.importorskip("distributed")
+    file = certificates / "scheduler.json"
+    dask = [sys.executable, "-m", "dask"]
+    place = ["--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    worker = ["--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    started = [subprocess.Popen([*dask, "scheduler", *place], **quiet)]
+    started.append(subprocess.Popen([*dask, "worker", *worker], **quiet))
+    program = (
+        "import sys\n"
+        "from slopekit.studies.running import checked_crew, run_all\n"
+        "print(run_all(abs, [-1, 2, -3], checked_crew(1, sys.argv[1])))\n"
+    )
+    try:
+        until = time.monotonic() + 40.0
+        while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
+            time.sleep(0.05)
+        address = json.loads(file.read_text())["address"]
+        run = subprocess.run([sys.executable, "-c", program, address], capture_output=True, text=True, timeout=60)
+    finally:
+        for process in reversed(started):
+            process.kill()
+            process.wait()
+    assert address.startswith("tls://")
+    assert run.stdout == "[1, 2, 3]\n", run.stderr

@@ -10,6 +10,11 @@ def square(number: int) -> int:
     return number * number
 
 
+def slow_square(number: int) -> int:
+    time.sleep(0.02)
+    return number * number
+
+
 def late(number: int) -> int:
     print("ready", flush=True)
     time.sleep(0.5)

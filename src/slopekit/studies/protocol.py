@@ -146,6 +146,13 @@ def whole_number(text: str, option: str) -> int:
 
 ADesign = Annotated[Design, DESIGN]
 Jobs = Annotated[Any, Option("Processes that work at once [1].")]
+Scheduler = Annotated[
+    str | None,
+    Option(
+        "A Dask scheduler, tls://host:8786, or tcp:// in a network that you trust: it runs any code (extra: dask).",
+        metavar="ADDRESS",
+    ),
+]
 Seed = Annotated[int, Option("Seed of the random numbers: the same seed gives the same numbers [1].", whole_number)]
 
 
@@ -166,6 +173,7 @@ __all__ = [
     "Bar",
     "Jobs",
     "Option",
+    "Scheduler",
     "Seed",
     "StudyOutcome",
     "Workplace",

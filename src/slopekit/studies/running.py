@@ -1,4 +1,4 @@
-"""Many tasks, one after the other or on several processes: the same results in the same order.
+"""Many tasks, one after the other, on several processes or on a Dask cluster: the same results in the same order.
 
 Any `concurrent.futures.Executor` will do. What is done goes to a journal, so that an interrupted run goes on where it
 stopped; a worker that dies loses no task.
@@ -14,21 +14,26 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import ExitStack, contextmanager
 from dataclasses import field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, writing
 from slopekit.core.records import dataclass
+
+if TYPE_CHECKING:
+    from distributed import Client
+    from distributed import Future as DaskFuture
 
 _EVERY_S = 1.0
 #: What a task gives: JSON values, as the journal keeps them.
 Record: TypeAlias = Any
 Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
+_CONNECT_S = 10.0
 _GONE_S = 5.0  # within which workers of a broken pool have ended
 _MOST_JOBS = 512
 _LAYOUT = 2  # of records, to be raised with them: since 2 points have what acceptance is held against besides
@@ -113,10 +118,13 @@ class Crew:
     Attributes
     ----------
     jobs : processes of this machine; 1 works in the process that asks
-    executor : or any executor that is there already, in its place
+    scheduler : address of a Dask scheduler instead, tls://host:8786 or tcp://host:8786; Dask sends pickles, which run
+        code where they are read, and over tcp:// neither encrypted nor signed
+    executor : or any executor that is there already
     """
 
     jobs: int = 1
+    scheduler: str | None = None
     executor: Executor | None = None
 
 
@@ -129,22 +137,27 @@ class Interrupted(SlopekitError):
     exit_code = 130
 
 
-def checked_crew(jobs: object = 1, executor: Executor | None = None) -> Crew:
+def checked_crew(jobs: object = 1, scheduler: str | None = None, executor: Executor | None = None) -> Crew:
     """A crew from what a user gave.
 
     Raises
     ------
     DesignError
-        E300 for a number of jobs that is none.
+        E300 for a number of jobs that is none, or for more than one kind of workers.
 
     >>> checked_crew("2")
-    Crew(jobs=2, executor=None)
+    Crew(jobs=2, scheduler=None, executor=None)
     """
     text = str(jobs).strip()
     if not text.isdigit() or not 1 <= int(text) <= _MOST_JOBS:
         message = f"--jobs is {text}, a whole number from 1 to {_MOST_JOBS} is needed"
         raise DesignError([Fault("E300", message, "", "As many as there are cores is a good choice.")])
-    return Crew(int(text), executor)
+    if scheduler is not None and int(text) > 1:
+        raise DesignError([Fault("E300", "--jobs and --scheduler exclude each other", "", "Keep one of them.")])
+    if scheduler is not None and "://" not in scheduler:
+        message = f"{scheduler} is not the address of a scheduler"
+        raise DesignError([Fault("E300", message, "", "Write --scheduler tcp://host:8786.")])
+    return Crew(int(text), scheduler, executor)
 
 
 def run_all(
@@ -172,7 +185,8 @@ def run_all(
     Interrupted
         Ctrl-C: E304, with what is done in the journal.
     DesignError
-        E464 a script without a main guard.
+        E301 no connection to the scheduler, E305 Dask is not installed, E306 workers with another slopekit, E464 a
+        script without a main guard.
     SolverError
         E303 workers die again and again.
 
@@ -236,6 +250,14 @@ def _on_workers(
                         keep(chunk, future.result())
                     except BrokenExecutor:
                         lost.append(chunk)
+                    except CancelledError:
+                        advice = "What is done is kept: the same command goes on."
+                        fault = Fault("E301", "the scheduler went away in the middle of the work", "", advice)
+                        raise DesignError([fault]) from None
+                    except Exception as error:
+                        if type(error).__name__ != "KilledWorker":  # Dask's, which need not be installed
+                            raise
+                        lost.append(chunk)
             except BrokenExecutor:  # no more can be handed in
                 lost = [chunk for chunk in left if chunk[0] not in done]
             except BaseException:
@@ -279,21 +301,25 @@ def _executor(crew: Crew) -> Iterator[Executor]:
     if crew.executor is not None:
         yield crew.executor
         return
-    import multiprocessing
+    with ExitStack() as stack:
+        if crew.scheduler is not None:
+            yield stack.enter_context(_dask(crew.scheduler))
+            return
+        import multiprocessing
 
-    if getattr(multiprocessing.current_process(), "_inheriting", False):
-        raise SystemExit(_NO_GUARD)  # a worker that runs its script: the one who asked says so
-    # spawned: the same on every system, and no threads of ours are copied half-way
-    pool = _Pool(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
-    try:
-        yield pool
-    except BaseException:
-        processes = list((pool._processes or {}).values())
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in processes:
-            process.terminate()
-        raise
-    pool.shutdown()
+        if getattr(multiprocessing.current_process(), "_inheriting", False):
+            raise SystemExit(_NO_GUARD)  # a worker that runs its script: the one who asked says so
+        # spawned: the same on every system, and no threads of ours are copied half-way
+        pool = _Pool(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
+        try:
+            yield pool
+        except BaseException:
+            processes = list((pool._processes or {}).values())
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.terminate()
+            raise
+        pool.shutdown()
 
 
 def end_with_parent() -> None:
@@ -342,8 +368,72 @@ def _quiet_worker() -> None:
     threadpool_limits(1)
 
 
+@contextmanager
+def _dask(address: str) -> Iterator[Executor]:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise DesignError(
+            [Fault("E305", "--scheduler needs Dask, which is not installed", "", "pip install 'slopekit[dask]'")]
+        ) from None
+    try:
+        client = Client(address, timeout=_CONNECT_S, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        message = f"no Dask scheduler answers at {address}: {str(error).splitlines()[0] if str(error) else error!r}"
+        advice = "Start one with dask scheduler, and workers with dask worker tcp://host:8786."
+        raise DesignError([Fault("E301", message, "", advice)]) from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=_CONNECT_S)
+        except TimeoutError:
+            advice = "Start workers with dask worker and the address of the scheduler."
+            raise DesignError([Fault("E301", f"the scheduler at {address} has no worker", "", advice)]) from None
+        answers = client.run(_version_here, on_error="return").values()
+        # a worker that went away just now has no version; the others do its work
+        wrong = sorted({str(answer) for answer in answers if answer != __version__ and not isinstance(answer, OSError)})
+        if wrong:
+            message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
+            raise DesignError([Fault("E306", message, "", "Install the same slopekit on every worker.")])
+        yield _Cluster(client)
+
+
+class _Cluster(Executor):
+    """Workers of a Dask client.
+
+    Dask's own executor asks how a task is after it has the result, and stops with an error of its own where the worker
+    died in between.
+    """
+
+    def __init__(self, client: "Client") -> None:
+        self.client = client
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **keys: Any) -> Future[Any]:
+        """A task more; what a dead worker had finished is done again by another."""
+        given: Future[Any] = Future()
+        asked = self.client.submit(fn, *args, pure=False, **keys)
+        given.add_done_callback(lambda one: asked.cancel() if one.cancelled() else None)
+        asked.add_done_callback(lambda one: _pass_on(one, given))
+        return given
+
+
+def _pass_on(asked: "DaskFuture", given: Future[Any]) -> None:
+    """What became of a task of Dask, to who waits for it."""
+    if not given.set_running_or_notify_cancel():
+        return
+    try:
+        given.set_result(asked.result())
+    except BaseException as error:  # what went wrong there is for who asked
+        given.set_exception(CancelledError() if asked.cancelled() else error)
+
+
+def _version_here() -> str:
+    return __version__
+
+
 def crew_in_words(crew: Crew) -> str:
     """Who did the work, for a sheet."""
+    if crew.scheduler is not None:
+        return f"Dask at {crew.scheduler}"
     if crew.executor is not None:
         return type(crew.executor).__name__
     return "1 process" if crew.jobs == 1 else f"{crew.jobs} processes"

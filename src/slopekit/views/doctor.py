@@ -10,7 +10,7 @@ from slopekit._needs import NEEDED, fits, plain, wanted
 from slopekit._version import __version__
 
 _PAPER_WEDGE = 1.5573963527  # Hoek & Bray at g = 9.81 (METHOD.md §6)
-_EXTRAS = {"pyvista": "plot", "matplotlib": "plot", "jinja2": "report", "ezdxf": "cad",
+_EXTRAS = {"pyvista": "plot", "matplotlib": "plot", "jinja2": "report", "ezdxf": "cad", "distributed": "dask",
            "openpyxl": "survey", "anywidget": "notebook", "scikit-fem": "elastic", "starlette": "app", "uvicorn": "app",
            "websockets": "app"}  # fmt: skip
 

@@ -26,7 +26,7 @@ from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion,
 from slopekit.studies.bench_design.said import notices_of, of_columns
 from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
-from slopekit.studies.protocol import DESK, Argument, Jobs, Option, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
 from slopekit.studies.surveys import Columns, Convention, SkipBad, survey_head
 
@@ -160,6 +160,7 @@ def bench_design(
     skip_bad: SkipBad = False,
     seed: Annotated[Any, Option("Seed of the random numbers: the same seed gives the same numbers [1].")] = None,
     jobs: Jobs = 1,
+    scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> BenchDesigns:
     """Benches from a joint survey: what fails by height and face angle, the berm that is left, the inter-ramp angle.
@@ -198,7 +199,7 @@ def bench_design(
     (7.5, 7.5, 49.17)
     """
     given, began = dict(locals()), time.perf_counter()
-    crew = checked_crew(jobs)
+    crew = checked_crew(jobs, scheduler)
     asked = bench_inputs(given, desk.named)
     read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")

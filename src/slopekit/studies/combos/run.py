@@ -26,7 +26,7 @@ from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
-from slopekit.studies.protocol import DESK, Jobs, Option, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, partners, survey_head
 
@@ -264,6 +264,7 @@ def combos(
     columns: Columns = None,
     skip_bad: SkipBad = False,
     jobs: Jobs = 1,
+    scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> Combos:
     """Every pair of a joint list as a wedge: removable or not and why, ranked; PRE-IE on the worst.
@@ -300,7 +301,7 @@ def combos(
     (1, 1, ('J1', 'J2'), True)
     """
     given, began = dict(locals()), time.perf_counter()
-    crew = checked_crew(jobs)
+    crew = checked_crew(jobs, scheduler)
     asked = pair_inputs(given, desk.named)
     read = time.perf_counter()
     pairs = evaluated(asked.joints, asked.slope, asked.limits, asked.cohesion_kpa, asked.friction_deg)

@@ -64,6 +64,7 @@ from slopekit.studies.protocol import (
     ADesign,
     Jobs,
     Option,
+    Scheduler,
     Seed,
     StudyOutcome,
     Workplace,
@@ -377,6 +378,7 @@ def prob(
     draw: Annotated[Draw, Option("Draw its joints, pair by pair, or its sets by Fisher's K [joints].")] = "joints",
     seed: Seed = 1,
     jobs: Jobs = 1,
+    scheduler: Scheduler = None,
     executor: Executor | None = None,
     desk: Workplace = DESK,
 ) -> Probability:
@@ -412,7 +414,7 @@ def prob(
     >>> share.count, share.of, round(share.low, 3), round(share.high, 3)
     (75, 1000, 0.059, 0.093)
     """
-    crew = checked_crew(jobs, executor)
+    crew = checked_crew(jobs, scheduler, executor)
     if design.partial is not None:
         message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"

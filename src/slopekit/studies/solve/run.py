@@ -16,6 +16,7 @@ from slopekit.studies.protocol import (
     Argument,
     Jobs,
     Option,
+    Scheduler,
     Workplace,
     number_of,
     study,
@@ -36,6 +37,7 @@ def solve(
     fos: Annotated[float | None, Option("Factor of safety wanted [the acceptance rule's].", number_of)] = None,
     within: Within | None = None,
     jobs: Jobs = 1,
+    scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> Solution:
     """The value of any one number of a design that gives a factor of safety, by both methods.
@@ -60,6 +62,6 @@ def solve(
     >>> round(sk.solve(sk.load(wedge), "water.fill", fos=1.2).answer.value, 4)
     0.6805
     """
-    crew = checked_crew(jobs)
+    crew = checked_crew(jobs, scheduler)
     with desk.bar("evaluations", _ABOUT) as advance:
         return for_factor(design, key, fos, within, crew, advance)

@@ -50,6 +50,7 @@ from slopekit.studies.protocol import (
     Argument,
     Jobs,
     Option,
+    Scheduler,
     StudyOutcome,
     Workplace,
     number_of,
@@ -313,6 +314,7 @@ def sweep(
     methods: MethodsAsked = "both",
     fos: Annotated[float | None, Option("A factor of safety: where it is passed is said.", number_of)] = None,
     jobs: Jobs = 1,
+    scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> Sweep:
     """A design at many values of one number (a curve) or of two (a grid), or of each in turn (--tornado).
@@ -340,7 +342,7 @@ def sweep(
     [1.5574, 1.006]
     """
     began = time.perf_counter()
-    crew = checked_crew(jobs)
+    crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
     check_methods(design, methods)
     faults, axes, said = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()

@@ -34,7 +34,7 @@ from slopekit.studies.points import (
     said_at,
     status_of,
 )
-from slopekit.studies.protocol import DESK, ADesign, Jobs, StudyOutcome, Workplace, study
+from slopekit.studies.protocol import DESK, ADesign, Jobs, Scheduler, StudyOutcome, Workplace, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
 from slopekit.studies.sweep.run import KEYS, MethodsAsked, check_methods, evaluated
@@ -187,6 +187,7 @@ def tornado(
     *,
     methods: MethodsAsked = "both",
     jobs: Jobs = 1,
+    scheduler: Scheduler = None,
     desk: Workplace = DESK,
 ) -> Tornado:
     """Every number of the design, one at a time.
@@ -212,7 +213,7 @@ def tornado(
     ('strength.joints.phi', '±2°', 0.2438)
     """
     began = time.perf_counter()
-    crew = checked_crew(jobs)
+    crew = checked_crew(jobs, scheduler)
     check_methods(design, methods)
     given, faults = dict[str, tuple[Key, tuple[float, float]]](), Faults()
     for path, text in (ranges or {}).items():
