@@ -96,7 +96,7 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     )
 
 
-_SUREST = (Basis.LIMIT, Basis.SETTLED, Basis.PEAK, Basis.NONE)  # the surest first
+_SUREST = (Basis.LIMIT, Basis.ALONE, Basis.SETTLED, Basis.PEAK, Basis.NONE)  # the surest first
 _WITHOUT = (("topples", "topples"), ("rotates", "topples"), ("lifts", "lifted"), ("falls", "falls"))
 
 

@@ -116,9 +116,7 @@ def _factors(result: Result) -> Iterator[Factor]:
     if fos.lowest is not None or fos.highest is not None:
         yield shared.locked_in(result)
     elif fos.limit is not None:
-        yield Factor(None, "same mechanism, whatever forces are locked in: no range was found")
-    yield from shared.history(result)
-    yield from shared.without_cohesion(result)
+        yield Factor(None, "range for other load paths and locked-in stresses: not found")
     if fos.static_bound is not None:
         above = ""
         if fos.limit:
@@ -429,6 +427,8 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
     >>> path_in_words("peak", 0.4, 1.6, 0.005)
     'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
     """
+    if basis == "alone":
+        return "limit: one block slides alone, by forces (no credit for turning)"
     path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
     if basis != "peak":
         return f"limit of {path}" + (", settled" if basis == "settled" else "")
