@@ -34,7 +34,7 @@ from slopekit.preie.motion.balance import Balance
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table
     from slopekit.elastic.outcome import ElasticBlocks
-    from slopekit.findings import Findings
+    from slopekit.findings import Findings, MechanismRow
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -335,6 +335,21 @@ class Result(Shown):
         return self.findings.mechanisms[0].size if self.findings.mechanisms else None
 
     @property
+    def mechanisms(self) -> "tuple[MechanismRow, ...]":
+        """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge."""
+        if self.findings is not None:
+            return self.findings.rows
+        if self.without_basal is None:
+            return ()
+        from slopekit.findings import MechanismRow  # few wedges have a basal joint
+
+        block, whole = self.words.block, self.without_basal
+        above = MechanismRow(
+            "block_above_basal", self.status, self.fos.limit, (block,), self.geometry.volume_m3, self.mass_t
+        )
+        return above, MechanismRow("whole_wedge", whole.status, whole.closed_form, ("whole wedge",))
+
+    @property
     def mass_t(self) -> float:
         """Mass of what may move, t."""
         return self.forces.weight / self.design.gravity_m_s2
@@ -438,7 +453,7 @@ class Result(Shown):
             "cohesion_under_moments": json_of(self.cohesion_under_moments),
             **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
-            **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
+            **({"mechanisms": json_of(self.mechanisms)} if self.mechanisms else {}),
             **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,

@@ -111,7 +111,7 @@ def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravell
     if larger is not None:
         factor = ravelling.failures[larger].limit.factor
         has = "no number" if factor is None else f"{factor:.4f}"
-        more = f"; the first larger one under NEXT, n {larger + 1}, has {has}, those before it taken away"
+        more = f"; the first larger one under MECHANISM, n {larger + 1}, has {has}, those before it taken away"
     elif ravelling.ended == "count":
         more = f"; analysis.mechanisms: {max(_FEW, 2 * design.mechanisms)} goes on to what fails after it"
     if getattr(design, "min_volume_m3", None) is not None and small < _BOULDER_M3:

@@ -53,7 +53,7 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("ACCEPT", shared.accept(result))
     yield Section("MOVES", _moves(result, first))
-    yield Section("NEXT", _next(result, findings, order), hang=43)
+    yield Section("MECHANISM", _mechanisms(result, findings, order), hang=42)
     yield Section("BY BLOCK", _by_block(findings, order))
     yield Section("TABLE", toppling_rows(result, findings.table))
     yield Section("METHODS", shared.methods(result))
@@ -234,7 +234,7 @@ class _SequenceStep:
     what: str
 
 
-def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
+def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The mechanisms in the order in which they happen, and what is left."""
     mechanisms = findings.mechanisms
     left = [findings.standing] if findings.standing else []
@@ -252,9 +252,8 @@ def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[
     columns: list[Column[_SequenceStep]] = [
         Column("n", attrgetter("number"), "n", width=3),
         Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
-        Column("bound", lambda row: row.mechanism.static_bound, "static_bound", width=11,
-               show=lambda bound: "none" if bound is None else factor_text(bound)),
         Column("m³", lambda row: row.mechanism.size and row.mechanism.size.volume_m3, "volume_m3", "m³", _volume, 9),
+        Column("t", lambda row: row.mechanism.size and row.mechanism.size.mass_t, "mass_t", "t", _volume, 9),
         Column("mode", lambda row: row.mechanism.status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
                about="  {}"),
         Column("what fails once all before it is gone", attrgetter("what"), "what", width=1),

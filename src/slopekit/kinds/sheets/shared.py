@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from operator import attrgetter, itemgetter
+from typing import TYPE_CHECKING
 
 from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
@@ -10,6 +11,9 @@ from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
+
+if TYPE_CHECKING:
+    from slopekit.findings import MechanismRow
 
 #: The rules on cohesion where moments open part of a contact.
 RULES = {
@@ -304,6 +308,20 @@ def _judgement(result: Result, rule: Rule) -> str:
     if result.value_of(rule) is None:
         return "NOT MET (there is no such number here)"
     return "NOT MET"
+
+
+def mechanisms(result: Result) -> list[Entry]:
+    """Return the mechanisms of a block above a basal joint: that block, and the whole wedge by its closed form."""
+    if result.without_basal is None:
+        return []
+    columns: list[Column[MechanismRow]] = [
+        Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
+        Column("m³", attrgetter("volume_m3"), "volume_m3", "m³", _size_or_dash, 11),
+        Column("t", attrgetter("mass_t"), "mass_t", "t", _size_or_dash, 11),
+        Column("block", lambda row: row.blocks[0], "block", width=-14, about="  {}"),
+        Column("status", attrgetter("status"), "status", width=1, show=result.words.status, about="{}"),
+    ]
+    return [Table(columns, result.mechanisms)]
 
 
 def times(count: int) -> str:
