@@ -220,7 +220,7 @@ def test_a_rule_on_many_blocks_says_how_large_its_mechanism_is() -> None:
     at = next(k for k, line in enumerate(lines) if line.startswith("ACCEPT"))
     of_first = f"fos >= 1.2 (limit {found.fos.limit:.4f} of what fails first, {first:.4g} m³)"
     assert lines[at : at + 2] == [
-        f"ACCEPT    {of_first}: MET, by the lowest {lowest} too",
+        f"ACCEPT    {of_first}: MET (lowest estimate {lowest})",
         f"{'':10}fos.lowest >= 1.2 ({lowest}): MET",
     ]
 

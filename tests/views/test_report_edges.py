@@ -117,7 +117,7 @@ def test_why_a_block_has_no_factor() -> None:
     assert table == {"1.2500": "B1, B2", "none: held by no strength that was tried": "B3", "not settled": "B4"}
     seen = words(report_of(found, with_pictures=False).html)
     assert "was not asked for" not in seen
-    assert "3 1.5000 none - unknown" in seen
+    assert "3 1.5000 - - unknown" in seen
     data = viewer_data(found)
     assert data["falls"] == [0, 0, 1, 0, 0, 0]
     assert data["unsettled"] == [0, 0, 0, 1, 0, 0]
