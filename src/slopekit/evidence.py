@@ -19,8 +19,8 @@ class FactorsOfSafety:
     limit : PRE-IE, zero (or the given) dilation: the answer; closed_form : of the kind (Hoek & Bray); static_bound :
     an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for; lowest, highest : the
     range of the limit. Of one block: with other joint stiffness, and by forces alone where moments lower the limit. Of
-    many: of the same mechanism, whatever forces are locked in; lowest no more than where a motion begins with other
-    cohesion left (W494), on another way there (W495) or without turning (W479).
+    many: of the same mechanism, whatever forces are locked in; lowest no more than with progressive slip and debonding
+    (W504), highest no less than the elastic path where one block goes alone at less.
     """
 
     limit: float | None = None
@@ -143,38 +143,6 @@ class ResidualFactors:
 
 
 @dataclass(frozen=True, slots=True)
-class History:
-    """Between which factors cohesive blocks begin to run as strength falls, what slipped and broke there to stay.
-
-    `runs` is None where the search came neither to rest nor to blocks that run. Ends of histories hang on their steps,
-    and on what springs back, by up to `SAME`, in parts of them.
-    """
-
-    SAME: ClassVar = 0.01
-    rests: float
-    runs: float | None
-
-    def excess(self, factor: float) -> float | None:
-        """How far a factor lies above that at which the blocks run, in parts of it; None where none do."""
-        return None if self.runs is None else max(factor / self.runs - 1.0, 0.0)
-
-    def falls_short(self, factor: float) -> bool:
-        """Whether they run at less than a factor, by more than it may be."""
-        return (self.excess(factor) or 0.0) > self.SAME
-
-
-@dataclass(frozen=True, slots=True)
-class WithoutCohesion:
-    """The limit of the same blocks on joints with their friction alone; None where they have none by their status.
-
-    `not_converged` as well where more work would have been needed than the limit with cohesion took.
-    """
-
-    status: str
-    limit: float | None
-
-
-@dataclass(frozen=True, slots=True)
 class WithoutBasal:
     """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
 
@@ -228,60 +196,3 @@ class WithoutBasal:
         if self.closed_form is None:
             return self.status in ("lifted", "falls")
         return self.closed_form < target * (1.0 - _ROUNDING)
-
-
-@dataclass(frozen=True, slots=True)
-class WithoutTurning:
-    """The factor at which one block of many would slide if it did not turn, where that is below its limit.
-
-    Of a wedge no credit is taken for turning: the same block written as one of many is accepted by the same number.
-    """
-
-    NAME: ClassVar = "without_turning"
-    BRIEF: ClassVar = "no turning"
-    block: str
-    limit: float
-
-    @property
-    def status(self) -> str:
-        """How it moves."""
-        return "slides"
-
-    @property
-    def factor(self) -> float:
-        """What it is judged by."""
-        return self.limit
-
-    @property
-    def what(self) -> str:
-        """What it is, in words."""
-        return f"{self.block} without turning"
-
-    @property
-    def alone(self) -> str:
-        """By whom, and what has more, in words."""
-        return " as closed forms count; only as it turns it has more (W479)"
-
-    def in_words(self) -> str:
-        """Its factor."""
-        return f"F {self.limit:.4g}"
-
-    def asks(self, rule: Rule) -> bool:
-        """Whether a rule is held against it: a least limit, no other number."""
-        return rule.is_on_factor and rule.is_least
-
-    def meets(self, rule: Rule) -> bool:
-        """Whether it keeps a least factor of safety."""
-        return not self.asks(rule) or rule.met(self.limit)
-
-    def falls_short(self, target: float) -> bool:
-        """Whether it has less than a factor of safety.
-
-        >>> WithoutTurning("B8", 1.2).falls_short(1.3)
-        True
-        """
-        return self.limit < target * (1.0 - _ROUNDING)
-
-
-#: What a design is judged by besides its own factor of safety.
-AlsoJudged = WithoutBasal | WithoutTurning

@@ -63,25 +63,44 @@ class Mechanism:
 
     Attributes
     ----------
-    status : as of a result; fos, static_bound : None where there is none; the bound is that of the component which
-        fails, and the least of several that fail together: of all blocks it may be lower (`fos.static_bound`)
+    status : as of a result; fos : None where there is none
     change : relative change of the factor in the last passes; 0 where Newton settled it
     blocks : those that move, the fastest first; interfaces : those that govern, the largest share first
     pairs_by_mode : node pairs that stick, slip and are open
-    basis : what the factor is: limit (a limit state, exact), settled (the limit of the path, its motion settled), peak
-        (where the path was last at rest; `change` then says how much stronger the blocks run), or none
+    basis : what the factor is: limit (a limit state, exact), alone (one block slides by forces, no credit for turning),
+        settled (the limit of the path, its motion settled), peak (where the path was last at rest; `change` then says
+        how much stronger the blocks run), or none
     size : of the blocks that move, together; None where it was not measured
     """
 
     status: str
     fos: float | None
-    static_bound: float | None
     change: float
     blocks: tuple[BlockMotion, ...]
     interfaces: tuple[GoverningInterface, ...]
     pairs_by_mode: Mapping[str, int]
     basis: str = "none"
     size: BlockSizes | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class MechanismRow:
+    """A row of the table of mechanisms of a result.
+
+    Attributes
+    ----------
+    mechanism : first or next of many blocks, single_block where one slides alone by forces, block_above_basal,
+        whole_wedge (by its closed form)
+    status : as of a result; fos : None where there is none; blocks : those that move
+    volume_m3, mass_t : of those; None where they were not measured
+    """
+
+    mechanism: str
+    status: str
+    fos: float | None
+    blocks: tuple[str, ...]
+    volume_m3: float | None = None
+    mass_t: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +148,18 @@ class Findings:
     checks: Mapping[str, float]
     table: tuple[ToppleColumn, ...] = ()
     shear_to_normal: float | None = None
+
+    @property
+    def rows(self) -> tuple[MechanismRow, ...]:
+        """The mechanisms as a table."""
+        return tuple(
+            MechanismRow(
+                "single_block" if one.basis == "alone" else "next" if k else "first", one.status, one.fos,
+                tuple(block.name for block in one.blocks),
+                None if one.size is None else one.size.volume_m3, None if one.size is None else one.size.mass_t,
+            )
+            for k, one in enumerate(self.mechanisms)
+        )  # fmt: skip
 
 
 def at_once(mechanisms: Iterable[tuple[float | None, Iterable[str]]], factors: Mapping[str, float | None]) -> set[str]:

@@ -1,7 +1,7 @@
 """What a reader must know beside the number: notices with stable W-codes."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -67,86 +67,23 @@ class Facts:
     seismic: Floats | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Bonds:
-    """What a limit of many blocks says of their cohesion; `begins`, `without`, `unsettled` are factors, or loads.
-
-    Attributes
-    ----------
-    lost : part of the node pairs that have lost it; contacts : how many have, of those that had any
-    begins : where the first motion begins with all of it, if farther, or, if not `entire`, with what is left until then
-    kept, share : contacts that the motion opens and whose cohesion stands until then; the part of its work left out
-    without : where blocks would move without that of `kept`, None where it was not asked
-    unsettled : where a motion began that broke cohesion and had not settled, None where all had
-    sooner : of all bonds that were tried, where a motion would begin first; None where that is not before the limit
-    counted : contacts that are open before the motion and whose cohesion counts all the same
-    finer : the number on finer node pairs, where the motion did not settle there, and whether it is less by more than
-        refinement may move it; `unrefined`: why there is none on them
-    """
-
-    lost: float
-    begins: float | None = None
-    kept: int = 0
-    share: float = 0.0
-    without: float | None = None
-    unsettled: float | None = None
-    sooner: float | None = None
-    counted: int = 0
-    finer: float | None = None
-    finer_is_less: bool = False
-    unrefined: str | None = None
-    entire: bool = True
-    contacts: tuple[int, int] = (0, 0)
+LostCohesion = tuple[float, int, int]
+"""The part of the node pairs that has lost its cohesion, how many contacts have, and how many had any."""
 
 
-def bond_notices(bonds: Bonds, shown: Callable[[float], str], of: str) -> Iterator[Notice]:
-    """What a number of many blocks has to do with their cohesion: W307, W484, W486, W493 to W496.
+def lost_cohesion_notices(lost: LostCohesion, quantity: str) -> Iterator[Notice]:
+    """W307: contacts of many blocks that have lost their cohesion at a limit.
 
     Parameters
     ----------
-    shown : a factor or load as sentences have it; `of` : what the number is
+    quantity : what the limit is of: the factor of safety, or a load
     """
-    if bonds.lost > 0.0:
-        of_it = "all of it" if bonds.entire else "what is left of it until then"
-        before = f"; with {of_it} the first motion begins at {shown(bonds.begins)}" if bonds.begins else ""
-        gone, of_all = bonds.contacts
+    share, contacts, cohesive = lost
+    if share > 0.0:
         yield Notice("W307", "contacts that are open before blocks move, or that the mechanism or motions on the way "
-                     f"to it open, have lost their cohesion ({gone} of {of_all}, with {_percent(bonds.lost)} of the "
-                     f"node pairs; open pairs of other contacts keep theirs): the {of} jumps where that happens"
-                     f"{before}")  # fmt: skip
-    as_kept = False  # one number: W494 has it
-    if bonds.kept and bonds.without is not None and bonds.sooner is not None:
-        as_kept = shown(bonds.sooner) == shown(bonds.without)
-    if bonds.kept:
-        without = " (where blocks would move without it is not known)"
-        if as_kept:
-            without = ""
-        elif bonds.without is not None:
-            without = f" (without it blocks would move at {shown(bonds.without)})"
-        yield Notice("W484", f"cohesion that stands until the mechanism begins{without} is opened by it on "
-                     f"{bonds.kept} contact{'s' if bonds.kept > 1 else ''}: what it would do there, "
-                     f"{_percent(bonds.share)} of the work, is left out of the {of}")  # fmt: skip
-    if bonds.unsettled is not None:
-        less = f", less {_percent(bonds.share)} of the work" if bonds.share and not bonds.kept else ""
-        yield Notice("W486", "a motion that had not settled was taken to break cohesion (it began beyond "
-                     f"{shown(bonds.unsettled)}): the {of} is that without it{less}, and which other contacts that "
-                     "motion would have opened is not known")  # fmt: skip
-    if bonds.counted:
-        yield Notice("W493", f"cohesion counts on {bonds.counted} contact{'s' if bonds.counted > 1 else ''} open "
-                     f"before the blocks move, as no rest without it was found: the {of} may be lower")  # fmt: skip
-    if bonds.sooner is not None and as_kept:
-        yield Notice("W494", "were the cohesion gone already that the mechanism breaks as it begins, by blasting, "
-                     f"water or old movements, blocks would move in another way at {shown(bonds.sooner)}: strength "
-                     "that falls, or a load that grows, alone does not come to that")  # fmt: skip
-    elif bonds.sooner is not None:
-        yield Notice("W494", "with other cohesion left than at the limit a motion would begin at "
-                     f"{shown(bonds.sooner)}: which of it is broken before is not known")  # fmt: skip
-    if bonds.finer is not None and bonds.finer_is_less:
-        yield Notice("W495", "the motion did not settle on finer node pairs, where blocks with the same cohesion were "
-                     f"last at rest at {shown(bonds.finer)}: the {of} is that on the coarser ones")  # fmt: skip
-    elif bonds.finer is not None or bonds.unrefined:
-        why = bonds.unrefined or "no motion settled on them"
-        yield Notice("W496", f"how far finer node pairs move the {of} is not known: {why}")
+                     f"to it open, have lost their cohesion ({contacts} of {cohesive}, with {_percent(share)} of the "
+                     f"node pairs; open pairs of other contacts keep theirs): the {quantity} jumps where that "
+                     "happens")  # fmt: skip
 
 
 def _percent(part: float) -> str:

@@ -17,20 +17,16 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Rule
 from slopekit.evidence import (
     AllPairs,
-    AlsoJudged,
     AtFactorOne,
     ContactOpening,
     FactorsOfSafety,
     Forces,
-    History,
     ModelSize,
     Movement,
     ReductionStep,
     ResidualFactors,
     SecantLine,
     WithoutBasal,
-    WithoutCohesion,
-    WithoutTurning,
 )
 from slopekit.extents import Geometry
 from slopekit.preie.motion.balance import Balance
@@ -38,7 +34,7 @@ from slopekit.preie.motion.balance import Balance
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table
     from slopekit.elastic.outcome import ElasticBlocks
-    from slopekit.findings import Findings
+    from slopekit.findings import Findings, MechanismRow
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -100,15 +96,10 @@ METHODS: Mapping[str, str] = {
 }  # fmt: skip
 #: Numbers that a rule may judge in place of the limit, in few words.
 JUDGED: Mapping[str, str] = {
-    "residual": "residual strength", "without_cohesion": "without any cohesion",
+    "residual": "residual strength",
     "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
     "static_bound": "static bound", "without_basal": "whole wedge, without the basal joint",
-    "without_turning": "without turning", **METHODS, "all_equilibrium": "columns in all equilibrium",
-}  # fmt: skip
-#: How motions begin that the lowest factor of many blocks may be of, by the notice that says so.
-OTHERWISE: Mapping[str, str] = {
-    "W479": "without turning", "W494": "with other cohesion left", "W495": "on another way there",
-    "W504": "where slip stays",
+    **METHODS, "all_equilibrium": "columns in all equilibrium",
 }  # fmt: skip
 _SAME = 5e-5  # factors that differ by less than this part look the same
 
@@ -122,8 +113,6 @@ class Result(Shown):
     `openings` say by joint what is pressed where the elastic bed settles the limit, else it is empty; `curved_strength`
     has the line of each curved law at the mean traction of its joint.
     `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
-    `without_turning` is the factor of one block of many without the turning that raises its limit, None elsewhere.
-    `without_cohesion` is the limit of many cohesive blocks with c = 0, `history` where they run as strength falls.
     `residual` has the factors on residual strength, None where no strength has one; `elastic` those of elastic blocks.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
@@ -158,9 +147,6 @@ class Result(Shown):
     curved_strength: Mapping[str, SecantLine] = field(default_factory=dict)
     residual: ResidualFactors | None = None
     without_basal: WithoutBasal | None = None
-    without_turning: WithoutTurning | None = None
-    without_cohesion: WithoutCohesion | None = None
-    history: History | None = None
     elastic: "ElasticBlocks | None" = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
@@ -197,7 +183,7 @@ class Result(Shown):
         if not judged or limit is None:
             return None
         _, value, rule = min(judged, key=lambda one: one[:2])
-        name, also = self.name_of(rule), self.also
+        name, also = self.name_of(rule), self.without_basal
         if also is not None and also.factor is not None and also.factor < value and also.asks(rule):
             name, value = also.NAME, also.factor
         return (name, value) if value < limit * (1.0 - _SAME) else None
@@ -205,21 +191,15 @@ class Result(Shown):
     def judged(self, rule: Rule) -> bool:
         """Whether the result meets a rule; what stands without strength meets every least factor of safety.
 
-        A block whose basal joint cuts the toe off a larger wedge meets none that this one breaks, and one of many whose
-        turning raises its factor none that it breaks without.
+        A block whose basal joint cuts the toe off a larger wedge meets none that this one breaks.
         """
-        if self.also is not None and not self.also.meets(rule):
+        if self.without_basal is not None and not self.without_basal.meets(rule):
             return False
         if self.status == "no_driving_force" and rule.relation in (">=", ">"):
             return True
         if self.status == "not_converged" or self.agree is False:
             return False  # a number that the two methods dispute is no reason to accept
         return rule.met(self.value_of(rule))
-
-    @property
-    def also(self) -> AlsoJudged | None:
-        """What rules are held against besides the numbers that they name."""
-        return self.without_basal or self.without_turning
 
     def name_of(self, rule: Rule) -> str:
         """The number that a rule judges: one of `fos`, or of `methods`, or residual.
@@ -238,8 +218,6 @@ class Result(Shown):
             return self.criterion_fos
         if name == "residual":
             return None if self.residual is None else self.residual.limit
-        if name == "without_cohesion":
-            return None if self.without_cohesion is None else self.without_cohesion.limit
         value: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
         return value
 
@@ -251,7 +229,7 @@ class Result(Shown):
     @property
     def margin(self) -> float | None:
         """The number that acceptance hangs on over what it asks (1 without a rule); 0 without one, inf at rest."""
-        least, also = [rule for rule in self.design.rules if rule.is_least], self.also
+        least, also = [rule for rule in self.design.rules if rule.is_least], self.without_basal
         most = float("inf")
         if also is not None and also.factor is not None:
             asked = [also.factor / max(rule.value, 1e-9) for rule in least if also.asks(rule)]
@@ -358,6 +336,21 @@ class Result(Shown):
         return self.findings.mechanisms[0].size if self.findings.mechanisms else None
 
     @property
+    def mechanisms(self) -> "tuple[MechanismRow, ...]":
+        """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge."""
+        if self.findings is not None:
+            return self.findings.rows
+        if self.without_basal is None:
+            return ()
+        from slopekit.findings import MechanismRow  # few wedges have a basal joint
+
+        block, whole = self.words.block, self.without_basal
+        above = MechanismRow(
+            "block_above_basal", self.status, self.fos.limit, (block,), self.geometry.volume_m3, self.mass_t
+        )
+        return above, MechanismRow("whole_wedge", whole.status, whole.closed_form, ("whole wedge",))
+
+    @property
     def mass_t(self) -> float:
         """Mass of what may move, t."""
         return self.forces.weight / self.design.gravity_m_s2
@@ -398,8 +391,8 @@ class Result(Shown):
         """A rule with the number that it judged, null where there is none."""
         value = self.value_of(rule)
         name = None if value is None else self.name_of(rule)
-        if self.also is not None and not self.also.meets(rule):
-            name, value = self.also.NAME, self.also.factor
+        if self.without_basal is not None and not self.without_basal.meets(rule):
+            name, value = self.without_basal.NAME, self.without_basal.factor
         return {"rule": str(rule), "met": self.judged(rule), "judged": name, "fos": json_of(value)}
 
     def _mechanism(self) -> dict[str, Any] | None:
@@ -458,14 +451,10 @@ class Result(Shown):
             "moments_govern": self.moments_govern,
             "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
-            "lowest_limit": None,
             "openings": json_of(self.openings),
             **({"curved_strength": json_of(self.curved_strength)} if self.curved_strength else {}),
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
-            **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
-            **({} if self.without_turning is None else {"without_turning": json_of(self.without_turning)}),
-            **({} if self.without_cohesion is None else {"without_cohesion": json_of(self.without_cohesion)}),
-            **({} if self.history is None else {"history": json_of(self.history)}),
+            **({"mechanisms": json_of(self.mechanisms)} if self.mechanisms else {}),
             **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,

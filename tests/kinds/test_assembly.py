@@ -314,16 +314,10 @@ def test_what_the_results_of_hard_scenes_say() -> None:
         limit = replace(part.limit, **changes)
         changed = replace(failure, parts=(replace(part, limit=limit, mesh_change=mesh_change),))
         sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
-        notices = notices_of(design, scene, sequence, [mechanism(changed, scene)], None)
+        notices = notices_of(design, scene, sequence, [mechanism(changed, scene)])
         return {notice.code: notice.message for notice in notices}
 
     assert said() == {}
-    assert "less 1 % of the work" in said(unsettled=1.0, kept_share=0.01)["W486"]
-    assert said(counted=1)["W493"].startswith("cohesion counts on 1 contact open before the blocks move")
-    assert said(counted=2)["W493"].startswith("cohesion counts on 2 contacts open before the blocks move")
-    both = said(unsettled=1.0, kept=2, kept_share=0.01)
-    assert "less" not in both["W486"]
-    assert "on 2 contacts: what it would do there, 1 % of the work" in both["W484"]
     bond = np.array([1.0, 0.0, 1.0])
     assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307", "W309"}
     lost = "(1 of 1, with 33 % of the node pairs; open pairs of other contacts keep theirs): the factor of safety jumps"
@@ -343,7 +337,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     without = {"factor": None, "outcome": Outcome.NO_REST, "basis": Basis.NONE}
     assert "at any strength that was tried" in said(loads_last=True, carried=0.4, static_bound=None, **without)["W362"]
     assert said(**without)["W363"].endswith("not that they arise")
-    assert said(bonded=1.2, **without)["W363"].startswith("without the cohesion that is lost, on elastic joints")
+    assert said(bond=bond, **without)["W363"].startswith("without the cohesion that is lost, on elastic joints")
     assert said(loads_last=True, static_bound=None, **without)["W363"].endswith("no factor of safety is given")
     gave_up = {"factor": None, "outcome": Outcome.NOT_CONVERGED, "basis": Basis.NONE, "static_bound": 1.75}
     assert said(**gave_up)["W371"].endswith("whose forces balance within strength; the static bound is 1.75")
@@ -358,22 +352,18 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
     assert said(static_bound=None)["W309"].endswith("; the limit is held against no upper bound")
     in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
-    held = " ".join(room._left_out(design, scene, in_group, False))
-    assert "W504" not in held
-    sooner = " ".join(room._left_out(design, scene, in_group, True))
-    assert "or run 1 % beyond it; where slip stays they run before (W504)" in sooner
+    held = " ".join(room._left_out(design, scene, in_group))
     assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
     assert "come to rest at 0.9993 of it" in held
-    assert "others held" not in " ".join(room._left_out(design, scene, (part,), True))
+    assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
 
 
 @pytest.mark.parametrize("number", [27, 107])
 def test_the_static_bound_is_that_of_all_blocks(number) -> None:
-    """Those that fail first may have a higher one than others that do not touch them: by a program of all blocks."""
+    """By a program of all blocks."""
     design = populations.bench(number)
     result = sk.run(design)
     assert result.fos.static_bound == pytest.approx(path_oracle.static_bound(path_oracle.model_of(design)), rel=1e-5)
-    assert result.findings.mechanisms[0].static_bound > 1.01 * result.fos.static_bound
     assert result.fos.limit <= result.fos.static_bound
 
 
@@ -392,8 +382,7 @@ def test_a_component_whose_bound_was_not_found_leaves_none_of_all(locked, known)
 def test_the_bound_of_blocks_that_fail_together_is_the_least() -> None:
     """One of two components is locked in a slot at any friction, the other is not."""
     result = sk.run(populations.bench(34))
-    first = result.findings.mechanisms[0]
-    assert first.static_bound == result.fos.static_bound == pytest.approx(14.026, rel=1e-4)
+    assert result.fos.static_bound == pytest.approx(14.026, rel=1e-4)
     assert "W309" not in codes(result)
 
 

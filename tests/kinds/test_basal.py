@@ -284,7 +284,9 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     assert found.margin <= whole.fos.closed_form / 1.5 * (1.0 + 1e-12)
     said = next(str(notice) for notice in found.warnings if notice.code == "W410")
     assert f"F {whole.fos.closed_form:.4g} by the closed form" in said
-    assert found.to_dict()["without_basal"]["closed_form"] == found.without_basal.closed_form
+    above, whole_row = found.to_dict()["mechanisms"]
+    assert (above["mechanism"], above["fos"], above["mass_t"]) == ("block_above_basal", found.fos.limit, found.mass_t)
+    assert (whole_row["mechanism"], whole_row["fos"]) == ("whole_wedge", found.without_basal.closed_form)
     assert f"without_basal {whole.fos.closed_form:.4f}" in found.line or found.fos.limit < whole.fos.closed_form
 
 

@@ -37,13 +37,13 @@ def test_the_factor_of_a_chip_says_that_it_is_one() -> None:
 
 
 def test_the_mechanisms_asked_for_are_named_with_their_factors() -> None:
-    """What is asked for leads there: the larger block is n 2 of NEXT, which has the volumes."""
+    """What is asked for leads there: the larger block is n 2 of MECHANISM, which has the volumes."""
     result = sk.run(beside_a_chip(0.1, mechanisms=3))
     factor = math.tan(math.radians(35)) / math.tan(math.radians(20))
     (chip,) = [notice.message for notice in result.warnings if notice.code == "W503"]
-    assert chip.endswith(f"; the first larger one under NEXT, n 2, has {factor:.4f}, those before it taken away")
-    rows = [line.split()[:4] for line in str(result).splitlines() if line.strip().startswith(("1 ", "2 "))]
-    assert [(n, volume) for n, _, _, volume in rows] == [("1", "0.04"), ("2", "4")]
+    assert chip.endswith(f"; the first larger one under MECHANISM, n 2, has {factor:.4f}, those before it taken away")
+    rows = [line.split()[:3] for line in str(result).splitlines() if line.strip().startswith(("1 ", "2 "))]
+    assert [(n, volume) for n, _, volume in rows] == [("1", "0.04"), ("2", "4")]
     assert rows[1][1] == f"{factor:.4f}"
 
 

@@ -215,8 +215,7 @@ def test_cohesion_of_a_joint_that_opens_is_lost() -> None:
     assert (found.bond[between] == 0.0).all()
     assert (found.bond[~between] == 1.0).all()
     whole = follow(Bed(model, Drive(model.load.ravel())), 2.0 / found.static_bound)
-    assert found.bonded == pytest.approx(1.0 / whole.parameter, rel=1e-9)  # the path with every bond kept
-    assert found.bonded > 1.05 * found.factor
+    assert 1.0 / whole.parameter > 1.05 * found.factor  # the path with every bond kept
 
 
 def test_a_wall_that_cohesion_alone_holds() -> None:

@@ -1,7 +1,6 @@
 """Bonds of many blocks: rounds of limits against histories in which bonds break, and what the rounds do by hand."""
 
 import math
-import re
 from dataclasses import replace
 from functools import cache
 
@@ -15,8 +14,6 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.evidence import FactorsOfSafety
 from slopekit.geometry.patches import BEDROCK
-from slopekit.kinds.assemblies import many_blocks
-from slopekit.notices import Bonds, bond_notices
 from slopekit.preie.elastic_path import falling, rests
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
@@ -26,7 +23,7 @@ from slopekit.preie.kernels import compiled
 from slopekit.preie.many_blocks import blocks, bonds, ravelling
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis
-from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
+from slopekit.preie.many_blocks.bonds import with_bonds
 from slopekit.preie.programs.bounds import static_bound
 from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie import path_oracle
@@ -34,12 +31,6 @@ from tests.preie.block_scenes import boxes_in_space, section_patches, weighed
 from tests.preie.path_oracle import breaking, model_of
 
 DIP = math.radians(30.0)
-
-
-@pytest.fixture(autouse=True)
-def not_without_cohesion(monkeypatch) -> None:
-    """No test here looks at the limit on joints without cohesion, a second solve (tests/kinds/test_beside_cohesion)."""
-    monkeypatch.setattr(many_blocks, "_without_cohesion", lambda *_: None)
 
 
 @pytest.fixture
@@ -83,63 +74,6 @@ def test_a_first_motion_is_the_limit_where_the_last_begins_later() -> None:
     assert rests < found.factor < (1.0 + NEAR_RUNNING) * runs
 
 
-def test_the_lowest_factor_is_no_more_than_where_a_motion_begins_with_other_bonds() -> None:
-    """Bench 67: 2.2145 without a bond that is kept. A rule on the limit is met, and the sheet says by what not."""
-    design = populations.bench(67) | {"acceptance": {"rules": ["fos >= 2.3", "fos.lowest >= 2.3"]}}
-    found = sk.run(sk.load(design))
-    assert found.fos.lowest == pytest.approx(2.2145, rel=2e-4)
-    assert found.fos.limit > 2.5
-    assert [found.judged(rule) for rule in found.design.rules] == [True, False]
-    said = " ".join(str(found).split())
-    assert "MET, but not with any forces locked in or other cohesion left (W494: down to 2.21" in said
-    assert "W494 were the cohesion gone already that the mechanism breaks as it begins, by blasting" in said
-    assert "blocks would move in another way at 2.21" in said
-    assert "without it blocks would move" not in said  # W484 leaves that to W494
-    assert "the low end no higher than of motions with other cohesion left (W494)" in said
-
-
-@pytest.mark.parametrize(("without", "sooner", "in_w484", "in_w494"), [
-    (0.9, 0.9, False, "gone already that the mechanism breaks as it begins"),
-    (0.9, 0.8, True, "with other cohesion left"),
-    (0.9, None, True, None), (None, 0.8, False, "with other cohesion left"),
-])  # fmt: skip
-def test_a_number_stands_in_one_notice_with_one_meaning(without, sooner, in_w484, in_w494) -> None:
-    """Without the bonds that W484 keeps: where that round is the one that moves first, W494 alone has its number."""
-    bonds = Bonds(0.0, kept=2, share=0.03, without=without, sooner=sooner)
-    said = {notice.code: notice.message for notice in bond_notices(bonds, "{:.4f}".format, "factor of safety")}
-    assert ("(without it blocks would move at 0.9000)" in said["W484"]) == in_w484
-    assert (in_w494 in said["W494"]) if in_w494 else "W494" not in said
-    numbers = [number for message in said.values() for number in re.findall(r"0\.[89]000", message)]
-    assert len(numbers) == len(set(numbers))
-
-
-def test_the_lowest_factor_knows_of_blocks_that_do_not_fail_first() -> None:
-    """Others stand longer, but would move first with other bonds: what fails first must not hide it."""
-    model = given(67, 5.0)
-    limit = replace(limit_of_blocks(model, ranged=False), sooner=None, lowest=None)
-    first = ravelling.Part(model, limit, np.zeros(0, dtype=int), np.zeros(0, dtype=int))
-    for sooner, lowest in ((0.8, 0.8 * limit.factor), (1.05, None)):
-        other = replace(limit, factor=1.1 * limit.factor, sooner=sooner * limit.factor)
-        found = ravelling._no_later(first, [first, replace(first, limit=other)]).limit
-        assert (found.sooner, found.lowest) == (lowest, lowest)
-
-
-def test_no_range_is_claimed_where_other_forces_were_not_looked_at(monkeypatch) -> None:
-    """As in space beyond 120 blocks: the lowest factor is that of other cohesion alone."""
-    monkeypatch.setattr(blocks, "mechanism_range", lambda *_: None)
-    design = populations.bench(67) | {"acceptance": {"rules": ["fos >= 2.3", "fos.lowest >= 2.3"]}}
-    found = sk.run(sk.load(design))
-    assert found.fos.lowest == pytest.approx(2.2145, rel=2e-4)
-    assert found.fos.highest is None
-    for shown in (str(found), str(sk.check(sk.load(design)))):
-        said = " ".join(shown.split())
-        assert "same mechanism" not in said
-        assert "locked in" not in said
-        assert "2.2145 lowest with other cohesion left (W494): the factor that ACCEPT hangs on" in said
-        assert "2.2145 where a motion begins with other cohesion left (W494); other forces were not looked at" in said
-        assert "MET, but not with other cohesion left (W494: down to 2.21" in said
-
-
 @pytest.mark.parametrize(("number", "factor", "lesser"), [
     (27, 2.0595, 1.9246), (67, 2.5557, 2.2145), (113, 3.7388, 3.7388),
 ])  # fmt: skip
@@ -153,21 +87,6 @@ def test_a_bench_with_cohesion_fails_between_lesser_motions_and_a_history(number
     rests, runs, _ = breaking(model_of(populations.bench(number)), 1.5 / factor)
     assert runs < 1.003 * rests
     assert lesser * (1.0 - 1e-4) < found.fos.limit < runs
-    assert ("W484" in [notice.code for notice in found.warnings]) == (number != 113)
-
-
-def test_the_sheet_says_that_a_motion_broke_bonds_before_it_had_settled(monkeypatch) -> None:
-    """At 0.8 of the factor, which is that of the design: searches are in unit strength."""
-
-    def unsettled(*args) -> Bonded:
-        found = whole(*args)
-        return replace(found, unsettled=found.limit.parameter and found.limit.parameter / 0.8)
-
-    whole = blocks.with_bonds
-    monkeypatch.setattr(blocks, "with_bonds", unsettled)
-    found = sk.run(sk.load(populations.bench(37)))
-    (said,) = [notice.message for notice in found.warnings if notice.code == "W486"]
-    assert f"it began beyond {0.8 * found.fos.limit:.4f}" in said
 
 
 # -- rounds, by hand --------------------------------------------------------------------------------------------------
@@ -235,7 +154,6 @@ def test_another_motion_without_what_one_opens_is_not_there() -> None:
     found = with_bonds(model, script, working(model, 40.0))
     assert script.asked == [((1, 1), True), ((1, 0), False)]
     assert (found.limit.bond == 1.0).all()
-    assert (found.opened, found.least, found.whole, found.soonest, found.entire) == (1, 2.0, 0.5, 2.0, True)
     assert found.limit.parameter == pytest.approx(0.5 / (1.0 - 0.5 / 40.0), rel=1e-12)
     assert found.share == pytest.approx(0.5 / 40.0, rel=1e-12)
 
@@ -244,7 +162,6 @@ def test_of_a_load_that_grows_the_work_of_the_cohesion_is_taken_off() -> None:
     model = boxes()
     found = with_bonds(model, lesser(model, 0.2, 0.5), working(model, 40.0), load_grows=True)
     assert found.limit.parameter == pytest.approx(0.5 - 0.5 / 40.0, rel=1e-12)
-    assert found.soonest == 0.2
 
 
 @pytest.mark.parametrize(("grows", "times", "after", "factor"), [
@@ -259,7 +176,7 @@ def test_blocks_that_stand_without_what_a_motion_opens_do_so_with_it(grows, time
     model = boxes()
     found = with_bonds(model, lesser(model, after, 0.5), working(model, times), load_grows=grows)
     assert found.limit.parameter == pytest.approx(factor, rel=1e-12)
-    assert (found.opened == 0) == (factor == after)
+    assert (found.share == 0.0) == (factor == after)
     assert (found.limit.bond[model.pair_contact == 1] == 0.0).all() == (factor == after)
 
 
@@ -271,18 +188,15 @@ def test_blocks_are_not_said_to_stand_by_a_motion_that_opens_more() -> None:
     found = with_bonds(model, script, working(model, 0.4))
     assert (found.limit.outcome, found.limit.parameter) == (PathOutcome.NO_REST, None)
     assert (found.limit.bond == np.where(model.pair_contact == 1, 0.0, 1.0)).all()
-    assert (found.whole, found.least, found.soonest) == (0.5, 1.4, 1.4)
 
 
-def test_a_search_that_gave_up_says_nothing_of_where_blocks_would_move() -> None:
-    """It is not taken for another motion without a word (W484)."""
+def test_a_search_that_gave_up_is_not_taken_for_another_motion() -> None:
+    """What the first motion opens is taken off its work all the same."""
     model = boxes()
     script = lesser(model, 2.0, 0.5)
     script.found[1, 0] = replace(script.found[1, 0], outcome=PathOutcome.GAVE_UP, parameter=None)
     found = with_bonds(model, script, working(model, 40.0))
-    assert (found.opened, found.least) == (1, None)
-    (said,) = bond_notices(Bonds(0.0, kept=1, share=found.share), "{:.4f}".format, "factor of safety")
-    assert "begins (where blocks would move without it is not known) is opened by it on 1 contact" in said.message
+    assert found.share == pytest.approx(0.5 / 40.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(("after", "parameter", "same"), [
@@ -296,9 +210,8 @@ def test_the_same_motion_without_what_it_opens_is_the_limit(after, parameter, sa
     })  # fmt: skip
     found = with_bonds(model, script, working(model, 40.0))
     assert (found.limit.parameter == parameter) == same
-    assert (found.opened, found.least is None) == ((0, True) if same else (1, False))
+    assert (found.share == 0.0) == same
     assert (found.limit.bond[model.pair_contact == 1] == (0.0 if same else 1.0)).all()
-    assert found.soonest == max(parameter, 0.5)
 
 
 def test_blocks_that_rest_at_no_strength_without_what_they_open_have_no_factor() -> None:
@@ -324,18 +237,17 @@ def test_of_a_motion_that_has_not_settled_the_work_of_what_it_opens_is_taken_off
     slip = np.sqrt((model.opening_and_slip(moved)[1] ** 2).sum(axis=1))
     work = 0.5 * float(model.by_group(np.where(model.pair_contact == 1, model.cohesion, 0.0)) @ slip)
     assert len(script.asked) == asked
-    assert (found.unsettled, found.limit.outcome, found.opened) == (0.5, PathOutcome.BRACKET, 1)
+    assert found.limit.outcome == PathOutcome.BRACKET
     assert found.share == pytest.approx(work / float(load @ moved), rel=1e-12)
     assert found.limit.parameter == pytest.approx(0.5 / (1.0 - found.share), rel=1e-12)
-    assert found.soonest == (0.5 if asked == 1 else 0.6)
 
 
-def test_what_falling_strength_breaks_is_gone_and_the_first_motion_is_not_that_of_all_bonds() -> None:
+def test_what_falling_strength_breaks_is_gone() -> None:
     model = boxes()
     script = Scripted(model, {(1, 0): ends(model, 0.5, [SLIDES, SLIDES])}, breaks=(1,))
     found = with_bonds(model, script, working(model, 40.0))
     assert script.asked == [((1, 0), True)]
-    assert (found.limit.parameter, found.whole, found.entire) == (0.5, 0.5, False)
+    assert found.limit.parameter == 0.5
     assert (found.limit.bond[model.pair_contact == 1] == 0.0).all()
 
 
@@ -344,7 +256,7 @@ def test_other_node_pairs_go_on_from_the_bonds_that_were_lost() -> None:
     script = Scripted(model, {(1, 0): ends(model, 0.5, [STILL, OPENS])})
     found = with_bonds(model, script, working(model, 40.0), bond=np.where(model.pair_contact == 1, 0.0, 1.0))
     assert script.asked == [((1, 0), True)]
-    assert (found.limit.parameter, found.entire) == (0.5, True)
+    assert found.limit.parameter == 0.5
 
 
 def test_where_all_blocks_show_that_others_fail_those_are_gone_on_from() -> None:
@@ -359,19 +271,6 @@ def test_where_all_blocks_show_that_others_fail_those_are_gone_on_from() -> None
     assert (asked, found.limit.parameter) == ([False, True], 0.6)
 
 
-def test_what_the_rounds_of_other_blocks_said_is_kept() -> None:
-    """A group's peak opens a bond, without which it would move at 2.0; all blocks fail otherwise, at 0.6."""
-    model = boxes()
-    script = lesser(model, 2.0, 0.5)
-    script.found[1, 1] = replace(script.found[1, 1], outcome=PathOutcome.BRACKET)
-
-    def once(bond, falls, vouched) -> tuple[PathLimit, bool]:
-        return (ends(model, 0.6, [SLIDES, SLIDES]), True) if vouched else (script(bond, falls, vouched)[0], False)
-
-    found = with_bonds(model, once, working(model, 40.0))
-    assert (found.limit.parameter, found.soonest, found.unsettled) == (0.6, 2.0, 0.5)
-
-
 def test_groups_that_never_agree_have_no_limit(monkeypatch) -> None:
     monkeypatch.setattr(bonds, "MOST_GROUPS", 3)
     model, asked = boxes(), []
@@ -382,16 +281,6 @@ def test_groups_that_never_agree_have_no_limit(monkeypatch) -> None:
 
     found = with_bonds(model, once, working(model, 40.0))
     assert (found.limit.outcome, asked) == (PathOutcome.GAVE_UP, [False, True, True, True])
-
-
-@pytest.mark.parametrize("outcome", [PathOutcome.BRACKET, PathOutcome.SETTLED])
-def test_the_limit_of_a_group_says_what_contacts_count_that_are_open(outcome) -> None:
-    model = boxes()
-    peak = ends(model, 0.5, [SLIDES, SLIDES], outcome)
-    for touching, counted in ((0, 1), (1, 1), (None, 2)):
-        normal = np.where(model.pair_contact == touching, 1.0, 0.0)
-        found = with_bonds(model, Scripted(model, {(1, 1): replace(peak, normal=normal, group=1)}), working(model, 1.0))
-        assert found.counted == counted
 
 
 def test_what_a_search_in_unit_strength_reached_is_the_designs_strength_again() -> None:
@@ -456,16 +345,15 @@ def test_of_groups_that_all_blocks_would_vouch_for_the_first_to_fail_is_the_limi
     found = sk.run(sk.load(TWO_GROUPS))
     assert found.model.moving_blocks == 26
     assert 0.9376 < found.fos.limit < 0.9394
-    assert found.history.rests == pytest.approx(0.9376, rel=5e-3)
-    assert found.history.runs == pytest.approx(0.9394, rel=5e-3)
+    assert "W504" not in [notice.code for notice in found.warnings]
 
 
 @pytest.mark.usefixtures("unranged")
 def test_a_group_whose_rest_counts_on_bonds_of_open_contacts_is_not_the_limit() -> None:
     """Six blocks have 1.9056, and all rest just before it only with 113 open pairs bonded: all blocks run at 1.845."""
     found = sk.run(path_of("bench"), set={"strength.bedding.c": 5, "strength.joint.c": 5})
-    assert found.history.rests < found.fos.limit < 1.01 * found.history.runs  # the group's is 3.3 % above
-    assert "W493" not in [notice.code for notice in found.warnings]
+    assert found.fos.limit < 1.01 * 1.845  # the group's is 3.3 % above
+    assert "W504" not in [notice.code for notice in found.warnings]
 
 
 @pytest.mark.parametrize(("strength", "carries"), [(0.5, 0.5), (2.0, 1.0)])
@@ -565,43 +453,26 @@ def refining(monkeypatch, change):
     monkeypatch.setattr(ravelling, "component_limit", changed)
 
 
-def test_the_lowest_factor_is_no_more_than_on_finer_pairs_without_a_range_as_well(monkeypatch) -> None:
-    """Where nobody looked at other forces; random bench 619 had 0.5009 for 0.4658. Both reasons stand on the sheet."""
-    design = populations.bench(223) | {"acceptance": {"rules": ["fos >= 3.0"]}}
-    before = as_it_is(223)
-    refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=0.9 * limit.factor)
-             if finer and limit.factor else replace(limit, sooner=0.95 * before.limit))  # fmt: skip
-    monkeypatch.setattr(blocks, "_span", lambda *_: None)
-    found = sk.run(sk.load(design))
-    assert found.fos.lowest == pytest.approx(0.9 * before.limit, rel=0.01)
-    said = " ".join(str(found).split())
-    assert "where a motion begins with other cohesion left (W494) or on another way there (W495); other" in said
-    assert "MET, but not with other cohesion left (W494) or on another way there (W495: down to" in said
-
-
-@pytest.mark.parametrize(("times", "code"), [(0.9, "W495"), (0.999, "W496"), (1.1, "W496")])
-def test_the_number_is_that_of_coarser_pairs_where_nothing_settles_on_finer(monkeypatch, times, code) -> None:
-    """The lowest factor is where the blocks were last at rest on the finer, and the sheet says of what it is."""
+@pytest.mark.parametrize("ranged", [True, False])
+@pytest.mark.parametrize("times", [0.9, 0.999, 1.1])
+def test_the_number_is_that_of_coarser_pairs_where_nothing_settles_on_finer(monkeypatch, times, ranged) -> None:
+    """The lowest factor is no more than where the blocks were last at rest on the finer."""
     design = populations.bench(223) | {"acceptance": {"rules": ["fos >= 3.0", "fos.lowest >= 3.0"]}}
     before = as_it_is(223)
     coarse = 3.2017
     refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.PEAK, factor=times * limit.factor)
              if finer and limit.factor else limit)  # fmt: skip
+    if not ranged:
+        monkeypatch.setattr(blocks, "_span", lambda *_: None)
     found = sk.run(sk.load(design))
-    (said,) = [notice.message for notice in found.warnings if notice.code in ("W495", "W496", "W494", "W312")]
     assert found.fos.limit == pytest.approx(coarse, rel=2e-4)
     assert before.limit > 1.01 * coarse
-    assert code in [notice.code for notice in found.warnings]
-    if code == "W495":
+    if times == 0.9:
         assert found.fos.lowest == pytest.approx(0.9 * before.limit, rel=0.01)
-        assert f"last at rest at {found.fos.lowest:.4f}" in said
         assert [found.judged(rule) for rule in found.design.rules] == [True, False]
-        assert "MET, but not with any forces locked in or on another way there (W495: down to" in " ".join(
-            str(found).split()
-        )
+        assert "MET, but not by the lowest estimate" in " ".join(str(found).split())
     else:
-        assert said.endswith("no motion settled on them")
-        assert found.fos.lowest > 0.95 * before.lowest
+        assert (found.fos.lowest is None) or found.fos.lowest > 0.95 * before.lowest
 
 
 @pytest.mark.usefixtures("unranged")
@@ -616,19 +487,7 @@ def test_of_many_blocks_that_did_not_settle_no_finer_pairs_are_tried(monkeypatch
     refining(monkeypatch, unsettled)
     found = sk.run(sk.load(populations.bench(223)))
     assert not any(asked)
-    (said,) = [notice.message for notice in found.warnings if notice.code == "W496"]
-    assert said.endswith("the motion has not settled, and none were tried")
-
-
-@pytest.mark.usefixtures("unranged")
-@pytest.mark.parametrize(("most", "why"), [(0, "they would be too many"), (6000, "no factor was found on them")])
-def test_a_limit_without_finer_pairs_says_why(monkeypatch, most, why) -> None:
-    """Of the coarse ones alone nobody knows how far the number is off."""
-    monkeypatch.setattr(ravelling, "_MOST_PAIRS", most)
-    refining(monkeypatch, lambda limit, finer: replace(limit, basis=Basis.NONE, factor=None) if finer else limit)
-    found = sk.run(sk.load(populations.bench(223)))
-    (said,) = [notice.message for notice in found.warnings if notice.code == "W496"]
-    assert said == f"how far finer node pairs move the factor of safety is not known: {why}"
+    assert found.model.mesh_change is None
 
 
 @pytest.mark.usefixtures("unranged")
@@ -738,10 +597,8 @@ def test_a_rest_is_held_against_the_bound_with_the_bonds_that_are_left() -> None
 
 @pytest.mark.skipif(compiled() is None, reason="its steps are compiled")
 @pytest.mark.usefixtures("unranged")
-def test_rounded_rests_say_on_what_lies_open_cohesion_counts(monkeypatch) -> None:
-    """Every force of such a rest is above nothing, of contacts that lie open too: W493 names those (W502 beside)."""
+def test_rounded_rests_are_said(monkeypatch) -> None:
     monkeypatch.setattr(rests, "_LAGGED", 0)
     monkeypatch.setattr(rests, "_LAGGED_FAR", 0)
     said = {notice.code: notice.message for notice in sk.run(sk.load(bench(1.0, 5.0))).warnings}
     assert "W502" in said
-    assert int(said["W493"].removeprefix("cohesion counts on ").split()[0]) > 20

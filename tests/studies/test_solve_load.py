@@ -16,8 +16,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
-from slopekit.notices import Bonds, bond_notices
-from slopekit.preie.many_blocks import blocks
+from slopekit.notices import lost_cohesion_notices
 from slopekit.preie.solvers import work_limit
 from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
@@ -336,7 +335,7 @@ def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_d
     found = sk.solve(_bench(5), KEY, fos=1.0)
     there = sk.run(with_values(_bench(5), {KEY: found.answer.value}))
     at = f"of the factor of safety at {KEY} = {found.answer.value:.4g}: "  # a factor there is no coefficient
-    of_bonds = [at + notice.message for notice in there.warnings if notice.code in ("W307", "W484", "W486", "W494")]
+    of_bonds = [at + notice.message for notice in there.warnings if notice.code in ("W307",)]
     assert of_bonds
     said = [notice.message for notice in found.warnings]
     assert "W477" in [notice.code for notice in found.warnings]
@@ -369,28 +368,10 @@ def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, s
         assert f"up to {whole.multiplier * without:.4g}, with it {found.answer.value:.4g}:" in message
 
 
-def test_the_path_in_a_load_knows_of_bonds_that_are_kept_and_of_motions_that_had_not_settled(monkeypatch) -> None:
-    """W484 and W486 with the load's unit, only those that the path in the load does not say from the factor."""
-
-    def kept(*args, **keys):
-        found = whole(*args, **keys)
-        at = found.limit.parameter
-        return replace(found, opened=2, share=0.03, least=0.4 * at, unsettled=0.5 * at)
-
-    whole = blocks.with_bonds
-    limit = sk.solve(_slab(), KEY, fos=1.0).answer.value
-    monkeypatch.setattr(blocks, "with_bonds", kept)
-    said = {notice.code: notice.message for notice in sk.solve(_slab(), KEY, fos=1.0).warnings}
-    assert f"(without it blocks would move at {0.4 * limit:.4g})" in said["W484"]
-    assert "on 2 contacts: what it would do there, 3 % of the work, is left out of the load" in said["W484"]
-    assert f"(it began beyond {0.5 * limit:.4g}): the load is that without it, and" in said["W486"]
-
-
 def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
     """Whatever the factor there has to do with cohesion, of the path in strength and of finer node pairs as well."""
-    bonds = Bonds(0.2, 2.0, 1, 0.03, 0.9, 0.95, 0.8, 1, 0.6, finer_is_less=True)
-    notes = tuple(bond_notices(bonds, "{:.4f}".format, "factor of safety"))
-    assert {notice.code for notice in notes} == {"W307", "W484", "W486", "W493", "W494", "W495"}
+    notes = tuple(lost_cohesion_notices((0.2, 1, 2), "factor of safety"))
+    assert {notice.code for notice in notes} == {"W307"}
     point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
     for key, at in ((KEY, f"of the factor of safety at {KEY} = 0.2: "), ("strength.joint.phi", "")):
         shown = SimpleNamespace(path=key, shown=lambda value, _: f"{value:g}")
@@ -400,7 +381,7 @@ def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
 
 
 def test_notes_of_a_point_go_through_a_journal_and_may_be_left_out() -> None:
-    notes = (Notice("W484", "cohesion stands"), Notice("W486", "not settled"))
+    notes = (Notice("W307", "cohesion lost"), Notice("W317", "not settled"))
     point = Point(Factors("slides", 1.5, None, math.inf, None, None, False, True, notes=notes))
     assert Point.from_record(json.loads(json.dumps(point.to_record()))) == point
     assert Point.from_record(point.to_record()[:-1]) == Point(replace(point.factors, notes=()))

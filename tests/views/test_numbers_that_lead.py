@@ -12,7 +12,6 @@ from slopekit.core.errors import HARMLESS
 from slopekit.core.explanations import explanation, explanations
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
-from slopekit.kinds.assemblies import many_blocks
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.preie.many_blocks import blocks
 from slopekit.views.pages.report_words import answer
@@ -162,8 +161,7 @@ def told_in_sheet(text: str) -> dict[str, str]:
 @pytest.mark.parametrize(("source", "count"), assemblies())
 def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(source, count, monkeypatch) -> None:
     """BY BLOCK, the page's table: every block at its own mechanism's factor, or named as one that follows at once."""
-    monkeypatch.setattr(blocks, "_span", lambda *_: None)  # the range of a mechanism, and the limit without cohesion:
-    monkeypatch.setattr(many_blocks, "_without_cohesion", lambda *_: None)  # neither is looked at here
+    monkeypatch.setattr(blocks, "_span", lambda *_: None)  # the range of a mechanism is not looked at here
     result = sk.run(source() if callable(source) else source, set={"analysis.mechanisms": count})
     page = {row[0]: row[2] for row in blocks_of(result)}
     own = {
@@ -222,7 +220,7 @@ def test_a_rule_on_many_blocks_says_how_large_its_mechanism_is() -> None:
     at = next(k for k, line in enumerate(lines) if line.startswith("ACCEPT"))
     of_first = f"fos >= 1.2 (limit {found.fos.limit:.4f} of what fails first, {first:.4g} m³)"
     assert lines[at : at + 2] == [
-        f"ACCEPT    {of_first}: MET, by the lowest {lowest} too",
+        f"ACCEPT    {of_first}: MET (lowest estimate {lowest})",
         f"{'':10}fos.lowest >= 1.2 ({lowest}): MET",
     ]
 

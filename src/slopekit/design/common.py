@@ -190,7 +190,7 @@ class Design:
     rules: tuple[Rule, ...] = text(
         "acceptance.rules", default=(), example='["fos >= 1.5"]',
         doc="one or a list; `>=`, `>`, `<=`, `<` on `fos`, `fos.limit`, `fos.lowest`, `fos.closed_form`, "
-        "`fos.static_bound`, `fos.all_pairs_failed`, `fos.residual`, `fos.without_cohesion`, on surfaces "
+        "`fos.static_bound`, `fos.all_pairs_failed`, `fos.residual`, on surfaces "
         "`fos.fellenius`, `fos.janbu`, `fos.bishop`, "
         "`fos.all_equilibrium`",
         forms=(ListOf(Leaf(example='"fos >= 1.5"')), Leaf()),

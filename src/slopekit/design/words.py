@@ -11,7 +11,6 @@ from slopekit.design.parts import Bolt, Force, Rule, Seismic, Water
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
-    "fos.without_cohesion",
     "fos.fellenius", "fos.janbu", "fos.bishop", "fos.all_equilibrium",
 )  # fmt: skip
 _RULE = r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$"  # texts: compiled when first used

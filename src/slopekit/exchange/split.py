@@ -221,8 +221,9 @@ def write_split(
 
 def _whole(document: Mapping[str, Any]) -> WithoutBasal | None:
     """The larger wedge that a block above a basal joint is part of, which no mesh of that block shows."""
-    given = document.get("without_basal")
-    return None if given is None else WithoutBasal(given["status"], given["closed_form"])
+    rows = document.get("mechanisms") or ()
+    whole = next((row for row in rows if row["mechanism"] == "whole_wedge"), None)
+    return None if whole is None else WithoutBasal(whole["status"], whole["fos"])
 
 
 def _polygons(source: ExportSource, chosen: Picked) -> dict[str, Floats]:

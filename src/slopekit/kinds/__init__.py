@@ -11,7 +11,7 @@ from slopekit.notices import means_taken, not_as_given, pressure_notices, size_n
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.evidence import AlsoJudged
+    from slopekit.evidence import WithoutBasal
     from slopekit.kinds.protocol import Factors, Kind
 
 
@@ -158,7 +158,7 @@ def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
                    f"design {factor}"),)  # fmt: skip
 
 
-def also_falls_short(also: "AlsoJudged | None", target: float, where: str) -> tuple[Notice, ...]:
+def also_falls_short(also: "WithoutBasal | None", target: float, where: str) -> tuple[Notice, ...]:
     """W507: a design meets a target, what acceptance of it is held against besides does not."""
     if also is None or not also.falls_short(target):
         return ()

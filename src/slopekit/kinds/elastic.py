@@ -35,7 +35,7 @@ from slopekit.kinds.protocol import Kind
 from slopekit.kinds.single_block.one_block import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.preie.system.contact import CloughDuncan
-from slopekit.result import OTHERWISE, Result
+from slopekit.result import Result
 
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
 _LINES = 12  # rounds of strength lines that follow the normal forces
@@ -131,12 +131,10 @@ def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
     lowest, highest = result.fos.lowest, result.fos.highest
     wide = lowest is not None and (highest is None or highest > lowest * (1.0 + _LOCKED))
     if answer.block is not None and wide:
-        far = "far above it" if highest is None else f"{highest:.4f}"
-        ways = [f", or a motion {how} ({code})," for code, how in OTHERWISE.items()
-                if any(notice.code == code for notice in result.warnings)]  # fmt: skip
-        yield Notice("W485", "the limit under ELASTIC is that of the rigid path: forces locked in "
-                     f"between the blocks{''.join(ways)} can make it {lowest:.4f} .. {far}: "
-                     "rely on the lowest")  # fmt: skip
+        far = "far above it" if highest is None else f"{highest:.3f}"
+        span = f"{lowest:.3f} .. {far}"
+        message = f"the limit under ELASTIC is that of the rigid path, other load paths and locked-in stresses: {span}"
+        yield Notice("W485", f"{message}; rely on the lowest")
     if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
         shear = elastic_stiffness(result.design, result.findings is not None).tangential
         yield Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³")

@@ -11,8 +11,8 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
-from slopekit.evidence import AlsoJudged, WithoutBasal
-from slopekit.notices import Bonds
+from slopekit.evidence import WithoutBasal
+from slopekit.notices import LostCohesion
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ class Factors:
     moments_govern: bool
     settled: bool
     notes: Sequence[Notice] = field(default=(), kw_only=True, metadata=NO_JSON)
-    also: AlsoJudged | None = field(default=None, kw_only=True, metadata=NO_JSON)
+    also: WithoutBasal | None = field(default=None, kw_only=True, metadata=NO_JSON)
 
     @property
     def factor(self) -> float | None:
@@ -111,13 +111,13 @@ class AtLoad:
     multiplier : of the limit state, or of the last state at rest where the motion did not settle
     status : how the blocks move there
     runs : in that case the first multiplier at which they run, None otherwise
-    bonds : what it has to do with cohesion, in multipliers; None where it is that of a jump of the factor
+    lost : the cohesion that is lost there; None where it is that of a jump of the factor
     """
 
     multiplier: float
     status: str
     runs: float | None
-    bonds: Bonds | None = None
+    lost: LostCohesion | None = None
 
 
 @dataclass(frozen=True, slots=True)

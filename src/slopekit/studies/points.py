@@ -14,7 +14,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.reading.files import with_values
-from slopekit.evidence import AlsoJudged, WithoutBasal, WithoutTurning
+from slopekit.evidence import WithoutBasal
 from slopekit.kinds import also_falls_short, cut, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
@@ -27,7 +27,6 @@ _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
 _WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 _NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors) if one.name not in ("notes", "also"))
-_ALSO: Mapping[str, Callable[..., AlsoJudged]] = {one.NAME: one for one in (WithoutBasal, WithoutTurning)}
 #: The status where PRE-IE ended without a number that it would vouch for.
 UNSETTLED = "not_converged"
 #: The record of a task that kills every worker that takes it.
@@ -64,7 +63,7 @@ class Point:
         if self.factors is None:
             return [self.code, self.message]
         numbers = [getattr(self.factors, name) for name in _NO_FACTORS]
-        also = [] if (own := self.factors.also) is None else [[own.NAME, *astuple(own)]]
+        also = [] if self.factors.also is None else [astuple(self.factors.also)]
         return [*numbers, [[note.code, note.message] for note in self.factors.notes], *also]
 
     @classmethod
@@ -73,8 +72,8 @@ class Point:
         if len(record) == 2:
             return cls(None, *record)
         count = len(_NO_FACTORS)
-        notes, *own = record[count:] or [()]  # which may be left out
-        also = _ALSO[own[0][0]](*own[0][1:]) if own else None
+        notes, *whole = record[count:] or [()]  # which may be left out
+        also = WithoutBasal(*whole[0]) if whole else None
         return cls(Factors(*record[:count], notes=tuple(Notice(*note) for note in notes), also=also))
 
 
@@ -137,7 +136,8 @@ def point_from_record(record: Mapping[str, Any]) -> Point:
     """The point of such JSON values."""
     if record["status"] is None:
         return Point(None, record["code"] or "", record["message"] or "")
-    also = next((made(**record[name]) for name, made in _ALSO.items() if name in record), None)
+    whole = record.get(WithoutBasal.NAME)
+    also = None if whole is None else WithoutBasal(**whole)
     return Point(Factors(**{name: record[name] for name in _NO_FACTORS}, also=also))
 
 

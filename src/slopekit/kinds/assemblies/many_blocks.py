@@ -5,7 +5,6 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 
 import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
@@ -21,18 +20,15 @@ from slopekit.evidence import (
     AllPairs,
     FactorsOfSafety,
     Forces,
-    History,
     ModelSize,
     SecantLine,
-    WithoutCohesion,
 )
 from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
-    bonds_of,
+    debonding_notices,
+    lost_cohesion,
     notices_of,
-    said_of_history,
-    without_turning,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.assemblies.many_blocks_states import (
@@ -92,9 +88,9 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
-_LEAST_WORK = 10.0 * work_limit.SECOND  # at least, for the limit without cohesion
 MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
+_DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (METHOD-4, 16)
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
 _ENDS = {
@@ -173,12 +169,9 @@ def kind_of_many_blocks(
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(reached, status, closed, design.agree_within)
-        straight = without_turning(scene, ravelling.failures[0]) if mechanisms else None
         of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
-        notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms, straight), *of_kind))
-        return Factors(
-            status, factor, None, closed.factor, difference, agree, False, settled, notes=notes, also=straight
-        )  # fmt: skip
+        notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms), *of_kind))
+        return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
 
     def beside(design: A) -> tuple[Notice, ...]:
         if not any(strength.cohesion_kpa for _, strength in design.strengths):
@@ -186,8 +179,7 @@ def kind_of_many_blocks(
         scene = own.cut(design)
         ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
         limit = ravelling.failures[0].limit.factor if ravelling.failures else None
-        history = None if limit is None else history_of(ravelling.failures[0].parts[0], MOST_FOLLOWED)
-        return () if history is None or limit is None else tuple(said_of_history(history, limit))
+        return () if limit is None else debonding(ravelling.failures[0].parts[0], MOST_FOLLOWED, limit)[1]
 
     def ladder(design: A) -> "Ladder":
         from slopekit.kinds.assemblies.many_blocks_ladder import ladder_of_blocks  # only `check` asks
@@ -220,13 +212,10 @@ def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> AtLoad | Non
     None where the blocks do not stand without it, or stand with any of it.
     """
     scene, _, critical = _critical(own, without, unit, target)
-    return (
-        None
-        if critical is None
-        else AtLoad(
-            critical.multiplier, mechanism(critical.failure, scene).status, critical.runs, bonds_of(critical.failure)
-        )
-    )
+    if critical is None:
+        return None
+    status, lost = mechanism(critical.failure, scene).status, lost_cohesion(critical.failure)
+    return AtLoad(critical.multiplier, status, critical.runs, lost)
 
 
 def _critical(
@@ -275,9 +264,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     with clock("loads"):
         loads = scene_loads(scene)
     with clock("solve"), work_limit.allowed(math.inf):
-        before = work_limit.spent()
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
-        work = work_limit.spent() - before
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
         mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
@@ -291,15 +278,11 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     bound = ravelling.static_bound if mechanisms else None
     governing = ravelling.failures[0].limit if ravelling.failures else None
     low, high = (governing.lowest, governing.highest) if governing is not None and sure else (None, None)
-    straight = without_turning(scene, ravelling.failures[0]) if ravelling.failures else None
-    if straight is not None and sure:
-        low = straight.limit if low is None else min(low, straight.limit)
-    with clock("without_cohesion"):
-        bare = _without_cohesion(scene, loads, work) if limit is not None else None
+    lower: tuple[Notice, ...] = ()
     with clock("history"):
-        history = history_of(ravelling.failures[0].parts[0], MOST_FOLLOWED) if limit is not None else None
-    if history is not None and limit is not None:
-        low = lowest_with(history, limit, low)
+        if limit is not None:
+            stable, lower = debonding(ravelling.failures[0].parts[0], MOST_FOLLOWED, limit)
+            low = low if stable is None else min(stable, low or stable)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
@@ -319,7 +302,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
         sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
         max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
-        _left_out(design, scene, parts, history is not None and history.falls_short(limit or 0.0)),
+        _left_out(design, scene, parts),
         max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
     )  # fmt: skip
     of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
@@ -331,48 +314,33 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if all_pairs is None else all_pairs_of(all_pairs),
-        warnings=(*notices_of(design, scene, ravelling, mechanisms, straight, history), *of_kind),
+        warnings=(*notices_of(design, scene, ravelling, mechanisms), *lower, *of_kind),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), without_cohesion=bare,
-        history=history, without_turning=straight if sure else None, timing_s=clock.done(),
+        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
 
-def _without_cohesion(scene: AssemblyScene, loads: AssemblyLoads, work: float) -> WithoutCohesion | None:
-    """The limit of the same blocks on joints without cohesion; None where they have none, or their laws are curved.
+def debonding(part: Part, most: int, limit: float) -> tuple[float | None, tuple[Notice, ...]]:
+    """Return the lowest factor of a part with progressive slip and debonding, and the notice of it (W504).
+
+    None and no notice where it is no more than 2 % below the limit, or was not looked for.
 
     Parameters
     ----------
-    work : of the limit with cohesion; no more may go into this one
+    most : of blocks for which it is looked for
     """
-    strength = joint_strength(scene.strengths)
-    if not strength.cohesion[scene.assembly.patches.joint].any() or any(law is not None for law in strength.laws):
-        return None
-    none = np.zeros_like(strength.cohesion)
-    with work_limit.allowed(max(work, _LEAST_WORK)):
-        failures = ravel(scene.assembly, loads, replace(strength, cohesion=none, tension=none), ranged=False).failures
-    if not failures:
-        return WithoutCohesion("no_driving_force", None)
-    first = mechanism(failures[0], scene)
-    return WithoutCohesion(first.status, None if first.status == "not_converged" else first.fos)
+    factors = _debonding_factors(part, most)
+    stable, fails = factors or (None, None)
+    if stable is None or fails is None or fails >= limit * (1.0 - _DEBONDING):
+        return None, ()
+    return stable, tuple(debonding_notices(stable, fails, limit))
 
 
-def lowest_with(history: History, limit: float, low: float | None) -> float | None:
-    """The lowest factor of a limit: no more than where all blocks last rest in a history that falls short of it."""
-    if not history.falls_short(limit):
-        return low
-    return history.rests if low is None else min(low, history.rests)
+def _debonding_factors(part: Part, most: int) -> tuple[float, float | None] | None:
+    """Return the last stable and the first unstable factor of all blocks whose slip and lost cohesion stay.
 
-
-def history_of(part: Part, most: int) -> History | None:
-    """Where the blocks of a part, none held, begin to run in a history of their own; None where none is followed.
-
-    Only cohesion needs one, without dilation, curved laws and loads that come on last.
-
-    Parameters
-    ----------
-    most : of blocks
+    Only cohesion needs such a history, without dilation, curved laws and loads that come on last: else None.
     """
     model, limit = part.model, part.limit
     left_out = model.lines is not None or limit.loads_last or bool(model.tan_dilation.any())
@@ -380,13 +348,13 @@ def history_of(part: Part, most: int) -> History | None:
         return None
     try:
         with one_thread(), work_limit.allowed(_HISTORY * work_limit.SECOND):
-            found = falling.history(Bed(model, Drive(model.load.ravel())), START / limit.factor)
+            parameters = falling.history(Bed(model, Drive(model.load.ravel())), START / limit.factor)
     except work_limit.WorkSpentError:
         return None
-    if found is None:
+    if parameters is None:
         return None
-    rests, runs = found
-    return History(1.0 / rests, None if runs is None else 1.0 / runs)
+    stable, unstable = parameters
+    return 1.0 / stable, None if unstable is None else 1.0 / unstable
 
 
 def search_of_all_pairs(
@@ -456,25 +424,17 @@ def balance_of(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
     ])  # fmt: skip
 
 
-def _left_out(
-    design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part], runs_before: bool
-) -> tuple[str, ...]:
-    """What was not modelled, with the proof or the check that lets it be.
-
-    Parameters
-    ----------
-    runs_before : in another history all blocks run before the limit
-    """
+def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part]) -> tuple[str, ...]:
+    """What was not modelled, with the proof or the check that lets it be."""
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:
         said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
     for part in parts:
         if part.limit.group:
-            but = "; where slip stays they run before (W504)" if runs_before else ""
             said.append(
                 f"the limit is that of {part.limit.group} of {len(part.blocks)} blocks that touch, the others held; "
                 f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it, and there have used up "
-                f"95 % of the strength along its motion, or run 1 % beyond it{but}"
+                f"95 % of the strength along its motion, or run 1 % beyond it"
             )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"

@@ -10,14 +10,13 @@ from slopekit.kinds.assemblies.many_blocks import (
     SolvedAssembly,
     all_pairs_of,
     balance_of,
-    history_of,
-    lowest_with,
+    debonding,
     search_of_all_pairs,
 )
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
-from slopekit.kinds.assemblies.many_blocks_notices import said_of_history
 from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
 from slopekit.kinds.solver_inputs import joint_strength
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import finer_model, limit_again
 from slopekit.preie.solvers.threads import one_thread
 
@@ -38,12 +37,11 @@ def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder
     failures = solution.ravelling.failures
     if failures and len(failures[0].parts[0].blocks) > MOST_FOLLOWED and (limit := result.fos.limit):
         say("history of falling strength", head=True)
-        part = failures[0].parts[0]
-        history = history_of(part, len(part.blocks))
-        if history is not None:
-            fos = replace(result.fos, lowest=lowest_with(history, limit, result.fos.lowest))
-            said = (*result.warnings, *said_of_history(history, limit))
-            result = replace(result, history=history, fos=fos, warnings=said)
+        part, lowest = failures[0].parts[0], result.fos.lowest
+        stable, lower = debonding(part, len(part.blocks), limit)
+        if stable is not None:
+            fos = replace(result.fos, lowest=min(stable, lowest or stable))
+            result = replace(result, fos=fos, warnings=(*result.warnings, *lower))
     unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
     with one_thread():  # as the analysis
         rungs = tuple(_rungs(solution))
@@ -62,8 +60,15 @@ def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:
         for k in (OTHER_STRENGTH, failures[0].limit.factor):
             say("other strengths", head=True)
             limit = limit_again(model, k)
-            factors.append(k * limit.factor if limit.factor else None)
+            factors.append(_limited(k * limit.factor, failures[0].limit) if limit.factor else None)
     return tuple(factors)
+
+
+def _limited(factor: float | None, limit: BlocksLimit) -> float | None:
+    """Return the factor of a path, no higher than that of a block which slides alone."""
+    if factor is None or limit.factor is None or limit.basis is not Basis.ALONE:
+        return factor
+    return min(factor, limit.factor)
 
 
 def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
@@ -78,7 +83,8 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
     for ratio in _RATIOS:
         say(f"ladder, k_t/k_n {ratio:g}", head=True)
         limit, seconds = timed(partial(limit_again, part.model, ratio=ratio))
-        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
+        factor = _limited(limit.factor, part.limit)
+        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, factor, seconds)
     for level in range(3 if _refines(solution) else 1):
         model = part.model
         if level:
@@ -88,7 +94,7 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
         say(f"ladder, parts split {often(level)}", head=True)
         limit, seconds = timed(partial(limit_again, model))
         setting = f"parts split {often(level)}" if _refines(solution) else "as analysed"
-        yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
+        yield Rung("mesh", setting, model.joint_pairs.stop, level, _limited(limit.factor, part.limit), seconds)
 
 
 def _refines(solution: SolvedAssembly) -> bool:

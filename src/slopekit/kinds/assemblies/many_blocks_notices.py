@@ -5,27 +5,24 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from slopekit.core.errors import Notice
-from slopekit.evidence import History, WithoutTurning
 from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
-from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
-from slopekit.kinds.solver_inputs import joint_strength
+from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
 from slopekit.kinds.words import many_times, mass_in_words, size_number
 from slopekit.notices import (
     SQUARE,
-    Bonds,
+    LostCohesion,
     bolt_notices,
-    bond_notices,
     common_notices,
+    lost_cohesion_notices,
     mesh_notices,
     undrawn_notice,
 )
 from slopekit.preie.elastic_path.loads_last import STRONGER
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.many_blocks.key_blocks import slide_alone
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.tolerances import PASSES_SETTLED, SAME_FACTOR
+from slopekit.preie.tolerances import PASSES_SETTLED
 
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
@@ -35,15 +32,9 @@ _FEW = 3  # mechanisms, of which one is mostly larger
 
 
 def notices_of(
-    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
-    straight: WithoutTurning | None, history: History | None = None,
-) -> Iterator[Notice]:  # fmt: skip
-    """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on.
-
-    Parameters
-    ----------
-    straight : its block `without_turning`; history : of its blocks as strength falls
-    """
+    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism]
+) -> Iterator[Notice]:
+    """What a reader must know of the design, of how its first mechanism was found, and of what it hangs on."""
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
     if not mechanisms:
@@ -95,24 +86,14 @@ def notices_of(
         more = f"{times} as much" if times else f"{(bound / first.fos - 1.0) * 100.0:.0f} % more"
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
-    if straight is not None:
-        asked = any(straight.asks(rule) for rule in design.rules)
-        held = "; acceptance is held against it too" if asked else ""
-        yield Notice("W479", f"{straight.block} turns as it goes, which raises its factor: without turning, as "
-                     f"closed forms count, it is {straight.limit:.4f}; of a wedge (kind: wedge) no credit is taken for "
-                     f"that{held}")  # fmt: skip
-    yield from said_of_bonds(ravelling.failures[0])
-    if history is not None and first.fos:
-        yield from said_of_history(history, first.fos)
+    yield from lost_cohesion_notices(lost_cohesion(ravelling.failures[0]), "factor of safety")
 
 
-def said_of_history(history: History, limit: float) -> Iterator[Notice]:
-    """W504: in another history all blocks run at less."""
-    if history.falls_short(limit):
-        yield Notice("W504", f"in another history all blocks, none held, run at {history.runs:.4f}: strength falls, "
-                     "and what has slipped and what cohesion is lost stay so; the factor of safety, where joints "
-                     f"spring back, lies {(history.excess(limit) or 0.0) * 100.0:.2g} % above that, rely on the "
-                     "lower")  # fmt: skip
+def debonding_notices(stable: float, fails: float, limit: float) -> Iterator[Notice]:
+    """W504: with progressive slip and debonding the blocks fail at less than the limit."""
+    below = (1.0 - fails / limit) * 100.0
+    yield Notice("W504", f"with progressive slip and debonding the blocks are stable at {stable:.4f} and fail at "
+                 f"{fails:.4f}, {below:.2g} % below the factor of safety: rely on the lower")  # fmt: skip
 
 
 def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling) -> Iterator[Notice]:
@@ -131,7 +112,7 @@ def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravell
     if larger is not None:
         factor = ravelling.failures[larger].limit.factor
         has = "no number" if factor is None else f"{factor:.4f}"
-        more = f"; the first larger one under NEXT, n {larger + 1}, has {has}, those before it taken away"
+        more = f"; the first larger one under MECHANISM, n {larger + 1}, has {has}, those before it taken away"
     elif ravelling.ended == "count":
         more = f"; analysis.mechanisms: {max(_FEW, 2 * design.mechanisms)} goes on to what fails after it"
     if getattr(design, "min_volume_m3", None) is not None and small < _BOULDER_M3:
@@ -145,49 +126,13 @@ def _four(volume: float) -> str:
     return size_number(float(f"{volume:.4g}"))
 
 
-def without_turning(scene: AssemblyScene, failure: Failure) -> WithoutTurning | None:
-    """The factor at which a block would slide without turning, where that is lower than the limit of its motion.
-
-    Asked of one block in space that no other presses on, without dilation, passive bolts or curved strength: else
-    forces alone have no one factor.
-    """
-    part, limit, assembly = failure.parts[0], failure.limit, scene.assembly
-    if assembly.in_section or not limit.factor or len(failure.blocks) > 1 or len(part.model.bolts):
-        return None
-    if any(strength.law or strength.dilation_deg for strength in scene.strengths):
-        return None
-    block, patches = int(failure.blocks[0]), assembly.patches
-    pressed = np.bincount(part.model.pair_contact, limit.normal_force, len(part.model.plus))[: len(part.patch)] > 0.0
-    touching = np.stack([patches.plus[part.patch[pressed]], patches.minus[part.patch[pressed]]])
-    others = touching[(touching != block) & (touching >= 0) & (touching == block).any(axis=0)]
-    if not assembly.fixed[others].all():
-        return None
-    none = np.zeros(len(assembly), dtype=bool)
-    _, factors = slide_alone(
-        assembly, scene_loads(scene), joint_strength(scene.strengths), none, np.array([block], dtype=np.int64)
-    )
-    lower = factors[factors < limit.factor * (1.0 - SAME_FACTOR)]
-    return WithoutTurning(scene.names[block], float(lower[0])) if len(lower) else None
-
-
-def said_of_bonds(failure: Failure) -> Iterator[Notice]:
-    """What the factor of a mechanism has to do with cohesion: W307, W484, W486, W493 to W496."""
-    yield from bond_notices(bonds_of(failure), "{:.4f}".format, "factor of safety")
-
-
-def bonds_of(failure: Failure) -> Bonds:
-    """What the limit of a mechanism says of cohesion; without a factor what is lost alone."""
+def lost_cohesion(failure: Failure) -> LostCohesion:
+    """Return the part of the node pairs that has lost its cohesion at a limit, and the numbers of such contacts."""
     limit, model = failure.limit, failure.parts[0].model
     joints = model.joint_pairs
     gone, of = limit.bond[joints] == 0.0, model.pair_contact[joints]
     lost = float(gone.mean()) if gone.size else 0.0
-    contacts = len(np.unique(of[gone])), len(np.unique(of[(model.cohesion[joints] > 0.0) | gone]))
-    if not limit.factor:
-        return Bonds(lost, limit.bonded, entire=limit.entire, contacts=contacts)
-    return Bonds(
-        lost, limit.bonded, limit.kept, limit.kept_share, limit.unbonded, limit.unsettled, limit.sooner, limit.counted,
-        limit.finer, limit.finer_is_less, limit.unrefined, limit.entire, contacts,
-    )  # fmt: skip
+    return lost, len(np.unique(of[gone])), len(np.unique(of[(model.cohesion[joints] > 0.0) | gone]))
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:
@@ -251,7 +196,7 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
         else "; the static bound says that forces in balance exist, not that they arise"
     )
     bonds, tip = "without the cohesion that is lost, ", ""
-    if not limit.bonded:
+    if not (limit.bond == 0.0).any():
         bonds, tip = "", " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
     return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
                   f"{tip}: no factor of safety is given{exist}")  # fmt: skip

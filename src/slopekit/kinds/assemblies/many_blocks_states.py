@@ -87,7 +87,6 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     return Mechanism(
         status,
         limit.factor,
-        min((part.limit.static_bound for part in failure.parts if part.limit.static_bound is not None), default=None),
         max(part.limit.change for part in failure.parts),
         tuple(blocks),
         governing,
@@ -96,7 +95,7 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     )
 
 
-_SUREST = (Basis.LIMIT, Basis.SETTLED, Basis.PEAK, Basis.NONE)  # the surest first
+_SUREST = (Basis.LIMIT, Basis.ALONE, Basis.SETTLED, Basis.PEAK, Basis.NONE)  # the surest first
 _WITHOUT = (("topples", "topples"), ("rotates", "topples"), ("lifts", "lifted"), ("falls", "falls"))
 
 

@@ -15,14 +15,14 @@ def line_of(result: Result) -> str:
     if result.leading is not None:
         name, value = result.leading
         first = "all-pairs" if name == "all_pairs_failed" else JUDGED[name]
-        first = name if result.also is not None and name == result.also.NAME else first
+        first = name if result.without_basal is not None and name == result.without_basal.NAME else first
         named = [(first, value), ("limit", result.fos.limit), *(one for one in named[1:] if one[0] != first)]
     if result.elastic is not None and result.elastic.limit is not None:
         named.append(("elastic", result.elastic.limit))
     shown = [f"{name} {'none' if value is None else f'{value:.4f}'}".strip() for name, value in named]
     parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
     parts += ["moments_govern"] if result.moments_govern else []
-    also, limit = result.also, result.fos.limit
+    also, limit = result.without_basal, result.fos.limit
     if (
         also is not None
         and also.factor is not None

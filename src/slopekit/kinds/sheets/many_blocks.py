@@ -53,7 +53,7 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("ACCEPT", shared.accept(result))
     yield Section("MOVES", _moves(result, first))
-    yield Section("NEXT", _next(result, findings, order), hang=43)
+    yield Section("MECHANISM", _mechanisms(result, findings, order), hang=42)
     yield Section("BY BLOCK", _by_block(findings, order))
     yield Section("TABLE", toppling_rows(result, findings.table))
     yield Section("METHODS", shared.methods(result))
@@ -116,9 +116,7 @@ def _factors(result: Result) -> Iterator[Factor]:
     if fos.lowest is not None or fos.highest is not None:
         yield shared.locked_in(result)
     elif fos.limit is not None:
-        yield Factor(None, "same mechanism, whatever forces are locked in: no range was found")
-    yield from shared.history(result)
-    yield from shared.without_cohesion(result)
+        yield Factor(None, "range for other load paths and locked-in stresses: not found")
     if fos.static_bound is not None:
         above = ""
         if fos.limit:
@@ -236,7 +234,7 @@ class _SequenceStep:
     what: str
 
 
-def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
+def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The mechanisms in the order in which they happen, and what is left."""
     mechanisms = findings.mechanisms
     left = [findings.standing] if findings.standing else []
@@ -254,9 +252,8 @@ def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[
     columns: list[Column[_SequenceStep]] = [
         Column("n", attrgetter("number"), "n", width=3),
         Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
-        Column("bound", lambda row: row.mechanism.static_bound, "static_bound", width=11,
-               show=lambda bound: "none" if bound is None else factor_text(bound)),
         Column("m³", lambda row: row.mechanism.size and row.mechanism.size.volume_m3, "volume_m3", "m³", _volume, 9),
+        Column("t", lambda row: row.mechanism.size and row.mechanism.size.mass_t, "mass_t", "t", _volume, 9),
         Column("mode", lambda row: row.mechanism.status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
                about="  {}"),
         Column("what fails once all before it is gone", attrgetter("what"), "what", width=1),
@@ -429,6 +426,8 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
     >>> path_in_words("peak", 0.4, 1.6, 0.005)
     'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
     """
+    if basis == "alone":
+        return "limit: one block slides alone, by forces (no credit for turning)"
     path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
     if basis != "peak":
         return f"limit of {path}" + (", settled" if basis == "settled" else "")

@@ -50,6 +50,7 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("SERIES", shared.series(result))
     yield Section("ACCEPT", shared.accept(result))
+    yield Section("MECHANISM", shared.mechanisms(result))
     yield Section("MODEL", _model(result))
     yield Section("MOVES", _moves(result))
     yield Section("TIME", [_time(result)])

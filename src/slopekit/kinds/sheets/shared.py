@@ -2,13 +2,17 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from operator import attrgetter, itemgetter
+from typing import TYPE_CHECKING
 
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
 from slopekit.kinds.words import first_and_last, size_number
-from slopekit.result import JUDGED, METHODS, OTHERWISE, STATUSES, Result
+from slopekit.result import JUDGED, METHODS, STATUSES, Result
+
+if TYPE_CHECKING:
+    from slopekit.findings import MechanismRow
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +110,8 @@ def leading(result: Result) -> list[Factor]:
     if result.leading is None:
         return []
     name, value = result.leading
-    lowest = "lowest of the same mechanism, whatever forces are locked in"
-    if of_another_motion(result):
-        lowest = f"lowest {_otherwise(result)}"
-        if has_range(result):
-            lowest = f"lowest of the same mechanism under other forces, and of others {_otherwise(result)}"
-    what = lowest if name == "lowest" else JUDGED[name]
-    return [Factor(value, f"{what}: the factor that ACCEPT hangs on")]
+    estimate = "lowest estimate" if name == "lowest" else JUDGED[name]
+    return [Factor(value, f"{estimate}: the factor that ACCEPT hangs on")]
 
 
 def elastic(result: Result) -> Iterator[Section]:
@@ -136,27 +135,10 @@ def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
 
 
 def locked_in(result: Result) -> Factor:
-    """The range of factors of the mechanism; of a peak with what other ways to it give."""
-    fos, findings = result.fos, result.findings
-    peak = findings is not None and bool(findings.mechanisms) and findings.mechanisms[0].basis == "peak"
-    what = "other ways to this peak, and its" if peak else "same"
-    said = f"{what} mechanism, whatever forces are locked in"
-    if of_another_motion(result) and not has_range(result):
-        said = f"where a motion begins {_otherwise(result)}; other forces were not looked at"
-    elif of_another_motion(result):
-        said = f"{what} mechanism under other forces; the low end no higher than of motions {_otherwise(result)}"
-    return Factor(fos.lowest, said, to=fos.highest)
-
-
-def of_another_motion(result: Result) -> bool:
-    """Whether the lowest factor may be that of a motion that begins in another way than the limit's."""
-    return any(notice.code in OTHERWISE for notice in result.warnings)
-
-
-def _otherwise(result: Result) -> str:
-    """How the motions begin that the lowest factor may be of."""
-    said = {notice.code for notice in result.warnings}
-    return " or ".join(f"{how} ({code})" for code, how in OTHERWISE.items() if code in said)
+    """Return the range of factors of the mechanism, or its lowest estimate where the range was not looked for."""
+    if has_range(result):
+        return Factor(result.fos.lowest, "range for other load paths and locked-in stresses", to=result.fos.highest)
+    return Factor(result.fos.lowest, "lowest estimate, for other load paths; other locked-in stresses not looked at")
 
 
 def has_range(result: Result) -> bool:
@@ -176,33 +158,6 @@ def _residual(result: Result) -> list[Factor]:
     if left.closed_form is not None:
         rows.append(Factor(left.closed_form, f"residual strength, {result.words.closed_form}"))
     return rows
-
-
-def without_cohesion(result: Result) -> Iterator[Factor]:
-    """The limit of cohesive blocks with no cohesion at all, or why there is none."""
-    bare = result.without_cohesion
-    if bare is None:
-        return
-    said = "without any cohesion (the same blocks, c = 0)"
-    if bare.status == "not_converged":
-        said += ": not found with the work that is allowed"
-    elif bare.status != result.status:
-        said += f": {result.design.in_own_names(result.words.status(bare.status))}"
-    yield Factor(bare.limit, said)
-
-
-def history(result: Result) -> Iterator[Factor]:
-    """Where cohesive blocks begin to run in another history of falling strength."""
-    found = result.history
-    if found is None:
-        if result.without_cohesion is not None:
-            yield Factor(None, "another history (slip and lost cohesion stay): not followed, or not to an end; of more "
-                         "than 100 blocks `check` follows it")  # fmt: skip
-        return
-    ends = "all blocks rest at the first, run at the second"
-    if found.runs is None:
-        ends = "all blocks rest at this, whether they run beyond it is not known"
-    yield Factor(found.rests, f"another history (slip and lost cohesion stay): {ends}", to=found.runs)
 
 
 def methods(result: Result) -> list[Entry]:
@@ -334,24 +289,32 @@ def _judgement(result: Result, rule: Rule) -> str:
         if lowest is None or not (rule.is_on_factor and rule.is_least):
             return "MET"
         if rule.met(lowest):
-            return f"MET, by the lowest {_as_judged(lowest, rule)} too"
-        if of_another_motion(result):
-            forces = "with any forces locked in or " if has_range(result) else ""
-            other = _otherwise(result)[:-1]
-            other = other.removeprefix("with ") if forces and other.startswith("with ") else other
-            return f"MET, but not {forces}{other}: down to {_as_judged(lowest, rule)})"
-        return f"MET, but not for every locked-in force (same mechanism down to {_as_judged(lowest, rule)})"
-    if result.also is not None and not result.also.meets(rule):
-        return f"NOT MET ({result.also.what}: {result.also.in_words()})"
+            return f"MET (lowest estimate {_as_judged(lowest, rule)})"
+        return f"MET, but not by the lowest estimate {_as_judged(lowest, rule)}"
+    whole = result.without_basal
+    if whole is not None and not whole.meets(rule):
+        return f"NOT MET ({whole.what}: {whole.in_words()})"
     if result.agree is False or result.status == "not_converged":
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":
         return "NOT MET (no factor of safety)"
     if result.value_of(rule) is None:
-        bare = rule.name == "fos.without_cohesion"
-        of = ": it is one of many blocks with cohesion; where they have none it is fos" if bare else ""
-        return f"NOT MET (there is no such number here{of})"
+        return "NOT MET (there is no such number here)"
     return "NOT MET"
+
+
+def mechanisms(result: Result) -> list[Entry]:
+    """Return the mechanisms of a block above a basal joint: that block, and the whole wedge by its closed form."""
+    if result.without_basal is None:
+        return []
+    columns: list[Column[MechanismRow]] = [
+        Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
+        Column("m³", attrgetter("volume_m3"), "volume_m3", "m³", _size_or_dash, 11),
+        Column("t", attrgetter("mass_t"), "mass_t", "t", _size_or_dash, 11),
+        Column("block", lambda row: row.blocks[0], "block", width=-14, about="  {}"),
+        Column("status", attrgetter("status"), "status", width=1, show=result.words.status, about="{}"),
+    ]
+    return [Table(columns, result.mechanisms)]
 
 
 def times(count: int) -> str:

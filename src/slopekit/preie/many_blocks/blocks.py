@@ -28,7 +28,7 @@ from slopekit.preie.elastic_path.path import START, first_peak, follow
 from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome, result_of
 from slopekit.preie.elastic_path.proposal import proposed
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal, Span
-from slopekit.preie.many_blocks.bonds import Bonded, with_bonds
+from slopekit.preie.many_blocks.bonds import with_bonds
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bounds import mechanism_range, static_bound
@@ -46,7 +46,6 @@ _STRONGEST = 100.0  # a path starts at no more than this times what friction ang
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
 _BITS = 40  # of a strength in parts of the largest: 12 digits
-_SOONER = 1e-3  # below a factor: from there on motions of other rounds of bonds make its range
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
@@ -80,14 +79,11 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
     limit = _limit_of(model, unit, bound, ratio, proposal, bond)
     return replace(
         limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
-        lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), bonded=_times(limit.bonded, unit),
-        rested=_times(limit.rested, unit),
+        lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), rested=_times(limit.rested, unit),
         held=None if limit.held is None else (unit * limit.held[0], limit.held[1]),
         by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
         tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
         fit_on=_times(limit.fit_on, unit),
-        unbonded=_times(limit.unbonded, unit), unsettled=_times(limit.unsettled, unit),
-        sooner=_times(limit.sooner, unit),
     )  # fmt: skip
 
 
@@ -186,7 +182,7 @@ def _limit_of(
             unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None,
             held=None if held is None else (held[0] / unit, held[1]),
         )  # fmt: skip
-    return _with_evidence(_limit(model, ended.limit, bound, steps, loads), ended)
+    return _without_share(_limit(model, ended.limit, bound, steps, loads), ended.share)
 
 
 def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None = None) -> BlocksLimit:
@@ -199,8 +195,6 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     factor = limit.factor
     if factor is None:
         return limit
-    if limit.at_most < factor:  # whatever range there is
-        limit = replace(limit, lowest=min(limit.at_most, limit.at_most if limit.lowest is None else limit.lowest))
     if model.lines is not None:
         return limit  # where laws are curved other forces mean other tractions, and other lines
     try:
@@ -212,7 +206,7 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or factor
-    lowest = min(low or 0.0, limit.at_most)
+    lowest = min(low or 0.0, factor, limit.lowest or factor)
     return replace(limit, lowest=lowest, highest=None if top is None else max(top, reached))
 
 
@@ -271,21 +265,12 @@ def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps:
     )  # fmt: skip
 
 
-def _with_evidence(limit: BlocksLimit, ended: Bonded) -> BlocksLimit:
-    """The limit with what is known of its bonds."""
-    limit = replace(limit, counted=ended.counted)
-    if ended.unsettled is not None:
-        limit = replace(limit, unsettled=1.0 / ended.unsettled)
-    if ended.whole and (limit.bond == 0.0).any() and 1.0 / ended.whole > (limit.factor or 0.0):
-        limit = replace(limit, bonded=1.0 / ended.whole, entire=ended.entire)
-    if limit.factor is not None and ended.soonest and 1.0 / ended.soonest < limit.factor * (1.0 - _SOONER):
-        sooner = 1.0 / ended.soonest
-        limit = replace(limit, sooner=sooner, lowest=sooner if limit.lowest is None else min(limit.lowest, sooner))
-    if not ended.share or limit.factor is None:
+def _without_share(limit: BlocksLimit, share: float) -> BlocksLimit:
+    """Return a limit that leaves out a share of its motion's work: that of the cohesion which the motion opens."""
+    if not share or limit.factor is None:
         return limit
     basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
-    unbonded = None if ended.least is None else 1.0 / ended.least
-    return replace(limit, basis=basis, kept=ended.opened, kept_share=ended.share, unbonded=unbonded)
+    return replace(limit, basis=basis, kept_share=share)
 
 
 def _off(model: AssemblyModel, path_end: PathLimit) -> float:
@@ -320,8 +305,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     """The multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
 
     The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
-    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ; `bonded`, `unbonded`,
-    `unsettled` and `sooner` are multipliers.
+    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ.
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
@@ -340,15 +324,10 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     basis = basis if path_end.found else Basis.PEAK
     basis = Basis.SETTLED if ended.share and basis is Basis.LIMIT else basis
-    farther = (path_end.bond == 0.0).any() and (ended.whole or 0.0) > (path_end.parameter or math.inf)
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
         frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond), None, None, None, None, False,
-        path_end.factorisations, 0, bonded=ended.whole if farther else None, entire=ended.entire,
-        kept=ended.opened, kept_share=ended.share,
-        unbonded=ended.least if ended.share else None, unsettled=ended.unsettled,
-        counted=ended.counted,
-        sooner=ended.soonest if (ended.soonest or math.inf) < (path_end.parameter or 0.0) * (1.0 - _SOONER) else None,
+        path_end.factorisations, 0, kept_share=ended.share,
     )  # fmt: skip
 
 

@@ -1,6 +1,5 @@
 """What the limit of many blocks is: its factor, how sure it is, and what it was found with."""
 
-import math
 from enum import StrEnum
 from typing import Protocol
 
@@ -8,7 +7,6 @@ from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.tolerances import MESH_CHANGE
 
 Span = tuple[float | None, float | None]
 """The lowest and highest factor of a mechanism; an end is None where it lies far beyond."""
@@ -20,15 +18,8 @@ class Basis(StrEnum):
     LIMIT = "limit state, exact for its contact modes"
     SETTLED = "limit of the elastic path, settled"
     PEAK = "last state at rest on the elastic path; its motion did not settle"
+    ALONE = "one block that slides alone, by forces"
     NONE = "no factor"
-
-
-class Unrefined(StrEnum):
-    """Why a limit that twists contacts has none on finer node pairs."""
-
-    UNSETTLED = "the motion has not settled, and none were tried"
-    TOO_MANY = "they would be too many"
-    NO_FACTOR = "no factor was found on them"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,23 +35,15 @@ class BlocksLimit:
     normal_force : (m,); friction : (g, t); in parts of the force scale
     bond : (m,) 0 where a pair has lost its cohesion
     static_bound : None where none was found, or none exists; locked : none does, joints that dilate would hold the
-        blocks at any friction; lowest, highest : the range of the mechanism's factors
+        blocks at any friction; lowest, highest : the range of the mechanism's factors, the
+        lowest no more than the factor that finer node pairs gave before their motion had settled
     carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
     loads_last : whether those loads came on after weight and water; tips : the part of them at which the blocks tip
         then, in a motion that slips nowhere, at that factor and any lower one; None where no such motion was found
     begun : the factor at which all loads came on at once, where that is far below the static bound; fit_on : that at
         which they fit on last, between limits of other modes, where they do
-    kept, unbonded : contacts that the motion opens and whose bonds stand until it begins, and the factor of lesser
-        motions without those bonds
     kept_share : the part of the motion's work that cohesion would do which it opens, and that the factor leaves out
-    unsettled : the factor of a motion that broke bonds before it had settled
-    sooner : of all rounds of bonds the least factor at which a motion would begin, where that is less than the factor;
-        `lowest` is no more
-    counted : contacts that are open before the motion of a group's peak, and whose cohesion counts all the same
-    finer : the factor on finer node pairs where the motion did not settle there; `lowest` is no more than it
-    unrefined : why it is not known how far finer node pairs move the factor; None where that is known, or not asked
     steps : factorisations of the path; bound_steps : of the bound
-    bonded : the factor with all bonds, where some are lost; if not `entire` with those that falling strength leaves
     spent : whether there is no factor because the work that is allowed was done (`solvers.work_limit`); `rested`: the
         factor at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
     held : where it is spent, the factor of the group that was solved last, all others held, and how many blocks it has
@@ -87,7 +70,6 @@ class BlocksLimit:
     group: int = 0
     width: float = 0.0
     rounding: float = 0.0
-    bonded: float | None = None
     spent: bool = False
     rested: float | None = None
     held: tuple[float, int] | None = None
@@ -95,27 +77,8 @@ class BlocksLimit:
     tips: tuple[float, float] | None = None
     begun: float | None = None
     fit_on: float | None = None
-    kept: int = 0
     kept_share: float = 0.0
-    unbonded: float | None = None
-    unsettled: float | None = None
-    sooner: float | None = None
-    counted: int = 0
-    finer: float | None = None
-    unrefined: Unrefined | None = None
-    entire: bool = True
     locked: bool = False
-
-    @property
-    def at_most(self) -> float:
-        """What `lowest` may be at most: the least factor at which other bonds or ways, or finer pairs let it move."""
-        finer = self.finer if self.finer_is_less else None
-        return min((one for one in (self.factor, self.sooner, finer) if one is not None), default=math.inf)
-
-    @property
-    def finer_is_less(self) -> bool:
-        """Whether the factor on finer node pairs is less by more than refinement may move it."""
-        return self.finer is not None and self.finer < (self.factor or 0.0) * (1.0 - MESH_CHANGE)
 
 
 class Proposal(Protocol):

@@ -42,27 +42,11 @@ class Bonded:
     Attributes
     ----------
     limit : its parameter is that without cohesion where its motion opens; its bonds are those that are left
-    whole : the parameter of the first motion, with all bonds or, where falling strength breaks some before, `entire` is
-        false
-    least : the parameter of the motion without what this one opens, which is another; None where that is not the case,
-        or not known
-    opened : contacts whose bond the motion opens
-    share : part of the motion's work that their cohesion did
-    unsettled : the parameter of the first motion that broke bonds and had not settled, None where all had
-    soonest : with whatever bonds were tried, the parameter at which a motion would begin first
-    counted : contacts that are open all over just before a group moves and whose cohesion counts, as without it no rest
-        of all blocks was found
+    share : part of the motion's work that the cohesion did which it opens
     """
 
     limit: PathLimit
-    whole: float | None
-    least: float | None = None
-    opened: int = 0
     share: float = 0.0
-    unsettled: float | None = None
-    soonest: float | None = None
-    counted: int = 0
-    entire: bool = True
 
 
 class _Rounds:
@@ -71,27 +55,22 @@ class _Rounds:
     def __init__(
         self, model: AssemblyModel, once: Search, working: Floats, load_grows: bool, begun: Floats
     ) -> None:  # fmt: skip
-        self.model, self.once, self.working, self.load_grows, self.begun = model, once, working, load_grows, begun
+        self.model, self.once, self.working, self.load_grows = model, once, working, load_grows
         joints = model.joint_pairs  # what bolts pull is no bond of a contact
         self.bonded = np.bincount(model.pair_contact[joints], model.cohesion[joints], len(model.plus)) > 0.0
         self.asked, self.all_rest = (begun, True), False  # what the limit was looked for with; whether all blocks rest
         self.opens = np.zeros_like(self.bonded)  # contacts that its motion opens, and another one would without them
-        self.soonest: float | None = None  # of all limits that were looked for
-        self.unsettled: float | None = None
 
     def ended(self, last: PathLimit) -> Bonded:
         """The limit of the blocks that fail, from the one with the bonds that falling strength leaves on."""
-        ended = Bonded(last, last.parameter, entire=bool((last.bond == self.begun).all()))
         opened, self.opens = np.zeros_like(self.bonded), np.zeros_like(self.bonded)
         for _ in range(_MOST_ROUNDS if _runs(last) else 0):
             new = self._opens(last) & self.bonded & ~self._lost(last)
             if not new.any():
                 break
             self.opens, before = new, (self.asked, self.all_rest)
-            if not last.found:
-                self.unsettled = self.unsettled or last.parameter
-                if self.model.load.size > MANY and self._share(last, new) < _LITTLE:  # another path takes seconds
-                    break
+            if not last.found and self.model.load.size > MANY and self._share(last, new) < _LITTLE:
+                break  # another path takes seconds
             after = self.limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)
             if after.outcome is PathOutcome.NO_REST:  # all that holds the blocks is cohesion that they open
                 last = after
@@ -99,10 +78,9 @@ class _Rounds:
             opened |= new
             if not self._is_same(last, after, opened) and not self._stands(last, after):
                 self.asked, self.all_rest = before
-                ended = replace(ended, least=after.parameter if _runs(after) else None)
                 break
             last, self.opens = after, np.zeros_like(new)
-        return replace(ended, limit=last, soonest=self.soonest, unsettled=self.unsettled)
+        return Bonded(last)
 
     def vouched(self, ended: Bonded) -> Bonded | PathLimit:
         """The same once all blocks have vouched for it, less the work of what it opens; or the limit of others."""
@@ -111,26 +89,18 @@ class _Rounds:
             last, self.all_rest = self.once(*self.asked, True)
             if not np.array_equal(last.motion, ended.limit.motion):
                 return last
-        if last.group:
-            pressed = last.normal > 0.0 if last.touching is None else last.touching
-            touches = np.bincount(self.model.pair_contact, pressed, len(self.bonded)) > 0
-            counts = self.bonded & ~self._lost(last) & ~self.opens
-            ended = replace(ended, counted=int((counts & ~touches).sum()))
         if not self.opens.any() or last.parameter is None:
             return replace(ended, limit=last)
         share, less = self._less(last, self.opens)
         if share > 1.0 - EQUILIBRIUM:  # all that holds the motion is cohesion that it opens
             left = np.where(self.opens[self.model.pair_contact], 0.0, last.bond)
             return replace(ended, limit=replace(last, outcome=PathOutcome.NO_REST, parameter=None, bond=left))
-        return replace(ended, limit=replace(last, parameter=less), opened=int(self.opens.sum()), share=share)
+        return Bonded(replace(last, parameter=less), share)
 
     def limit(self, bond: Floats, falls: bool) -> PathLimit:
         """With some bonds (m,)."""
         path_end, self.all_rest = self.once(bond, falls, False)
         self.asked = bond, falls
-        if _runs(path_end):
-            known = path_end.parameter if self.soonest is None else self.soonest
-            self.soonest = (min if self.load_grows else max)(path_end.parameter or 0.0, known or 0.0)
         return path_end
 
     def _lost(self, path_end: PathLimit) -> Bools:

@@ -20,6 +20,29 @@ def slide_alone(
     ----------
     gone : (b,) blocks that have been taken away
     """
+    blocks, faces = _faces(assembly, loads, strength, gone, free)
+    factors = sliding_factors(*faces)
+    slides = np.flatnonzero(np.isfinite(factors))
+    heavier = -np.sqrt((loads.forces[blocks[slides]] ** 2).sum(axis=1))
+    alike = np.floor(np.log(np.maximum(factors[slides], TINY)) / SAME_FACTOR)
+    slides = slides[np.lexsort((blocks[slides], heavier, alike))]
+    return blocks[slides], factors[slides]
+
+
+def sliding_direction(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, gone: Bools, block: int
+) -> Floats:
+    """Return the unit vector (3,) along which a block slides that `slide_alone` has a factor of."""
+    _, faces = _faces(assembly, loads, strength, gone, np.array([block], dtype=np.int64))
+    _, factors, directions = _slides(*faces)
+    direction: Floats = directions[int(np.argmin(factors))]
+    return direction
+
+
+def _faces(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, gone: Bools, free: Ints
+) -> tuple[Ints, tuple[Ints, Floats, Floats, Floats, Floats]]:
+    """Return the blocks among `free` that touch any, and the arguments of `sliding_factors` for them."""
     patches = assembly.patches
     out = np.append(gone, False)
     there = np.flatnonzero(~out[patches.plus] & ~out[patches.minus])
@@ -28,17 +51,10 @@ def slide_alone(
     order = np.argsort(owner, kind="stable")
     order = order[np.isin(owner[order], free)]
     owner, patch, sign = owner[order], patch[order], sign[order]
-    blocks, of_face = np.unique(owner, return_inverse=True)
+    blocks, face_block = np.unique(owner, return_inverse=True)
     joint = patches.joint[patch]
-    factors = sliding_factors(
-        of_face, sign[:, None] * patches.normals[patch], loads.forces[blocks],
-        strength.cohesion[joint] * patches.areas[patch], strength.tan_friction[joint],
-    )  # fmt: skip
-    slides = np.flatnonzero(np.isfinite(factors))
-    heavier = -np.sqrt((loads.forces[blocks[slides]] ** 2).sum(axis=1))
-    alike = np.floor(np.log(np.maximum(factors[slides], TINY)) / SAME_FACTOR)
-    slides = slides[np.lexsort((blocks[slides], heavier, alike))]
-    return blocks[slides], factors[slides]
+    normals, cohesion = sign[:, None] * patches.normals[patch], strength.cohesion[joint] * patches.areas[patch]
+    return blocks, (face_block, normals, loads.forces[blocks], cohesion, strength.tan_friction[joint])
 
 
 def sliding_factors(block: Ints, normals: Floats, forces: Floats, cohesion: Floats, tan_friction: Floats) -> Floats:
@@ -58,6 +74,16 @@ def sliding_factors(block: Ints, normals: Floats, forces: Floats, cohesion: Floa
     >>> sliding_factors(face, up, np.array([[0.0, 0.0, 4.0]]), np.zeros(1), np.array([0.75])).tolist()  # is lifted
     [inf]
     """
+    slider, factor, _ = _slides(block, normals, forces, cohesion, tan_friction)
+    factors = np.full(len(forces), np.inf)
+    np.minimum.at(factors, slider, factor)
+    return factors
+
+
+def _slides(
+    block: Ints, normals: Floats, forces: Floats, cohesion: Floats, tan_friction: Floats
+) -> tuple[Ints, Floats, Floats]:
+    """Return each way in which a block can slide: its block, its factor, its direction (3,)."""
     faces = np.arange(len(block))
     ends = np.searchsorted(block, np.arange(len(forces)), side="right")
     of_one, one = _each(ends[block] - faces - 1)
@@ -87,9 +113,8 @@ def sliding_factors(block: Ints, normals: Floats, forces: Floats, cohesion: Floa
     blocked = np.bincount(way, opening < -PARALLEL, len(a)) > 0
     held = np.bincount(way, np.where(opening < PARALLEL, cohesion[face], 0.0), len(a)).astype(np.float64)  # none: ints
     held += on_first[slides] * tan_friction[a] + on_second[slides] * tan_friction[b]
-    factors = np.full(len(forces), np.inf)
-    np.minimum.at(factors, block[a[~blocked]], held[~blocked] / pull[~blocked])
-    return factors
+    free = ~blocked
+    return block[a[free]], held[free] / pull[free], along[free] / pull[free, None]
 
 
 def _each(counts: Ints) -> tuple[Ints, Ints]:

@@ -6,21 +6,22 @@ what is left of that component is solved anew. Contacts in space that twist get 
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from functools import partial
 
 import numpy as np
 from scipy import sparse
 
-from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads, drained, without_anchors_of
 from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit, with_range
-from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Unrefined
+from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.groups import Groups
+from slopekit.preie.many_blocks.key_blocks import slide_alone, sliding_direction
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.solvers import work_limit
 from slopekit.preie.solvers.threads import one_thread
@@ -28,7 +29,7 @@ from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.components import WholeAssembly, block_sizes, components, model_of
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
 from slopekit.preie.system.model import JointStrength
-from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_LIMIT, TINY, TWISTS
+from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_FACTOR, SAME_LIMIT, TINY, TWISTS
 
 _LARGE = 24  # blocks in space: fewer are one path
 _MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
@@ -147,16 +148,20 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
             ended = "stands" if parts else "gone"
             break
         together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_LIMIT]
-        together[0] = _no_later(together[0], parts)
+        left = [part for part in parts if part.rank > rank + abs(rank) * SAME_LIMIT]
         with work_limit.allowed(work_limit.MOST):
             together = [_ranged(scene, part) for part in together]
+        slides = _sliding_alone(scene, there, parts, rank)
+        if slides is not None:
+            number, alone = slides
+            together, left = [alone], [part for k, part in enumerate(parts) if k != number]
+            rank = alone.rank
         moved = [_moving(part, size) for part in together]
         blocks = np.concatenate([fallen for fallen, _ in moved])
         failures.append(Failure(tuple(together), blocks, np.concatenate([motion for _, motion in moved])))
         if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in together):
             ended = "not_converged"
             break
-        left = [part for part in parts if part.rank > rank + abs(rank) * SAME_LIMIT]
         if len(failures) == 1:
             first = [*together, *left]
         there[blocks] = False
@@ -175,6 +180,54 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
                 left += _solved(scene, there, part.blocks[there[part.blocks]])
         parts = left
     return Ravelling(tuple(failures), tuple(replace(part, groups=None) for part in first), there, ended)
+
+
+def _sliding_alone(scene: WholeAssembly, there: Bools, parts: Sequence[Part], limit: float) -> tuple[int, Part] | None:
+    """Return the block that slides alone at the lowest factor by forces, as a part and the number of its part.
+
+    None where no block does at less than the limit of all parts. Asked of blocks in space on which no other presses
+    that may move, without dilation, passive bolts or curved strength: else forces alone have no one factor.
+    """
+    assembly, lowest, number = scene.assembly, limit * (1.0 - SAME_FACTOR), -1
+    gone, slider = ~there & ~assembly.fixed, -1
+    for k, part in enumerate(parts):
+        if not _has_forces_alone(part):
+            continue
+        alone = part.blocks[~_pressed_by_others(assembly, there, part)[part.blocks]]
+        blocks, factors = slide_alone(assembly, scene.loads, scene.strength, gone, alone)
+        if len(blocks) and factors[0] < lowest:
+            slider, lowest, number = int(blocks[0]), float(factors[0]), k
+    if number < 0:
+        return None
+    part = parts[number]
+    velocity = np.zeros_like(part.limit.velocity)
+    direction = sliding_direction(assembly, scene.loads, scene.strength, gone, slider)
+    velocity[part.model.moving == slider, :3] = direction
+    of_path = replace(part.limit, highest=max(part.limit.factor or 0.0, part.limit.highest or 0.0))
+    slides = replace(
+        of_path, outcome=Outcome.SLIDES, factor=lowest, basis=Basis.ALONE, change=0.0, velocity=frozen(velocity),
+        lowest=min(lowest, part.limit.lowest or lowest), group=0,
+    )  # fmt: skip
+    return number, replace(part, limit=slides, groups=None)
+
+
+def _has_forces_alone(part: Part) -> bool:
+    """Return whether forces alone have one factor of each block of a part."""
+    model = part.model
+    straight = model.lines is None and not len(model.bolts) and not bool(model.tan_dilation.any())
+    return straight and model.unknowns == 6 and part.limit.factor is not None
+
+
+def _pressed_by_others(assembly: Assembly, there: Bools, part: Part) -> Bools:
+    """Return which blocks (b,) of the assembly another one presses on at the limit of a part that may move as well."""
+    patches, model = assembly.patches, part.model
+    pressed = np.bincount(model.pair_contact, part.limit.normal_force, len(model.plus))[: len(part.patch)] > 0.0
+    plus, minus = patches.plus[part.patch[pressed]], patches.minus[part.patch[pressed]]
+    moves = np.append(there & ~assembly.fixed, False)
+    between = moves[plus] & moves[minus]
+    crowded = np.zeros(len(assembly), dtype=bool)
+    crowded[plus[between]] = crowded[minus[between]] = True
+    return crowded
 
 
 def _let_go(loads: AssemblyLoads, out: Bools) -> Bools:
@@ -291,16 +344,6 @@ def limit_again(model: AssemblyModel, divided_by: float = 1.0, ratio: float = SH
     return component_limit(other, ratio=ratio)[1]
 
 
-def _no_later(part: Part, parts: Iterable[Part]) -> Part:
-    """A part which says as well where blocks of others, or its own, would move first with other bonds."""
-    soonest = min((one.limit.sooner for one in parts if one.limit.sooner), default=math.inf)
-    limit = part.limit
-    if not limit.factor or soonest >= min(limit.factor, limit.sooner or math.inf):
-        return part
-    lowest = soonest if limit.lowest is None else min(limit.lowest, soonest)
-    return replace(part, limit=replace(limit, sooner=soonest, lowest=lowest))
-
-
 def _ranged(scene: WholeAssembly, part: Part) -> Part:
     """A part with the range of its mechanism, where that is wanted."""
     limit = with_range(part.model, part.limit, part.groups) if scene.ranged else part.limit
@@ -336,35 +379,37 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if not twists.any():
             break
         if part.limit.basis is Basis.PEAK and part.model.has_cohesion and _large(part.model):
-            return replace(part, limit=replace(part.limit, unrefined=Unrefined.UNSETTLED))
+            break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
         model_patch = model_of(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
-            return _unrefined(part, Unrefined.TOO_MANY)
+            break
         model, patch = model_patch
         by_groups = _large(model) and model.has_cohesion
         groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
         lost = np.bincount(part.model.pair_contact, part.limit.bond, len(part.model.plus)) == 0.0
         model, limit = component_limit(model, groups, np.where(lost[model.pair_contact], 0.0, 1.0))
         if not limit.factor:
-            return _unrefined(part, Unrefined.NO_FACTOR)
+            break
         assert part.limit.factor is not None  # what twists contacts has one
         if limit.basis is Basis.PEAK and model.has_cohesion:
-            return replace(part, limit=replace(part.limit, finer=limit.factor))
+            return _no_higher(part, limit.factor)
         change = abs(limit.factor / part.limit.factor - 1.0)
-        finer = replace(
+        part = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
         )
-        part = _no_later(finer, [finer, part])  # bonds that were kept on the coarser pairs are kept on the finer
         if change < MESH_CHANGE:
             break
     return part
 
 
-def _unrefined(part: Part, why: Unrefined) -> Part:
-    """A part that says why nobody knows how far finer node pairs move its factor; of some `mesh_change` says it."""
-    return part if part.mesh_change is not None else replace(part, limit=replace(part.limit, unrefined=why))
+def _no_higher(part: Part, finer: float) -> Part:
+    """Return a part whose lowest factor is no higher than that on finer node pairs, whose motion did not settle."""
+    limit = part.limit
+    if not limit.factor or finer >= limit.factor * (1.0 - MESH_CHANGE):
+        return part
+    return replace(part, limit=replace(limit, lowest=min(finer, limit.lowest or finer)))
 
 
 def _twisting(part: Part) -> Bools:

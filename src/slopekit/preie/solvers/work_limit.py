@@ -71,12 +71,6 @@ def spend(units: float, times: float = 1.0) -> None:
             raise WorkSpentError
 
 
-def spent() -> float:
-    """Units of work done so far within `allowed`."""
-    meter = _METER.get()
-    return 0.0 if meter is None else meter.spent
-
-
 def is_spent() -> bool:
     """Whether the work that is allowed is done."""
     meter = _METER.get()

@@ -280,7 +280,7 @@ def _findings(
         if not result.static_bound_proved:
             words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g} (not proved)"
         yield Finding("static bound", above, _ALIKE, above <= _ALIKE if result.static_bound_proved else None, words)
-    yield from _history(result, fos.limit)
+    yield from _debonding(result)
     if fos.all_pairs_failed is not None:
         yield Finding("all pairs failed", fos.all_pairs_failed, None, None,
                       f"the paper's criterion, no safety factor: {design.stiffness.in_words()}")  # fmt: skip
@@ -357,18 +357,11 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
         yield Finding(name, None, None, None, f"{shown}: whether the limit hangs on it is not known", "W364")
 
 
-def _history(result: Result, limit: float) -> Iterator[Finding]:
-    """Where cohesive blocks run in another history of falling strength."""
-    history = result.history
-    if history is None:
-        return
-    above, name = history.excess(limit), "history"
-    if above is None:
-        words = f"all blocks, slip that stays: at rest to {history.rests:.4g}, whether they run beyond is not known"
-        yield Finding(name, None, None, None, words, "W504")
-        return
-    words = f"all blocks, slip that stays: they run at {history.runs:.4g}; how far the limit lies above"
-    yield Finding(name, above, history.SAME, not history.falls_short(limit), words, "W504")
+def _debonding(result: Result) -> Iterator[Finding]:
+    """Yield a finding where cohesive blocks fail at less with progressive slip and debonding."""
+    for notice in result.warnings:
+        if notice.code == "W504":
+            yield Finding("debonding", None, None, False, notice.message, notice.code)
 
 
 def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Finding]:

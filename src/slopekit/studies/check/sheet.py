@@ -6,15 +6,7 @@ from operator import attrgetter
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds.sheets.many_blocks import limit_in_words
-from slopekit.kinds.sheets.shared import (
-    accept,
-    has_range,
-    leading,
-    locked_in,
-    methods,
-    of_another_motion,
-    without_cohesion,
-)
+from slopekit.kinds.sheets.shared import accept, has_range, leading, locked_in, methods
 from slopekit.kinds.single_block.ladders import Rung
 from slopekit.result import JUDGED
 from slopekit.studies.check.run import Check, Finding
@@ -61,10 +53,9 @@ def _factors(checked: Check) -> list[str]:
     lines = [f"{factor_text(value)}  {name}" for value, name in named]
     if fos.lowest is not None or fos.highest is not None:
         ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
-        if of_another_motion(checked.result) and not has_range(checked.result):
+        if not has_range(checked.result):
             ends = factor_text(fos.lowest)
         lines.insert(2, f"{ends}  {locked_in(checked.result).what}")
-    lines += [f"{factor_text(one.value)}  {one.what}" for one in without_cohesion(checked.result)]
     lines[:0] = [f"{factor_text(one.value)}  {one.what}" for one in leading(checked.result)]
     if checked.result.moments_govern:
         lines.append("moments govern: the limit is the number to use, the closed form knows no moments")

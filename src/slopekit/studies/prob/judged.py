@@ -12,7 +12,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
-from slopekit.evidence import AlsoJudged
+from slopekit.evidence import WithoutBasal
 from slopekit.kinds.single_block.closed_forms import ClosedForms
 from slopekit.studies.points import Point, falls_short
 from slopekit.studies.prob.estimates import Share, clopper_pearson, rank_correlation, unwrapped
@@ -104,7 +104,7 @@ def with_also(judged: Judged, also: ClosedForms, called: str, what: str, target:
 
 
 def also_of(
-    points: Sequence[Point], without_block: Callable[[int], AlsoJudged | None]
+    points: Sequence[Point], without_block: Callable[[int], WithoutBasal | None]
 ) -> tuple[ClosedForms, str, str] | None:  # fmt: skip
     """What acceptance of points is held against besides, what its outcomes begin with, and what it is in words.
 

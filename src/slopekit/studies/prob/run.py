@@ -24,7 +24,7 @@ from slopekit.core.sheet import Column, counted
 from slopekit.design.common import Design
 from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
-from slopekit.evidence import AlsoJudged, WithoutBasal
+from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import not_as_given
 from slopekit.studies.marginals import checked_limits
@@ -577,7 +577,7 @@ def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judge
     return judged if besides is None else with_also(judged, *besides, asked.target)
 
 
-def _without_block(at_work: _AtWork, samples: Samples, row: int) -> AlsoJudged | None:
+def _without_block(at_work: _AtWork, samples: Samples, row: int) -> WithoutBasal | None:
     """What acceptance is held against besides, of a sample that forms no block."""
     try:
         sample = with_values(at_work.design, samples.settings(row))

@@ -11,7 +11,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.design.scatter.distributions import Angles, Distribution
-from slopekit.evidence import WithoutBasal, WithoutTurning
+from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
 from slopekit.studies.marginals import tails
 from slopekit.studies.points import Point
@@ -36,7 +36,7 @@ NO_BLOCK = {
 }  # fmt: skip
 _SHARE_OVER = 1e-4  # of the dips drawn: fewer are not worth a line
 #: What else acceptance is held against, by what its outcomes begin with.
-_ALSO = {WithoutBasal.NAME: WithoutBasal.WHAT, WithoutTurning.NAME: "a block that turns, without turning"}
+_ALSO = {WithoutBasal.NAME: WithoutBasal.WHAT}
 _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube", "sobol": "Sobol"}
 
 

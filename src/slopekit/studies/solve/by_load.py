@@ -13,7 +13,7 @@ from slopekit.core.errors import DesignError, Notice
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import AtLoad, Factors
-from slopekit.notices import bond_notices
+from slopekit.notices import lost_cohesion_notices
 from slopekit.preie.solvers import work_limit
 from slopekit.studies.keys import values_of
 from slopekit.studies.points import UNSETTLED, Point, factor_at, status_of
@@ -205,7 +205,7 @@ def _in_load(asked: FactorRequest, at: AtLoad, jumps: bool) -> Answers:
     known = asked.points.get(at.multiplier)
     last = None if known is None else factor_at(known, "pre_ie")
     evaluations = 1 + len(asked.points)
-    notes = () if at.bonds is None else tuple(bond_notices(at.bonds, partial(asked.key.shown, digits=4), "load"))
+    notes = () if at.lost is None else tuple(lost_cohesion_notices(at.lost, "load"))
     if known is not None and known.factors is not None:  # of the factor there, what the path in the load does not say
         said = {notice.code for notice in notes}
         notes += tuple(notice for notice in said_of_factor(asked, at.multiplier, known) if notice.code not in said)

@@ -14,7 +14,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, parse_plane
 from slopekit.core.records import dataclass
 from slopekit.kinds import known_kind
-from slopekit.result import JUDGED, OTHERWISE
+from slopekit.result import JUDGED
 from slopekit.views.solid.layers import (
     BLOCK,
     JOINTS,
@@ -225,12 +225,7 @@ class Stage:
         said = "limit, PRE-IE" if not led else "limit"
         parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} ({said})")
         known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
-        codes = {notice.get("code") for notice in self.document.get("warnings") or ()}
-        others = [how for code, how in OTHERWISE.items() if code in codes]
-        of = "same mechanism from"
-        if others:
-            of = " or ".join([*["under other forces"] * (fos.get("highest") is not None), *others]) + " from"
-        parts += [] if known else [f"{of} {lowest:.4f}"]
+        parts += [] if known else [f"lowest estimate {lowest:.4f}"]
         searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
         parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
         parts += [] if closed is None else [f"closed form {closed:.4f}"]
