@@ -176,8 +176,8 @@ def test_curved_strength_parts_the_methods_and_not_their_agreement() -> None:
     ours, closed = found.yields
     assert 0.01 < closed.coefficient / ours.coefficient - 1.0 < 0.2
     assert sk.run(str(path_of("rough")), set={"loads.seismic.k": ours.coefficient}).agree
-    assert found.agree
-    assert "PRE-IE's is used" in str(found)
+    assert found.moments_govern  # then the closed form's k_y is not compared, as nowhere where moments govern
+    assert found.agree is None
 
 
 def test_columns_have_the_factor_of_the_one_that_goes_farthest_by_both_methods() -> None:
@@ -614,10 +614,10 @@ def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None
     found = sk.quake(sk.load(PLANE, set=strong), "sine:0.9g,2Hz")
     ours, closed = found.yields
     assert ours.coefficient < 0.9 * closed.coefficient
-    assert "the factor of safety jumps from" in ours.why_not
+    assert ours.why_not == "moments govern: it turns as it slides"  # it opens little by little, and then tips
     assert found.moments_govern
     assert found.agree is None
-    assert [notice.code for notice in found.warnings] == ["W462", "W465", "W491"]
+    assert [notice.code for notice in found.warnings] == ["W462", "W465"]
     assert " cm (W465)  not compared  W462  W465" in found.line
     assert "no displacement stands for what follows" in str(found)
     below, above = (
