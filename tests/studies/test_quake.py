@@ -611,13 +611,13 @@ def test_what_no_shaking_moves_says_so() -> None:
 def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None:
     """Cohesion of 5 MPa: the block is pulled off its joint long before it slides."""
     strong = {"strength.bedding.c": "5 MPa"}
-    found = sk.quake(sk.load(PLANE, set=strong), "sine:1.2g,2Hz")
+    found = sk.quake(sk.load(PLANE, set=strong), "sine:0.9g,2Hz")
     ours, closed = found.yields
     assert ours.coefficient < 0.9 * closed.coefficient
-    assert ours.why_not == "moments govern: it turns as it slides"  # it opens little by little, and then tips
+    assert "the factor of safety jumps from" in ours.why_not
     assert found.moments_govern
     assert found.agree is None
-    assert [notice.code for notice in found.warnings] == ["W462", "W465"]
+    assert [notice.code for notice in found.warnings] == ["W462", "W465", "W491"]
     assert " cm (W465)  not compared  W462  W465" in found.line
     assert "no displacement stands for what follows" in str(found)
     below, above = (
