@@ -125,13 +125,17 @@ def test_curved_bodies_say_what_flat_triangles_leave_out(result, tmp_path) -> No
     ("wedge", {"loads.seismic.k": 0.1, "water.mode": "full", "loads.forces": ["900kN@200/10"]}, 3e-5),
 ])  # fmt: skip
 def test_the_loop_gives_the_same_factor(tmp_path, template, changes, tolerance) -> None:
-    """result -> meshes and blocks.yaml -> run. Two joints of a wedge: single block and assembly agree to 2e-5."""
+    """result -> meshes and blocks.yaml -> run. Two joints of a wedge: single block and assembly agree to 2e-5.
+
+    By forces: the wedge as one block has the bed's limit, 0.764, cohesion of an assembly goes by another rule.
+    """
     first = sk.run(TEMPLATES / f"{template}.yaml", set=changes)
     done = sk.export(first, split=tmp_path)
     assert done.warnings == ()
     assert done.files[0].name == "blocks.yaml"
     again = sk.run(done.files[0])
-    assert again.fos.limit == pytest.approx(first.fos.limit, rel=tolerance)
+    by_forces = first.forces_only if first.moments_govern else first.fos.limit
+    assert again.fos.limit == pytest.approx(by_forces, rel=tolerance)
     assert again.geometry.volume_m3 == pytest.approx(first.geometry.volume_m3, rel=1e-12)
 
 

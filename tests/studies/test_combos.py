@@ -323,7 +323,7 @@ def test_moments_may_bring_a_pair_below_the_target() -> None:
 
 
 def test_all_pairs_are_judged_by_pre_ie(tmp_path) -> None:
-    """Moments take 06 x 39 from far above the target to below it: the closed form ranks it fifth, PRE-IE third."""
+    """Moments take 06 x 39 from above the target, 1.343, to below it, 1.217."""
     bars: list[tuple[str, int, list[int]]] = []
 
     @contextmanager
@@ -339,9 +339,9 @@ def test_all_pairs_are_judged_by_pre_ie(tmp_path) -> None:
     assert list(tmp_path.iterdir()) == []  # the journal goes when all is done
     limits = [pair.limit for pair in every.worst]
     assert limits == sorted(limits)
-    turns = every.worst[2]
+    turns = every.worst[4]
     assert turns.names == ("N06", "N39")
-    assert turns.closed_form > 1.3 > 1.0 > turns.limit
+    assert turns.closed_form > 1.34 > 1.3 > 1.22 > turns.limit
     rows = list(csv.DictReader(io.StringIO(every.sheet.tables["pairs.csv"].csv())))
     assert [row["fos_limit"] for row in rows[: len(limits)]] == [f"{limit:.9g}" for limit in limits]
 

@@ -176,8 +176,8 @@ def test_curved_strength_parts_the_methods_and_not_their_agreement() -> None:
     ours, closed = found.yields
     assert 0.01 < closed.coefficient / ours.coefficient - 1.0 < 0.2
     assert sk.run(str(path_of("rough")), set={"loads.seismic.k": ours.coefficient}).agree
-    assert found.agree
-    assert "PRE-IE's is used" in str(found)
+    assert found.moments_govern  # then the closed form's k_y is not compared, as nowhere where moments govern
+    assert found.agree is None
 
 
 def test_columns_have_the_factor_of_the_one_that_goes_farthest_by_both_methods() -> None:

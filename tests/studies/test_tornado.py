@@ -171,7 +171,7 @@ def test_the_command(monkeypatch, capsys, tmp_path) -> None:
     with pytest.raises(SystemExit) as left:
         main()
     assert (left.value.code or 0) == 0
-    assert capsys.readouterr().out.startswith("water.fill 0.5514")
+    assert capsys.readouterr().out.startswith("water.fill 0.5184")
     assert {path.name for path in tmp_path.iterdir()} == {"tornado.json", "tornado.txt", "tornado.png"}
 
 
