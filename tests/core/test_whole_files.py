@@ -73,7 +73,7 @@ def worked(tmp_path_factory) -> Path:
     for suffix in ("stl", "vtu", "dxf", "html", "svg"):
         (folder / "out" / f"a.{suffix}").write_text("old")
     assert slopekit("templates", "new", "wedge", cwd=folder).returncode == 0
-    assert slopekit(*"run wedge.yaml -o results --quiet --no-pictures".split(), cwd=folder).returncode == 0
+    assert slopekit(*["run", "wedge.yaml", "-o", "results", "--quiet", "--no-pictures"], cwd=folder).returncode == 0
     return folder
 
 

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.kinds.single_block import ladders
 from slopekit.studies.check.run import _elastic, check
 
 
-def test_the_cohesion_that_opens_is_no_disagreement(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ladders, "_REPEATS", 1)
-    monkeypatch.setattr(ladders, "_ONCE_S", 0.0)
+def test_the_cohesion_that_opens_is_no_disagreement() -> None:
     design = {
         "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "12/195", "height": 30},
         "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}},

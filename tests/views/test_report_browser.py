@@ -48,9 +48,7 @@ def browser(tmp_path_factory):
 class Page:
     """A page that is open, and what its canvas shows."""
 
-    def __init__(
-        self, browser, path: Path, width: int = 1000, mobile: bool = False, pixels: float = PIXELS
-    ) -> None:
+    def __init__(self, browser, path: Path, width: int = 1000, mobile: bool = False, pixels: float = PIXELS) -> None:
         self.browser = browser
         for kind in ("browser", "performance"):
             browser.get_log(kind)
