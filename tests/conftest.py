@@ -13,6 +13,7 @@ import gc
 import os
 import sys
 
+import pytest
 from hypothesis.internal.conjecture import providers
 
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -29,6 +30,14 @@ if hasattr(providers, "_get_local_constants"):
 collect_ignore = ["caller.py"]
 
 gc.disable()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _each_rung_runs_once() -> None:
+    """Of a check's ladder: how long a rung takes is shown and never compared."""
+    from slopekit.kinds.single_block import ladders
+
+    ladders._REPEATS, ladders._ONCE_S = 1, 0.0
 
 
 def pytest_collection_finish() -> None:

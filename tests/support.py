@@ -19,6 +19,8 @@ from slopekit.result import Result
 from slopekit.studies.protocol import STUDIES
 
 PAPER = {"dips": ("45/115", "45/245")}
+#: The template of a bench, with a few blocks: a quarter of its work, where any bench will do.
+SMALL_BENCH = {"slope.height": 5, "slope.length": 8, "slope.depth": 5}
 
 
 @cache

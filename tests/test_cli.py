@@ -248,11 +248,11 @@ def test_templates_alone_shows_its_help() -> None:
     assert "  new   Write a template" in ran.stdout
 
 
-def test_picture(tmp_path) -> None:
+def test_picture(tmp_path, monkeypatch) -> None:
     pytest.importorskip("pyvista")
     target = tmp_path / "wedge.png"
-    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    run = started(*PAPER, "--picture", str(target), "--quiet", env=environment)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    run = slopekit(*PAPER, "--picture", str(target), "--quiet")
     assert run.returncode == 0, run.stderr
     assert target.read_bytes().startswith(b"\x89PNG")
     assert target.stat().st_size > 10_000

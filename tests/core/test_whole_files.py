@@ -1,12 +1,17 @@
 """Files come whole or not at all: a limit of the file size (`ulimit -f`) stands for a full disk."""
 
 import os
+import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
 from slopekit.core.whole_files import whole_file, whole_files
+from tests.commands import slopekit
 
 
 def test_a_set_of_files_comes_together_or_not_at_all(tmp_path) -> None:
@@ -60,6 +65,31 @@ def test_a_new_file_replaces_none_that_came_in_the_meantime(tmp_path) -> None:
     assert target.read_text() == "another"
 
 
+@pytest.fixture(scope="module")
+def worked(tmp_path_factory) -> Path:
+    """A folder with a design, its results, and an old file in each place that a command writes to."""
+    folder = tmp_path_factory.mktemp("worked")
+    (folder / "out").mkdir()
+    for suffix in ("stl", "vtu", "dxf", "html", "svg"):
+        (folder / "out" / f"a.{suffix}").write_text("old")
+    assert slopekit("templates", "new", "wedge", cwd=folder).returncode == 0
+    assert slopekit(*["run", "wedge.yaml", "-o", "results", "--quiet", "--no-pictures"], cwd=folder).returncode == 0
+    return folder
+
+
+@contextmanager
+def full_disk() -> Iterator[None]:
+    """No byte goes into a file; what commands print is no file here."""
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="ulimit")
 @pytest.mark.parametrize(
     ("command", "kept"),
@@ -75,26 +105,29 @@ def test_a_new_file_replaces_none_that_came_in_the_meantime(tmp_path) -> None:
         ("templates new wedge out/b.yaml", "out"),
     ],
 )
-def test_a_disk_that_is_full_leaves_what_was_there(command, kept, tmp_path) -> None:
+def test_a_disk_that_is_full_leaves_what_was_there(command, kept, worked, tmp_path) -> None:
     """`ulimit -f` cut a sound result.json to 4096 bytes."""
-
-    unspoilt = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # Python itself would leave its own files cut short
-
-    def slopekit(line: str, most_kb: str) -> subprocess.CompletedProcess:
-        program = f"ulimit -f {most_kb}; exec {sys.executable} -m slopekit {line}"
-        return subprocess.run(["bash", "-c", program], cwd=tmp_path, capture_output=True, text=True, env=unspoilt)
-
-    (tmp_path / "out").mkdir()
-    for suffix in ("stl", "vtu", "dxf", "html", "svg"):
-        (tmp_path / "out" / f"a.{suffix}").write_text("old")
-    assert slopekit("templates new wedge", "unlimited").returncode == 0
-    assert slopekit("run wedge.yaml -o results --quiet --no-pictures", "unlimited").returncode == 0
-    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    full = slopekit(command, "0")
+    folder = shutil.copytree(worked, tmp_path / "worked")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    with full_disk():
+        full = slopekit(*command.split(), cwd=folder)
     assert full.returncode == 2
     assert "E129" in full.stderr
-    after = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file() and path.suffix != ".journal"}
+    after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.suffix != ".journal"}
     assert after == before
-    assert list(tmp_path.rglob(".slopekit-*")) == []
-    assert slopekit(command, "unlimited").returncode == 0
-    assert {path: path.read_bytes() for path in (tmp_path / kept).rglob("*") if path.is_file()} != before
+    assert list(folder.rglob(".slopekit-*")) == []
+    assert slopekit(*command.split(), cwd=folder).returncode == 0
+    assert {path: path.read_bytes() for path in (folder / kept).rglob("*") if path.is_file()} != before
+
+
+@pytest.mark.skipif(os.name == "nt", reason="ulimit")
+def test_a_process_of_its_own_meets_a_full_disk(worked, tmp_path) -> None:
+    """As the shell starts it, with `ulimit -f`."""
+    folder = shutil.copytree(worked, tmp_path / "worked")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    unspoilt = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # Python itself would leave its own files cut short
+    program = f"ulimit -f 0; exec {sys.executable} -m slopekit run wedge.yaml -o results --quiet --no-pictures"
+    full = subprocess.run(["bash", "-c", program], cwd=folder, capture_output=True, text=True, env=unspoilt)
+    assert full.returncode == 2
+    assert "E129" in full.stderr
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before

@@ -136,7 +136,9 @@ def test_it_is_checked_and_varied() -> None:
 
 def test_it_is_drawn_and_written(tmp_path) -> None:
     result = sk.run(SLAB)
-    sk.report(result, tmp_path / "slab.html")
+    sk.report(result, tmp_path / "slab.html", pictures=False)
+    sk.plot(result, "scene", tmp_path / "slab.png")
+    assert (tmp_path / "slab.png").stat().st_size > 10_000
     assert "slab on a seam" in (tmp_path / "slab.html").read_text(encoding="utf-8")
     written = sk.export(result, tmp_path / "slab.stl").written[0]
     assert written.volume_m3 == pytest.approx(16.0)

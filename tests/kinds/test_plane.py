@@ -76,7 +76,7 @@ def random_plane(seed: int):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", [*range(32), 50, 55, 64, 65, 76, 82, 96])  # every branch that a hundred take
 def test_random_planes(seed) -> None:
     """Hand equilibrium and closed form to 1e-8 where moments do not govern; below them where they do."""
     (plane, face, upper, height, c, phi, weight, crack, water, seismic), azimuth, force, plunge, acts = random_plane(

@@ -250,7 +250,7 @@ def random_scene(seed: int) -> dict:
             continue
 
 
-@pytest.mark.parametrize("seed", [*range(28), *range(29, 61)])  # 28 takes as long as forty others: a thousand passes
+@pytest.mark.parametrize("seed", [*range(20), 32, 35, 36, 41, 59])  # every branch that sixty take
 def test_random_scenes(seed) -> None:
     """Forces that balance at the limit exist (Clarabel): limit <= static bound; strength / F leaves F = 1."""
     scene = random_scene(seed)

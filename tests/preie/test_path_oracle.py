@@ -195,7 +195,7 @@ def test_two_blocks_have_a_continuum_of_limits() -> None:
 
 # -- slopekit before them ---------------------------------------------------------------------------------------------
 
-SECTIONS = [0, 2, 4, 7, 11, 12, 16, 17, 19, 20, 21, 25]  # without cohesion; the same numbers, whatever solves them
+SECTIONS = [2, 4, 7, 12, 16, 17, 20]  # without cohesion; the same numbers, whatever solves them
 
 
 @pytest.mark.parametrize("number", SECTIONS)

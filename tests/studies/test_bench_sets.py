@@ -109,7 +109,8 @@ def test_sets_that_do_not_scatter_are_few_joints_however_many_are_drawn(tmp_path
     """W390: 1,000 joints of two planes are two joints; sets with a scatter are as many as are drawn."""
     (tmp_path / "alike.yaml").write_text("sets:\n  A: {plane: 50/150}\n  B: {plane: 60/220}\n")
     (tmp_path / "apart.yaml").write_text("sets:\n  A: {plane: 50/150, scatter: 5}\n  B: {plane: 60/220}\n")
-    bench = ["--height", "10", "--face", "65", "--dip-direction", "180", "--c", "1", "--phi", "30", "-n", "100"]
+    bench = ["--height", "10", "--face", "65", "--dip-direction", "180", "--c", "1", "--phi", "30", "-n", "100",
+             "--confirm", "0", "--near", "0"]  # fmt: skip
     said = [slopekit("bench-design", str(tmp_path / name), *bench).stdout for name in ("alike.yaml", "apart.yaml")]
     assert "W390 alike.yaml holds 1000 joints in 2 orientations, as its sets do not scatter" in " ".join(
         said[0].split()

@@ -6,15 +6,13 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
-from slopekit.kinds.single_block import ladders
 from slopekit.studies.check import check
 from tests.commands import slopekit
 
 
 @pytest.mark.parametrize("name", ["wedge", "goodman-bray", "wall"])
-def test_the_sheet(name, monkeypatch) -> None:
+def test_the_sheet(name) -> None:
     """Never a bare number: status, factors, what was looked at, ladder, verdict, within 100 columns."""
-    monkeypatch.setattr(ladders, "_REPEATS", 1)
     checked = check(sk.load(path_of(name)))
     sheet = str(checked)
     lines = sheet.splitlines()
@@ -53,17 +51,6 @@ def test_without_a_factor_the_sheet_says_why() -> None:
     assert "the same status from both" in sheet
 
 
-def test_the_picture(tmp_path) -> None:
-    pytest.importorskip("matplotlib")
-    from matplotlib.image import imread
-
-    path = tmp_path / "check.png"
-    sk.plot(check(sk.load(path_of("plane"))), "speed-error", path)
-    image = imread(path)
-    assert min(image.shape[:2]) > 500
-    assert image[..., :3].std() > 0.02  # something is drawn
-
-
 def test_without_a_factor_there_is_no_picture(tmp_path) -> None:
     lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
     with pytest.raises(sk.DesignError) as caught:
@@ -83,6 +70,8 @@ def test_without_matplotlib_the_rest_is_written(tmp_path, monkeypatch) -> None:
 
 def test_the_command(tmp_path) -> None:
     pytest.importorskip("matplotlib")
+    from matplotlib.image import imread
+
     run = slopekit("check", str(path_of("plane")), "-o", str(tmp_path), "--json")
     assert run.returncode == 0
     document = json.loads(run.stdout)
@@ -90,6 +79,9 @@ def test_the_command(tmp_path) -> None:
     assert document["consistent"] is True
     assert "VERDICT" in (tmp_path / "check.txt").read_text()
     assert (tmp_path / "speed-error.png").stat().st_size > 10_000
+    image = imread(tmp_path / "speed-error.png")
+    assert min(image.shape[:2]) > 500
+    assert image[..., :3].std() > 0.02  # something is drawn
 
 
 def test_disagreement_is_exit_code_4() -> None:

@@ -61,8 +61,9 @@ def template(name: str) -> dict[str, Any]:
 
 def bench() -> dict[str, Any]:
     design = template("bench")
-    bolt = {"force": 200, "head": [EAST + 0.125, NORTH + 1.9, UP + 5.0], "toward": "000/05", "length": 9}
-    return {**design, "slope": {**design["slope"], "origin": [EAST, NORTH, UP]}, "support": {"bolts": [bolt]}}
+    bolt = {"force": 200, "head": [EAST + 0.125, NORTH + 0.95, UP + 2.5], "toward": "000/05", "length": 9}
+    slope = {**design["slope"], "height": 5, "length": 8, "depth": 5, "origin": [EAST, NORTH, UP]}
+    return {**design, "slope": slope, "support": {"bolts": [bolt]}}
 
 
 def blocks() -> dict[str, Any]:

@@ -187,7 +187,6 @@ def test_histograms_of_odd_samples(scattered) -> None:
 
 def test_speed_against_error(monkeypatch) -> None:
     """Every rung of a method with its own time."""
-    monkeypatch.setattr(ladders, "_REPEATS", 1)
     monkeypatch.setattr(ladders, "_MOST_REFINED", 1)
     document = plain(sk.check(sk.load(path_of("plane"))))
     axes = figure_of(draw_speed_errors, document).axes[0]

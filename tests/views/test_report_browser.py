@@ -23,6 +23,8 @@ image = pytest.importorskip("PIL.Image", reason="pictures are read with pillow (
 
 from tests.app.browsing import started  # noqa: E402
 
+PIXELS = 0.5  # of the view along a pixel of the page: drawn by software, a quarter of the work
+
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory) -> dict[str, Path]:
@@ -46,11 +48,13 @@ def browser(tmp_path_factory):
 class Page:
     """A page that is open, and what its canvas shows."""
 
-    def __init__(self, browser, path: Path, width: int = 1000, mobile: bool = False) -> None:
+    def __init__(self, browser, path: Path, width: int = 1000, mobile: bool = False, pixels: float = PIXELS) -> None:
         self.browser = browser
         for kind in ("browser", "performance"):
             browser.get_log(kind)
-        self.command("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=mobile)
+        self.command(
+            "Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=pixels, mobile=mobile
+        )
         self.command("Emulation.setTouchEmulationEnabled", enabled=mobile)
         browser.get(path.as_uri())
         self.settled()
