@@ -45,24 +45,24 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     """The sections below what was analysed, in order; those without entries print nothing."""
     order = _order(result)
     first = findings.mechanisms[0] if findings.mechanisms else None
-    yield Section("FORCES", shared.forces(result))
+    yield Section("FORCES", (), details=shared.forces(result))
     yield Section("STATUS", [_status(result, findings, order)])
     yield Section("FoS", [shared.factors_table(result, _factors(result))])
     yield from shared.elastic(result)
     yield Section("STRENGTH", shared.curved_strength(result))
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("ACCEPT", shared.accept(result))
-    yield Section("MOVES", _moves(result, first))
+    yield Section("MOVES", (), details=_moves(result, first))
     yield Section("NEXT", _next(result, findings, order), hang=43)
     yield Section("BY BLOCK", _by_block(findings, order))
-    yield Section("TABLE", toppling_rows(result, findings.table))
+    yield Section("TABLE", (), details=toppling_rows(result, findings.table))
     yield Section("METHODS", shared.methods(result))
     yield Section("SERIES", shared.series(result))
-    yield Section("CHECKS", _checks(result, findings, first))
-    yield Section("MODEL", _model(result))
-    yield Section("TIME", [_time(result.timing_s)] if result.timing_s else [])
-    yield Section("GOVERNS", shared.governs(result))
-    yield Section("DEFAULTS", _defaults(result))
+    yield Section("CHECKS", (), details=_checks(result, findings, first))
+    yield Section("MODEL", (), details=_model(result))
+    yield Section("TIME", (), details=[_time(result.timing_s)] if result.timing_s else [])
+    yield Section("SENSITIVITY", (), details=shared.governs(result))
+    yield Section("NOT GIVEN", _defaults(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings])
 
 
@@ -405,7 +405,7 @@ def _time(timing_s: Mapping[str, float]) -> str:
 
 def _defaults(result: Result) -> list[str]:
     ours = {
-        "upper": "upper slope (level)", "length": "length (twice the height)", "depth": "depth (the height)",
+        "upper": "upper slope (horizontal)", "length": "length (twice the height)", "depth": "depth (the height)",
         "seismic.trend": f"seismic trend ({result.words.seismic})",
     }  # fmt: skip
     names = [ours.get(name, name) for name in result.design.defaults]

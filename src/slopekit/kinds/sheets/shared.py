@@ -17,6 +17,10 @@ RULES = {
 }  # fmt: skip
 
 
+UPPER_BOUND = "upper bound (associated flow), not for design"
+_LEAST_PERCENT = 1e-4  # a smaller difference of two methods is not told apart from rounding
+
+
 @dataclass(frozen=True, slots=True)
 class _OnJoint:
     """What an interface carries, kN and kPa; None where it is not known or not asked."""
@@ -136,7 +140,7 @@ def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
         Column("to", attrgetter("to"), "to", show=lambda to: "" if to is None else factor_text(to), width=1,
                about=" .. {}"),
         Column("what it is", attrgetter("what"), "what", width=1, about="  {}"),
-        Column("check", attrgetter("check"), "check", width=1, about="       {}"),
+        Column("check", attrgetter("check"), "check", width=1, about="     {}"),
     ]  # fmt: skip
     return Table(columns, [*leading(result), *rows, *_residual(result)], headless=True)
 
@@ -262,18 +266,18 @@ def verdict(result: Result) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
     if result.agree is None:
         return "not compared with the closed form"
-    against = "forces only against closed form: " if result.moments_govern else ""
-    return against + judged_difference(result.difference, result.agree, result.design.agree_within)
+    return judged_difference(result.difference, result.agree, result.design.agree_within)
 
 
 def judged_difference(difference: float | None, agree: bool, agree_within: float) -> str:
     """The difference of two methods and the word for it."""
-    within, word = f"limit {agree_within * 100:g} %", "AGREE" if agree else "DISAGREE"
+    word = "AGREE" if agree else "DISAGREE"
     if difference is None:
         return f"{word} (no number from either)" if agree else word
-    percent = difference * 100
-    shown = "< 0.0001 %" if percent < 1e-4 else f"{percent:.4f} %"
-    return f"difference {shown}   {word} ({within})"
+    percent = max(difference * 100.0, _LEAST_PERCENT)
+    if agree:
+        return f"{word} within {percent:.2g} %"
+    return f"{word} by {percent:.3g} % (limit {agree_within * 100:g} %)"
 
 
 def all_pairs(result: Result) -> list[Entry]:
