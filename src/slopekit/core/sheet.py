@@ -27,6 +27,7 @@ from slopekit.core.records import dataclass
 
 WIDTH = 100
 LABEL = 10
+TIME = "TIME"  # a section of the full text alone: no two runs have the same
 Row = TypeVar("Row")
 
 _AT_ONCE = 8192  # rows of a CSV whose columns are made at once
@@ -271,14 +272,15 @@ class Sheet:
     def _text(self, is_full: bool) -> str:
         lines = _folded(self.head, " " * LABEL)
         for section in self.sections:
-            lines += section.lines(is_full)
+            if is_full or section.label != TIME:
+                lines += section.lines(is_full)
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
         """Entries by label as JSON values; times stand in their own block."""
         entries: dict[str, list[Any]] = {}
         for section in self.sections:
-            if section.content and not section.timed and section.label != "TIME":
+            if section.content and not section.timed and section.label != TIME:
                 entries.setdefault(section.label, []).extend(section.to_list())
         return entries
 

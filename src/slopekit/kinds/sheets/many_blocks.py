@@ -60,7 +60,7 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     yield Section("SERIES", shared.series(result))
     yield Section("CHECKS", (), details=_checks(result, findings, first))
     yield Section("MODEL", (), details=_model(result))
-    yield Section("TIME", (), details=[_time(result.timing_s)] if result.timing_s else [])
+    yield Section("TIME", [_time(result.timing_s)] if result.timing_s else [])
     yield Section("SENSITIVITY", (), details=shared.governs(result))
     yield Section("NOT GIVEN", _defaults(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings])

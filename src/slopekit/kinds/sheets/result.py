@@ -5,7 +5,7 @@ from operator import attrgetter
 
 from slopekit._version import __version__
 from slopekit.core.orientation import line_of
-from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
+from slopekit.core.sheet import TIME, Column, Section, Sheet, Table, factor_text
 from slopekit.design.parts import FactoredNumber, PartialFactors
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.sheets import shared
@@ -52,7 +52,7 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section("ACCEPT", shared.accept(result))
     yield Section("MODEL", (), details=_model(result))
     yield Section("MOVES", _large_movement(result), details=_movement(result))
-    yield Section("TIME", (), details=[_time(result)])
+    yield Section(TIME, [_time(result)])
     yield Section("SENSITIVITY", (), details=shared.governs(result))
     yield Section("NOT GIVEN", _not_given(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings if notice.code != INVENTED])

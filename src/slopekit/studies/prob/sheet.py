@@ -61,7 +61,7 @@ def sheet_of(study: Probability) -> Sheet:
         Section("BOLTS", _bolts(study)),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
-        Section("TIME", (), details=[f"{times}  ({study.crew})"]),
+        Section("TIME", [f"{times}  ({study.crew})"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
     ), {"samples.csv": _every_sample(study)})  # fmt: skip
 
