@@ -331,9 +331,20 @@ def judged_on(result: Result, rule: Rule) -> str:
 
 
 def _as_judged(value: float, rule: Rule) -> str:
-    """A factor in four decimals, or as many as show on which side of what is asked it lies."""
-    texts = (f"{value:.{digits}f}" for digits in range(4, 16))
-    return next((text for text in texts if rule.met(float(text)) == rule.met(value)), repr(value))
+    """Return a factor in three decimals, or as many as show on which side of the required one it lies."""
+    return judged_factor(value, [rule])
+
+
+def judged_factor(value: float, rules: Iterable[Rule]) -> str:
+    """Return a factor in three decimals, or as many as show on which side of every rule it lies.
+
+    >>> judged_factor(1.55739, []), judged_factor(1.49996, [Rule("fos", ">=", 1.5)])
+    ('1.557', '1.49996')
+    """
+    rules = list(rules)
+    texts = (f"{value:.{digits}f}" for digits in range(3, 16))
+    judged = [rule.met(value) for rule in rules]
+    return next((text for text in texts if [rule.met(float(text)) for rule in rules] == judged), repr(value))
 
 
 def _judgement(result: Result, rule: Rule) -> str:
