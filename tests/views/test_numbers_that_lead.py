@@ -14,6 +14,7 @@ from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
 from slopekit.kinds.assemblies import many_blocks
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.kinds.sheets.shared import judged_factor
 from slopekit.preie.many_blocks import blocks
 from slopekit.views.pages.report_words import answer
 from slopekit.views.solid.stage import Stage
@@ -54,7 +55,8 @@ def test_the_factor_that_acceptance_hangs_on_leads(template, rules, name) -> Non
     assert re.search(r"\d\.\d{3}", result.line).group() == f"{value:.3f}"
     assert re.search(r"FoS (\d\.\d{3})", picture_title(result)).group(1) == f"{value:.3f}"
     for text in (str(result), answer(document, [])["what"] if name else "", result.line, picture_title(result)):
-        assert f"{limit:.3f}" in text or not text  # the limit stands below, by its name
+        texts = {f"{limit:.3f}", judged_factor(limit, result.design.rules)}
+        assert any(shown in text for shown in texts) or not text  # the limit stands below, by its name
 
 
 def test_all_pairs_lead_where_a_rule_judges_by_them() -> None:
@@ -196,13 +198,13 @@ def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -
 
 
 @pytest.mark.parametrize(("rules", "limit", "pairs", "criterion", "said", "judged"), [
-    ("fos >= 1.5", 1.5574, None, "limit", "(limit 1.5574): MET", ("limit", 1.5574)),
-    ("fos >= 1.5", 1.5574, 1.5489, "all-pairs", "(all pairs failed 1.5489, no higher than the limit): MET",
+    ("fos >= 1.5", 1.5574, None, "limit", "(limit 1.557): MET", ("limit", 1.5574)),
+    ("fos >= 1.5", 1.5574, 1.5489, "all-pairs", "(all pairs failed 1.549, no higher than the limit): MET",
      ("all_pairs_failed", 1.5489)),
-    ("fos >= 1.5", 1.52, 1.5489, "all-pairs", "(limit 1.5200, no higher than the factor of all pairs): MET",
+    ("fos >= 1.5", 1.52, 1.5489, "all-pairs", "(limit 1.520, no higher than the factor of all pairs): MET",
      ("limit", 1.52)),
     ("fos >= 1.5", 1.52, None, "all-pairs", "(all-pairs): NOT MET (there is no such number here)", (None, None)),
-    ("fos.closed_form >= 1.5", 1.2, None, "limit", "(1.5571): MET", ("closed_form", 1.5571)),
+    ("fos.closed_form >= 1.5", 1.2, None, "limit", "(1.557): MET", ("closed_form", 1.5571)),
     ("fos >= 1.5", 1.49999996, None, "limit", "(limit 1.49999996): NOT MET", ("limit", 1.49999996)),
 ])  # fmt: skip
 def test_a_rule_says_which_number_it_judged(rules, limit, pairs, criterion, said, judged) -> None:

@@ -427,7 +427,7 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
     >>> path_in_words("limit", 0.4)
     'limit of the elastic path (k_t/k_n 0.4)'
     >>> path_in_words("peak", 0.4, 1.6, 0.005)
-    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
+    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.608, 0.5 % higher'
     """
     path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
     if basis != "peak":
