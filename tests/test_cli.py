@@ -18,7 +18,7 @@ from slopekit.core.options import given_by
 from tests.commands import slopekit
 
 PAPER = ["wedge", "--dips", "45/115", "45/245"]
-QUIET = "slides_on_both  1.5574  agree  W379 (face, upper, height, c, phi, density)"
+QUIET = "slides_on_both  1.557  agree  W379 (face, upper, height, c, phi, density)"
 
 
 def started(*arguments: str, **more) -> subprocess.CompletedProcess:
@@ -34,16 +34,27 @@ def test_the_sheet_of_the_papers_wedge() -> None:
     assert run.stderr == ""
     lines = run.stdout.splitlines()
     assert max(map(len, lines)) <= 100
-    assert "1.5574  limit, PRE-IE" in run.stdout
-    assert "1.5574  Hoek & Bray closed form" in run.stdout
-    assert "1.5868  static bound" in run.stdout
-    assert "difference < 0.0001 %   AGREE (limit 1 %)" in run.stdout
+    assert "FoS       1.557  PRE-IE\n" in run.stdout
+    assert "1.557  Hoek & Bray closed form (forces only)     AGREE within 0.0001 %" in run.stdout
+    assert "1.587  upper bound (associated flow), not for design" in run.stdout
     assert "J1 45/115  dips 45° toward 115 (ESE), strike 025" in run.stdout
-    assert "DEFAULTS  face, upper, height, c, φ, density (the paper's wedge)" in run.stdout
-    assert [line.split()[0] for line in lines[1:] if not line.startswith(" ")] == [
-        "PLANES", "SIZE", "LOADS", "FORCES", "STATUS", "FoS", "MODEL", "MOVES", "TIME", "GOVERNS",
-        "DEFAULTS",
+    assert "NOT GIVEN example values used: face, upper, height, c, φ, density" in run.stdout
+    assert [line[:10].strip() for line in lines[1:] if not line.startswith(" ")] == [
+        "PLANES", "SIZE", "LOADS", "STATUS", "FoS", "NOT GIVEN",
     ]  # fmt: skip
+    assert len(run.stdout.split()) <= 120
+    assert not {"FORCES", "MODEL", "MOVES", "TIME"} & {line[:10].strip() for line in lines}
+
+
+def test_the_full_sheet_has_the_details() -> None:
+    short, full = (slopekit(*PAPER, *option).stdout.splitlines() for option in ((), ("--full",)))
+    assert max(map(len, full)) <= 100
+    assert set(short) < set(full)
+    labels = [line.split("  ")[0].strip() for line in full[1:] if not line.startswith(" ")]
+    assert [label.split()[0] for label in labels] == [
+        "PLANES", "SIZE", "LOADS", "FORCES", "STATUS", "FoS", "MODEL", "MOVES", "TIME", "SENSITIVITY", "NOT",
+    ]  # fmt: skip
+    assert "          face 60/180  dips 60° toward 180 (S), strike 090" in full
 
 
 def test_json_is_one_document_with_the_contracts_keys() -> None:
@@ -123,7 +134,7 @@ def test_options_and_parameters_of_a_wedge_are_declared_once() -> None:
     shown = re.findall(r"^  --([\w-]+)", slopekit("wedge", "--help").stdout, re.MULTILINE)
     names = {"forces": "force", "bolts": "bolt", "limits": "limit", "accept": "accept-fos"}
     assert shown[: len(taken)] == [names.get(name, name).replace("_", "-") for name in taken]
-    assert shown[len(taken) :] == ["picture", "no-pictures", "json", "quiet", "help"]
+    assert shown[len(taken) :] == ["picture", "no-pictures", "json", "full", "quiet", "help"]
     ran = slopekit(*PAPER, "--unit-weight", "2650", "--force", "much", "--force", "500kN@180/10")
     assert "\n     --unit-weight 2650\n" in ran.stderr
     assert "\n     --force much\n" in ran.stderr

@@ -74,7 +74,7 @@ def told(moment: Moment, result: Result, final: bool = True) -> Answer:
     if result.leading is not None:
         name, lead = result.leading
         lead_of = JUDGED.get(name, name.replace("_", " "))
-    slope = [section for section in kind_of(moment.design).slope(moment.design, result) if section.entries]
+    slope = [section for section in kind_of(moment.design).slope(moment.design, result) if section.content]
     return {
         **_empty(moment, final),
         "lead": None if lead is None else factor_text(lead).strip(), "lead_of": lead_of,
@@ -88,7 +88,7 @@ def told(moment: Moment, result: Result, final: bool = True) -> Answer:
             for rule in moment.design.rules
         ],
         "notices": [*_of_design(moment), *(notice_of(one) for one in result.warnings)],
-        "words": [entry for section in slope[:1] for entry in section.entries if isinstance(entry, str)],
+        "words": [entry for section in slope[:1] for entry in section.content if isinstance(entry, str)],
         "net": net_of(moment, result), "stale": False,
     }  # fmt: skip
 

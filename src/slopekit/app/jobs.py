@@ -204,7 +204,7 @@ def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     study: Any = support(moment.design, target, acts=acts, desk=_desk(tell), **given)
     words = [
         entry for section in study.sheet.sections if section.label not in ("PASTE", "TIME")
-        for entry in section.entries if isinstance(entry, str) and not isinstance(entry, Verbatim)
+        for entry in section.content if isinstance(entry, str) and not isinstance(entry, Verbatim)
     ]  # fmt: skip
     built = next((case for case in getattr(study, "built", ()) if case.bolts), None)
     if built is None:

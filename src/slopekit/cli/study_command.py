@@ -36,10 +36,11 @@ _RESULTS: Mapping[str, Callable[..., Any]] = {"wedge": api.wedge, "run": api.run
 _OPTIONS = {
     "picture": typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot)."),
     "as_json": JSON,
+    "full": typer.Option("--full", help="The whole sheet: model, forces, displacements, sensitivities, times."),
     "quiet": typer.Option("--quiet", help="One line."),
     "output": typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures."),
 }
-_ORDER = ("sets", "case", "picture", "no_pictures", "as_json", "quiet", "output")
+_ORDER = ("sets", "case", "picture", "no_pictures", "as_json", "full", "quiet", "output")
 
 
 def command_of(name: str) -> Callable[..., None]:
@@ -227,11 +228,11 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
     as_json, quiet = given["as_json"], given["quiet"]
     record = outcome.to_dict() if as_json or folder or image else {}
     document = json_text(record) if as_json or folder else ""
-    text = str(outcome) if folder or not (as_json or quiet) else ""
+    text = "" if as_json or quiet else outcome.sheet.full if given["full"] else str(outcome)
     removed = list[Path]()
     if folder is not None:
         with writing(folder, "the folder "), whole_files(folder) as staging:
-            _write(outcome, staging, document, text)
+            _write(outcome, staging, document)
             removed = _without_older(outcome, folder)
     with aside():
         typer.echo(document if as_json else outcome.line if quiet else text)
@@ -243,10 +244,10 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
         _draw(outcome, record, folder, image, given, removed)
 
 
-def _write(outcome: Shown, folder: Path, document: str, text: str) -> None:
-    """The JSON, the text, the tables and further files; what it is made of in folders of their own."""
+def _write(outcome: Shown, folder: Path, document: str) -> None:
+    """The JSON, the full sheet, the tables and further files; what it is made of in folders of their own."""
     own, sheet = outcome.file_names
-    texts = {f"{own}.json": document + "\n", f"{sheet}.txt": text + "\n", **outcome.files()}
+    texts = {f"{own}.json": document + "\n", f"{sheet}.txt": outcome.sheet.full + "\n", **outcome.files()}
     for name, content in texts.items():
         (folder / name).write_text(content, encoding="utf-8")
     for name, table in outcome.sheet.tables.items():
@@ -254,7 +255,7 @@ def _write(outcome: Shown, folder: Path, document: str, text: str) -> None:
             table.write(file)
     for name, part in outcome.parts.items():
         (folder / name).mkdir()
-        _write(part, folder / name, json_text(part.to_dict()), str(part))
+        _write(part, folder / name, json_text(part.to_dict()))
 
 
 def _without_older(outcome: Shown, folder: Path) -> list[Path]:

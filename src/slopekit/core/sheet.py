@@ -27,6 +27,7 @@ from slopekit.core.records import dataclass
 
 WIDTH = 100
 LABEL = 10
+TIME = "TIME"  # a section of the full text alone: no two runs have the same
 Row = TypeVar("Row")
 
 _AT_ONCE = 8192  # rows of a CSV whose columns are made at once
@@ -209,17 +210,30 @@ Entry: TypeAlias = str | Table[Any] | Verbatim
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A label, what stands beside it, how far folded lines of text hang in; `timed` as of a column."""
+    """A label and its entries.
+
+    Attributes
+    ----------
+    details : entries of the full sheet, behind the others; JSON and pages have them always
+    hang : indent of folded lines of text
+    timed : as of a column
+    """
 
     label: str
     entries: Sequence[Entry]
     hang: int = 3
     timed: bool = False
+    details: Sequence[Entry] = ()
 
-    def lines(self) -> list[str]:
+    @property
+    def content(self) -> Sequence[Entry]:
+        """The entries of the full sheet."""
+        return [*self.entries, *self.details]
+
+    def lines(self, is_full: bool = False) -> list[str]:
         """The section in text; without entries it is nothing."""
         lines: list[str] = []
-        for entry in self.entries:
+        for entry in self.content if is_full else self.entries:
             if isinstance(entry, Verbatim):
                 lines += entry.lines()
             else:
@@ -229,7 +243,7 @@ class Section:
 
     def to_list(self) -> list[Any]:
         """The entries as JSON values."""
-        return [entry if isinstance(entry, str) else entry.to_dict() for entry in self.entries]
+        return [entry if isinstance(entry, str) else entry.to_dict() for entry in self.content]
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,16 +262,25 @@ class Sheet:
     tables: Mapping[str, Table[Any]] = field(default_factory=dict)
 
     def __str__(self) -> str:
+        return self._text(is_full=False)
+
+    @property
+    def full(self) -> str:
+        """The text with the details of every section."""
+        return self._text(is_full=True)
+
+    def _text(self, is_full: bool) -> str:
         lines = _folded(self.head, " " * LABEL)
         for section in self.sections:
-            lines += section.lines()
+            if is_full or section.label != TIME:
+                lines += section.lines(is_full)
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
         """Entries by label as JSON values; times stand in their own block."""
         entries: dict[str, list[Any]] = {}
         for section in self.sections:
-            if section.entries and not section.timed and section.label != "TIME":
+            if section.content and not section.timed and section.label != TIME:
                 entries.setdefault(section.label, []).extend(section.to_list())
         return entries
 
@@ -297,7 +320,7 @@ def block(label: str, entries: Sequence[str], hang: int = 3) -> list[str]:
     """A label and its entries, folded to the width of the sheet; what is folded hangs in by `hang`."""
     lines: list[str] = []
     for k, entry in enumerate(entries):
-        head = f"{label if k == 0 else '':<{LABEL}}"
+        head = f"{label if k == 0 else '':<{LABEL - 1}} "
         indent = " " * (LABEL + hang)
         lines += _folded(head + entry, indent) or [head]
     return lines
@@ -311,8 +334,8 @@ def _folded(text: str, indent: str) -> list[str]:
 
 
 def factor_text(value: float | None) -> str:
-    """A factor of safety with four decimals, six columns wide below 10."""
-    return "  none" if value is None else f"{value:.4f}" if value < 1e4 else f"{value:.4g}"
+    """A factor of safety with three decimals, five columns wide below 10."""
+    return " none" if value is None else f"{value:.3f}" if value < 1e3 else f"{value:.4g}"
 
 
 def counted(count: int, one: str, many: str = "") -> str:

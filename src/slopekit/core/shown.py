@@ -81,7 +81,7 @@ class Shown:
         sheet = self.sheet
         by_name = {name.partition(".")[0]: table for name, table in sheet.tables.items()}
         for section in sheet.sections:
-            for entry in section.entries:
+            for entry in section.content:
                 if not isinstance(entry, Table) or any(entry is one for one in by_name.values()):
                     continue
                 if any(column.key for column in entry.columns):

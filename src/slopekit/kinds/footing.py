@@ -226,7 +226,7 @@ def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:
     long = size_number(design.length_m)
     words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_words(design.strength)}"
     yield sheet.Section("PLANES", [words])
-    yield size_part(result, f"height {size_number(result.geometry.total_height_m)} m", " per metre")
+    yield size_part(result, result.geometry.total_height_m, " per metre")
     off = design.eccentricity_m
     place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
     toe, heel = design.ends_kpa

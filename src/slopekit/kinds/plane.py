@@ -41,7 +41,6 @@ from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of
 from slopekit.kinds.single_block.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.words import (
-    heights_in_words,
     loads_part,
     size_number,
     size_part,
@@ -517,7 +516,7 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
         where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
         entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{design.crack_in_words}")
     yield sheet.Section("PLANES", entries)
-    yield size_part(result, heights_in_words(design.height_m, geometry.total_height_m), " per metre")
+    yield size_part(result, design.height_m, " per metre")
     crack = design.crack.water_m if design.crack is not None else None
     highest = f"{(crack or 0.0) * design.water_unit_weight_kn_m3:.4g} kPa at its bottom"
     in_crack = [f"water {crack:.4g} m deep in the crack, {highest}, falling to nothing at the toe"] if crack else []

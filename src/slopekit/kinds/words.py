@@ -1,5 +1,6 @@
 """Words that the sheets of the kinds share: numbers as a person writes them, strengths, loads, many names in few."""
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
@@ -22,7 +23,7 @@ BLOCKS_STATUSES: Mapping[str, str] = {
     "lifted": "blocks are lifted off: no strength that was tried holds them",
     "no_driving_force": "stands: every block stands without any strength",
 }
-WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
+WEIGHT_ONLY = "self-weight; dry"
 _PUSHES = ("force", "surcharge")  # of what attributes do to a slope
 _NUMBERS = r"([0-9]+)"
 _FEW_BOLTS = 6
@@ -91,46 +92,56 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
 # -- one design ----------------------------------------------------------------------------------------------------
 
 
-def heights_in_words(height_m: float, total_m: float) -> str:
-    """The height of a slope and that of its block from its lowest to its highest point, which a basal joint shortens.
+def size_part(result: Result, height_m: float, per: str = "") -> Section:
+    """Height, volume, weight and extent of one block; mass, unit weight and traces in the full sheet.
 
-    >>> heights_in_words(64.89, 100.01), heights_in_words(20.0, 16.6885)
-    ('height 64.89 m (total 100.01 m)', 'height 20 m from toe to crest, the block itself 16.6885 m')
+    Parameters
+    ----------
+    height_m : from toe to crest
+    per : stands behind the volume
     """
-    height, total = size_number(height_m), size_number(total_m)
-    if total_m < height_m * (1.0 - _SAME_HEIGHT):
-        return f"height {height} m from toe to crest, the block itself {total} m"
-    return f"height {height} m (total {total} m)"
-
-
-def size_part(result: Result, heights: str, per: str = "") -> Section:
-    """Height, volume and weight of one block; `per` stands behind the volume."""
+    total_m = result.geometry.total_height_m
     volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
-    own = size_in_words(result.mass_t, result.size, per) if result.size is not None else ""
-    return Section("SIZE", [
-        f"{heights}  {volume}  {weight_in_words(result)}", *([result.design.in_own_names(own)] if own else []),
-    ])  # fmt: skip
+    weight = f"weight {size_number(result.forces.weight)} kN" if result.design.unit_weight_kn_m3 else "weightless"
+    extent = [] if result.size is None else extents_in_words(result.size)
+    traces = [] if result.size is None else traces_in_words(result.size)
+    mass = [f"mass {_short(result.mass_t)} t{per}"] if result.mass_t else []
+    total = (
+        [] if math.isclose(total_m, height_m, rel_tol=_SAME_HEIGHT) else [f"the block {size_number(total_m)} m high"]
+    )
+    details = ["  ".join([*mass, *unit_weight_in_words(result), *total]), *traces]
+    return Section(
+        "SIZE",
+        ["  ".join([f"height {size_number(height_m)} m", volume, weight, *extent])],
+        details=[result.design.in_own_names(text) for text in details if text],
+    )
 
 
-def size_in_words(mass_t: float, sizes: Sizes | BlockSizes, per: str = "") -> str:
-    """Mass, width, setback and traces of what fails, those that there are.
+def extents_in_words(sizes: Sizes | BlockSizes) -> list[str]:
+    """Width along the crest and setback behind it, those that there are.
 
-    >>> size_in_words(12.5, Sizes(5.0, 8.0, 2.0, {"J1": {"face": 6.0, "upper": 3.0}, "J2": {"face": 7.25}}))
-    'mass 12.5 t  face width 8 m  setback 2 m  traces on face + upper slope J1 6 + 3 m, J2 7.25 + 0 m'
+    >>> extents_in_words(Sizes(5.0, 8.0, 2.0, {}))
+    ['crest width 8 m, 2 m behind the crest']
     """
-    parts = [f"mass {_short(mass_t)} t{per}"] if mass_t else []
-    if sizes.face_width_m is not None:
-        parts.append(f"face width {_short(sizes.face_width_m)} m")
-    if sizes.setback_m is not None:
-        parts.append(f"setback {_short(sizes.setback_m)} m")
+    width = [] if sizes.face_width_m is None else [f"crest width {_short(sizes.face_width_m)} m"]
+    setback = [] if sizes.setback_m is None else [f"{_short(sizes.setback_m)} m behind the crest"]
+    return [", ".join([*width, *setback])] if width or setback else []
+
+
+def traces_in_words(sizes: Sizes | BlockSizes) -> list[str]:
+    """Trace lengths on face and upper slope.
+
+    >>> traces_in_words(Sizes(5.0, 8.0, 2.0, {"J1": {"face": 6.0, "upper": 3.0}, "J2": {"face": 7.25}}))
+    ['traces on face + upper slope J1 6 + 3 m, J2 7.25 + 0 m']
+    """
     traces = [
-        f"{name} {_short(own.get('face', 0.0))} + {_short(own.get('upper', 0.0))} m"
-        for name, own in sizes.trace_lengths_m.items() if "face" in own or "upper" in own
-    ]  # fmt: skip
+        f"{name} {_short(lengths.get('face', 0.0))} + {_short(lengths.get('upper', 0.0))} m"
+        for name, lengths in sizes.trace_lengths_m.items()
+        if "face" in lengths or "upper" in lengths
+    ]
     shown, rest, _ = first_and_last(traces, _FEW_TRACES, 0)
-    lengths = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
-    parts += [f"traces on face + upper slope {lengths}"] if lengths else []
-    return "  ".join(parts)
+    more = [f"... and {rest} more"] if rest else []
+    return [f"traces on face + upper slope {', '.join([*shown, *more])}"] if traces else []
 
 
 def mass_in_words(mass_t: float) -> str:
@@ -236,11 +247,18 @@ def bolt_text(bolt: Bolt) -> str:
 
 def weight_in_words(result: Result) -> str:
     """The weight of what moves, and the unit weight it comes from."""
+    if not result.design.unit_weight_kn_m3:
+        return "weight left out"
+    return "  ".join([f"weight {size_number(result.forces.weight)} kN", *unit_weight_in_words(result)])
+
+
+def unit_weight_in_words(result: Result) -> list[str]:
+    """The unit weight of the rock and the density that it comes from."""
     design = result.design
     if not design.unit_weight_kn_m3:
-        return "weight left out"
+        return []
     density = "" if design.density_kg_m3 is None else f" ({design.density_kg_m3:.5g} kg/m³)"
-    return f"weight {size_number(result.forces.weight)} kN  unit weight {design.unit_weight_kn_m3:.5g} kN/m³{density}"
+    return [f"unit weight {design.unit_weight_kn_m3:.5g} kN/m³{density}"]
 
 
 def strength_in_words(strength: Strength, digits: str = ".1f") -> str:

@@ -52,9 +52,10 @@ from slopekit.kinds.protocol import (
 from slopekit.kinds.single_block.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
+    extents_in_words,
     first_and_last,
     loads_part,
-    size_in_words,
+    mass_in_words,
     size_number,
     strength_in_words,
     weight_in_words,
@@ -538,7 +539,8 @@ def _fails_first(findings: Findings) -> list[str]:
     if size is None:
         return []
     of_all = f"height {size_number(size.height_m)} m  volume {size_number(size.volume_m3)} m³"
-    return [f"what fails first: {of_all}  {size_in_words(size.mass_t, size)}"]
+    extent = extents_in_words(size)
+    return ["  ".join([f"critical block or group: {of_all}", f"mass {mass_in_words(size.mass_t)}", *extent])]
 
 
 def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:

@@ -1,5 +1,6 @@
 """A result on one line, `--quiet`: status, factor, check. Never a bare factor of safety."""
 
+from slopekit.kinds.sheets.shared import judged_factor
 from slopekit.notices import INVENTED
 from slopekit.result import JUDGED, Result
 
@@ -19,7 +20,8 @@ def line_of(result: Result) -> str:
         named = [(first, value), ("limit", result.fos.limit), *(one for one in named[1:] if one[0] != first)]
     if result.elastic is not None and result.elastic.limit is not None:
         named.append(("elastic", result.elastic.limit))
-    shown = [f"{name} {'none' if value is None else f'{value:.4f}'}".strip() for name, value in named]
+    rules = [rule for rule in result.design.rules if rule.is_on_factor]
+    shown = [f"{name} {'none' if value is None else judged_factor(value, rules)}".strip() for name, value in named]
     parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
     parts += ["moments_govern"] if result.moments_govern else []
     also, limit = result.without_basal, result.fos.limit
@@ -29,7 +31,7 @@ def line_of(result: Result) -> str:
         and also.NAME not in dict(named)
         and (limit is None or also.factor < limit)
     ):
-        parts.append(f"{also.NAME} {also.factor:.4f}")
+        parts.append(f"{also.NAME} {also.factor:.3f}")
     parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
     said = {one.code: one.code for one in result.warnings if not one.is_harmless}
     if INVENTED in said:

@@ -45,24 +45,25 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     """The sections below what was analysed, in order; those without entries print nothing."""
     order = _order(result)
     first = findings.mechanisms[0] if findings.mechanisms else None
-    yield Section("FORCES", shared.forces(result))
+    yield Section("FORCES", (), details=shared.forces(result))
     yield Section("STATUS", [_status(result, findings, order)])
     yield Section("FoS", [shared.factors_table(result, _factors(result))])
     yield from shared.elastic(result)
     yield Section("STRENGTH", shared.curved_strength(result))
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("ACCEPT", shared.accept(result))
-    yield Section("MOVES", _moves(result, first))
-    yield Section("MECHANISM", _mechanisms(result, findings, order), hang=42)
+    yield Section("MOVES", (), details=_moves(result, first))
+    mechanisms, left = _mechanisms(result, findings, order), [findings.standing] if findings.standing else []
+    yield Section("MECHANISM", mechanisms, hang=42, details=left)
     yield Section("BY BLOCK", _by_block(findings, order))
-    yield Section("TABLE", toppling_rows(result, findings.table))
+    yield Section("TABLE", (), details=toppling_rows(result, findings.table))
     yield Section("METHODS", shared.methods(result))
     yield Section("SERIES", shared.series(result))
-    yield Section("CHECKS", _checks(result, findings, first))
-    yield Section("MODEL", _model(result))
+    yield Section("CHECKS", (), details=_checks(result, findings, first))
+    yield Section("MODEL", (), details=_model(result))
     yield Section("TIME", [_time(result.timing_s)] if result.timing_s else [])
-    yield Section("GOVERNS", shared.governs(result))
-    yield Section("DEFAULTS", _defaults(result))
+    yield Section("SENSITIVITY", (), details=shared.governs(result))
+    yield Section("NOT GIVEN", _defaults(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings])
 
 
@@ -111,8 +112,7 @@ def _factors(result: Result) -> Iterator[Factor]:
         closed = f"{result.words.closed_form}{', zero dilation' if dilating else ''}"
         yield Factor(fos.closed_form, closed, shared.verdict(result))
     else:
-        instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
-        yield Factor(None, f"closed form: {result.words.no_closed_form}{instead}")
+        yield Factor(None, f"closed form: {result.words.no_closed_form}")
     if fos.lowest is not None or fos.highest is not None:
         yield shared.locked_in(result)
     elif fos.limit is not None:
@@ -125,9 +125,9 @@ def _factors(result: Result) -> Iterator[Factor]:
             times = many_times(fos.static_bound / fos.limit)
             above = f", {times} the limit" if times else above
         proved = "" if result.static_bound_proved else ", not proved"
-        yield Factor(fos.static_bound, f"static bound (joints free to dilate; upper bound{proved}){above}")
+        yield Factor(fos.static_bound, f"{shared.UPPER_BOUND}{proved}{above}")
     elif fos.limit is not None:
-        yield Factor(None, "static bound: not found")
+        yield Factor(None, "upper bound: not found")
     if fos.all_pairs_failed is not None:
         said = "all pairs failed (no block is tied to bedrock by sticking pairs; depends on the stiffness)"
         yield Factor(fos.all_pairs_failed, said)
@@ -237,9 +237,8 @@ class _SequenceStep:
 def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The mechanisms in the order in which they happen, and what is left."""
     mechanisms = findings.mechanisms
-    left = [findings.standing] if findings.standing else []
     if len(mechanisms) < 2:
-        return [*left]
+        return []
     highest: float | None = None
     rows = []
     for k, one in enumerate(mechanisms, 1):
@@ -264,7 +263,7 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
     factors = [one.fos for one in hidden if one.fos is not None]
     within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
     blocks = counted(sum(len(one.blocks) for one in hidden), "block")
-    return [replace(table, rest=f"... {len(hidden)} more: {blocks}{within} ..."), *left]
+    return [replace(table, rest=f"... {len(hidden)} more: {blocks}{within} ...")]
 
 
 def _volume(volume_m3: float | None) -> str:
@@ -402,7 +401,7 @@ def _time(timing_s: Mapping[str, float]) -> str:
 
 def _defaults(result: Result) -> list[str]:
     ours = {
-        "upper": "upper slope (level)", "length": "length (twice the height)", "depth": "depth (the height)",
+        "upper": "upper slope (horizontal)", "length": "length (twice the height)", "depth": "depth (the height)",
         "seismic.trend": f"seismic trend ({result.words.seismic})",
     }  # fmt: skip
     names = [ours.get(name, name) for name in result.design.defaults]
@@ -424,7 +423,7 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
     >>> path_in_words("limit", 0.4)
     'limit of the elastic path (k_t/k_n 0.4)'
     >>> path_in_words("peak", 0.4, 1.6, 0.005)
-    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
+    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.608, 0.5 % higher'
     """
     if basis == "alone":
         return "limit: one block slides alone, by forces (no credit for turning)"

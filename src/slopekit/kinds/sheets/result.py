@@ -3,9 +3,11 @@
 from collections.abc import Iterable, Iterator
 from operator import attrgetter
 
+import numpy as np
+
 from slopekit._version import __version__
 from slopekit.core.orientation import line_of
-from slopekit.core.sheet import Column, Section, Sheet, Table
+from slopekit.core.sheet import TIME, Column, Section, Sheet, Table, factor_text
 from slopekit.design.parts import FactoredNumber, PartialFactors
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.sheets import shared
@@ -40,7 +42,7 @@ def sheet_of(result: Result) -> Sheet:
 
 def _sections(result: Result) -> Iterator[Section]:
     """The sections of one block below what was analysed, in order."""
-    yield Section("FORCES", shared.forces(result))
+    yield Section("FORCES", (), details=shared.forces(result))
     yield Section("STATUS", [_status(result)])
     yield Section("FoS", [shared.factors_table(result, _factors(result))])
     yield from shared.elastic(result)
@@ -51,40 +53,39 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section("SERIES", shared.series(result))
     yield Section("ACCEPT", shared.accept(result))
     yield Section("MECHANISM", shared.mechanisms(result))
-    yield Section("MODEL", _model(result))
-    yield Section("MOVES", _moves(result))
-    yield Section("TIME", [_time(result)])
-    yield Section("GOVERNS", shared.governs(result))
-    yield Section("DEFAULTS", _defaults(result))
+    yield Section("MODEL", (), details=_model(result))
+    yield Section("MOVES", _large_movement(result), details=_movement(result))
+    yield Section(TIME, [_time(result)])
+    yield Section("SENSITIVITY", (), details=shared.governs(result))
+    yield Section("NOT GIVEN", _not_given(result))
     yield Section("NOTE", [str(notice) for notice in result.warnings if notice.code != INVENTED])
 
 
 def _status(result: Result) -> str:
     text = result.status_text
     if result.mechanism is not None and result.status.startswith("slides") and result.words.along:
-        text += f", along {line_in_words(line_of(result.mechanism.displacement))}"
+        text += f" toward {line_in_words(line_of(result.mechanism.displacement))}"
     return text
 
 
 def _factors(result: Result) -> Iterator[Factor]:
     fos, curved = result.fos, result.curved_strength
-    compared = fos.closed_form is not None or result.agree is not None
-    dilating = dilates(result.design)
-    assumption = "limit, PRE-IE, joints dilate as given" if dilating else "limit, PRE-IE"
-    assumption += result.words.assumes
-    if curved:
-        assumption += ", strength of each node pair at its own normal traction"
-    yield Factor(fos.limit, assumption, shared.verdict(result) if compared else "")
+    is_compared = fos.closed_form is not None or result.agree is not None
+    is_dilating = dilates(result.design)
+    limit = f"PRE-IE{', joints dilate as given' if is_dilating else ''}{result.words.assumes}"
+    limit += ", strength of each node pair at its own normal traction" if curved else ""
+    yield Factor(fos.limit, limit)
     if fos.lowest is not None:
-        yield Factor(fos.lowest, "lowest, for a joint stiffness ratio of 0.1 to 1 and where the joints creep open")
+        yield Factor(fos.lowest, "lowest estimate, for a joint stiffness ratio of 0.1 to 1 and where joints creep open")
     if result.moments_govern and result.forces_only is not None:
-        yield Factor(result.forces_only, "forces only, PRE-IE (no moments: the closed form's assumptions)")
-    zero = ", zero dilation" if dilating else ""
-    zero += "" if not curved else ", secant at the mean normal traction of each plane"
-    closed = f"{result.words.closed_form}{zero}" if compared else f"closed form: {result.words.no_closed_form}"
-    yield Factor(fos.closed_form, closed)
+        yield Factor(result.forces_only, "PRE-IE, forces only")
+    closed = f"closed form: {result.words.no_closed_form}"
+    if is_compared:
+        closed = f"{result.words.closed_form} (forces only{', zero dilation' if is_dilating else ''})"
+        closed += ", secant at the mean normal traction of each plane" if curved else ""
+    yield Factor(fos.closed_form, closed, shared.verdict(result) if is_compared else "")
     if fos.static_bound is not None:
-        yield Factor(fos.static_bound, "static bound (joints free to dilate; upper bound)")
+        yield Factor(fos.static_bound, shared.UPPER_BOUND)
     if fos.all_pairs_failed is not None:
         yield Factor(fos.all_pairs_failed, "all pairs failed (the paper's criterion; depends on the stiffness)")
 
@@ -95,7 +96,7 @@ def _moments(result: Result) -> list[str]:
     if not result.words.turns or not result.moments_govern:
         return []
     if result.status == "topples":
-        unused = "" if forces is None else f" (forces alone would give {forces:.4g}: do not use it)"
+        unused = "" if forces is None else f" (forces only would give {factor_text(forces)}: do not use it)"
         return [f"they turn the {result.words.block} over, {result.turns_over}{unused}"]
     if fos.limit is None:
         return []
@@ -108,12 +109,12 @@ def _moments(result: Result) -> list[str]:
     if opened:
         verbs = "open at failure and carry" if len(opened) > 1 else "opens at failure and carries"
         change = f"{' and '.join(opened)} {verbs} no cohesion there: FoS"
-    alone = "" if forces is None else f" (forces alone {forces:.4g})"
-    lines = [f"{change} {fos.limit:.4g}{alone}" if opened else f"moments {change} to {fos.limit:.4g}{alone}"]
+    limit, alone = factor_text(fos.limit), "" if forces is None else f" (forces only {factor_text(forces)})"
+    lines = [f"{change} {limit}{alone}" if opened else f"moments {change} to {limit}{alone}"]
     if fos.static_bound is not None and fos.closed_form is not None and fos.static_bound < fos.closed_form:
         lines.append(
-            f"no distribution of forces can balance at the closed form's {fos.closed_form:.4g} "
-            f"(upper bound {fos.static_bound:.4g})"
+            f"no distribution of forces can balance at the closed form's {factor_text(fos.closed_form)} "
+            f"(upper bound {factor_text(fos.static_bound)})"
         )
     return lines
 
@@ -127,21 +128,30 @@ def _model(result: Result) -> list[str]:
     ]
 
 
-def _moves(result: Result) -> list[str]:
-    one = result.at_factor_one
-    if one is None:
+def _movement(result: Result) -> list[str]:
+    """Displacement at full strength on elastic joints."""
+    state = result.at_factor_one
+    if state is None:
         return []
-    size = float(one.movement.displacement @ one.movement.displacement) ** 0.5
-    large = "; too much for small displacements: not to be relied on"
+    failed, pairs = state.failed_pairs, result.model.node_pairs
+    yielding = f"{failed} of {pairs} node pairs yield" if failed else "no yielding"
     return [
-        f"at full strength the centroid settles by {size_number(float(f'{size * 1e3:.3g}'))} mm, "
-        f"{one.failed_pairs} of {result.model.node_pairs} node pairs have failed "
-        f"(elastic bed: {result.design.stiffness.in_words()})" + (large if _moves_far(result, size) else "")
+        f"displacement at F = 1 on elastic joints: {size_number(float(f'{_size_m(result) * 1e3:.3g}'))} mm, {yielding} "
+        f"({result.design.stiffness.in_words()})"
     ]
 
 
-def _moves_far(result: Result, size: float) -> bool:
-    return bool(size > 0.01 * float(result.geometry.volume_m3) ** (1.0 / 3.0))
+def _large_movement(result: Result) -> list[str]:
+    """Return the caution of a displacement that is no small one."""
+    if result.at_factor_one is None or _size_m(result) <= 0.01 * float(result.geometry.volume_m3) ** (1.0 / 3.0):
+        return []
+    return [f"{_size_m(result) * 1e3:.3g} mm at F = 1: too much for small displacements, not to be relied on"]
+
+
+def _size_m(result: Result) -> float:
+    """Return the displacement of the centroid at full strength, m."""
+    assert result.at_factor_one is not None
+    return float(np.linalg.norm(result.at_factor_one.movement.displacement))
 
 
 def _time(result: Result) -> str:
@@ -151,15 +161,13 @@ def _time(result: Result) -> str:
     return "  ".join(parts)
 
 
-def _defaults(result: Result) -> list[str]:
-    names = result.design.defaults
-    if not names:
-        return ["none of the paper's wedge was taken"] if kind_of(result.design).paper_keys else []
-    ours = ["φ" if name == "phi" else name for name in names if name != "seismic.trend"]
-    parts = [", ".join(ours) + " (the paper's wedge)"] if ours else []
-    if "seismic.trend" in names:
-        parts.append(f"seismic trend ({result.words.seismic})")
-    return ["; ".join(parts)]
+def _not_given(result: Result) -> list[str]:
+    """Return the inputs that took an example value, or a direction of the program's choice."""
+    names = ["φ" if name == "phi" else name for name in result.design.defaults if name != "seismic.trend"]
+    entries = [f"example values used: {', '.join(names)}"] if names else []
+    if "seismic.trend" in result.design.defaults:
+        entries.append(f"seismic trend: {result.words.seismic}")
+    return ["; ".join(entries)] if entries else []
 
 
 def _partial_factors(given: PartialFactors) -> Section:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from slopekit.findings import MechanismRow
 
 
+UPPER_BOUND = "upper bound (associated flow), not for design"
+_LEAST_PERCENT = 1e-4  # a smaller difference of two methods is not told apart from rounding
+
+
 @dataclass(frozen=True, slots=True)
 class _OnJoint:
     """What an interface carries, kN and kPa; None where it is not known or not asked."""
@@ -129,7 +133,7 @@ def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
         Column("to", attrgetter("to"), "to", show=lambda to: "" if to is None else factor_text(to), width=1,
                about=" .. {}"),
         Column("what it is", attrgetter("what"), "what", width=1, about="  {}"),
-        Column("check", attrgetter("check"), "check", width=1, about="       {}"),
+        Column("check", attrgetter("check"), "check", width=1, about="     {}"),
     ]  # fmt: skip
     return Table(columns, [*leading(result), *rows, *_residual(result)], headless=True)
 
@@ -211,18 +215,18 @@ def verdict(result: Result) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
     if result.agree is None:
         return "not compared with the closed form"
-    against = "forces only against closed form: " if result.moments_govern else ""
-    return against + judged_difference(result.difference, result.agree, result.design.agree_within)
+    return judged_difference(result.difference, result.agree, result.design.agree_within)
 
 
 def judged_difference(difference: float | None, agree: bool, agree_within: float) -> str:
     """The difference of two methods and the word for it."""
-    within, word = f"limit {agree_within * 100:g} %", "AGREE" if agree else "DISAGREE"
+    word = "AGREE" if agree else "DISAGREE"
     if difference is None:
         return f"{word} (no number from either)" if agree else word
-    percent = difference * 100
-    shown = "< 0.0001 %" if percent < 1e-4 else f"{percent:.4f} %"
-    return f"difference {shown}   {word} ({within})"
+    percent = max(difference * 100.0, _LEAST_PERCENT)
+    if agree:
+        return f"{word} within {percent:.2g} %"
+    return f"{word} by {percent:.3g} % (limit {agree_within * 100:g} %)"
 
 
 def all_pairs(result: Result) -> list[Entry]:
@@ -271,14 +275,25 @@ def judged_on(result: Result, rule: Rule) -> str:
         said += f", no higher than {other}"
     first = result.findings.mechanisms[0] if result.findings is not None and result.findings.mechanisms else None
     if name == "limit" and first is not None and first.size is not None:
-        said += f" of what fails first, {size_number(float(f'{first.size.volume_m3:.4g}'))} m³"
+        said += f" of the critical block or group, {size_number(float(f'{first.size.volume_m3:.4g}'))} m³"
     return f" ({said})"
 
 
 def _as_judged(value: float, rule: Rule) -> str:
-    """A factor in four decimals, or as many as show on which side of what is asked it lies."""
-    texts = (f"{value:.{digits}f}" for digits in range(4, 16))
-    return next((text for text in texts if rule.met(float(text)) == rule.met(value)), repr(value))
+    """Return a factor in three decimals, or as many as show on which side of the required one it lies."""
+    return judged_factor(value, [rule])
+
+
+def judged_factor(value: float, rules: Iterable[Rule]) -> str:
+    """Return a factor in three decimals, or as many as show on which side of every rule it lies.
+
+    >>> judged_factor(1.55739, []), judged_factor(1.49996, [Rule("fos", ">=", 1.5)])
+    ('1.557', '1.49996')
+    """
+    rules = list(rules)
+    texts = (f"{value:.{digits}f}" for digits in range(3, 16))
+    judged = [rule.met(value) for rule in rules]
+    return next((text for text in texts if [rule.met(float(text)) for rule in rules] == judged), repr(value))
 
 
 def _judgement(result: Result, rule: Rule) -> str:

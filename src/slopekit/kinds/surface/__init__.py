@@ -546,10 +546,9 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
         f"normals {geometry.normals}, edges {geometry.edge_m:.3g} m; the surface lets {lets} through{turned}",
         ground,
     ]
-    heights = f"height {size_number(geometry.total_height_m)} m"
     return (
         Section("SURFACE", entries),
-        size_part(result, heights),
+        size_part(result, geometry.total_height_m),
         loads_part(_water_in_words(design, result), result, x_is_east=True),
     )
 

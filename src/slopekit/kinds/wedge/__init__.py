@@ -31,7 +31,6 @@ from slopekit.kinds.single_block.secants import changed_laws
 from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, scaled_of, shape_of
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
-    heights_in_words,
     line_in_words,
     loads_part,
     size_number,
@@ -353,8 +352,9 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
 
         strength_said = strength_in_words(design.strengths[2])
         entries.append(basal.plane_entry(design, geometry.areas_m2["basal"], strength_said))
-    entries.append(f"face {design.face}  {design.face.in_words()}")
-    entries.append(f"upper {design.upper}  {design.upper.in_words()}")
+    slope = [(name, f"{name} {plane}  {plane.in_words()}") for name, plane in
+             (("face", design.face), ("upper", design.upper))]  # fmt: skip
+    entries += [text for name, text in slope if name not in design.defaults]
     if design.crack:
         area = size_number(geometry.areas_m2["crack"])
         entries.append(
@@ -367,8 +367,8 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
         length = size_number(geometry.line_length_m)
         entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
-    yield Section("PLANES", entries)
-    size = size_part(result, heights_in_words(float(f"{height_of(design):.6g}"), geometry.total_height_m))
+    yield Section("PLANES", entries, details=[text for name, text in slope if name in design.defaults])
+    size = size_part(result, float(f"{height_of(design):.6g}"))
     if design.limits is not None:
         from slopekit.kinds.wedge import limits
 

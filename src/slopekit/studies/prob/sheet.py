@@ -46,20 +46,20 @@ def sheet_of(study: Probability) -> Sheet:
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
-        Section("SCATTERS", _inputs(study)),
+        Section("RANDOM", _inputs(study)),
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
         Section("SURVEY", _survey(study)),
-        Section("AT MEANS", [_at_means(study)] if study.survey is None else []),
+        Section("AT MEANS", (), details=[_at_means(study)] if study.survey is None else []),
         *(() if summary is None else (
-            Section("FoS", _factors(summary, asked.target)),
-            Section("HISTOGRAM", [_histogram(summary, asked.target)]),
+            Section("FoS", [_mean(summary, asked.target)], details=[_quantiles(summary)]),
+            Section("HISTOGRAM", (), details=[_histogram(summary, asked.target)]),
         )),
-        Section("MATTERS", [_matters(study)]),
-        Section("SIZE", _sizes(study)),
+        Section("SENSITIVITY", [_matters(study)]),
+        Section("SIZE", (), details=_sizes(study)),
         Section("BOLTS", _bolts(study)),
-        Section("PRE-IE", _pre_ie(study)),
+        Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [f"{times}  ({study.crew})"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
@@ -182,8 +182,10 @@ def _leading(study: Probability) -> list[str]:
     lead = study.leading
     if lead.probability == study.all_samples.share:
         return []
-    return [f"{_percent(lead.probability)} by {lead.by}, limits {_percent(lead.low)} to {_percent(lead.high)}: "
-            "judge by this; counted by the closed form, which is too low:"]  # fmt: skip
+    return [
+        f"{_percent(lead.probability)} by {lead.by} ({_percent(lead.low)} to {_percent(lead.high)}); "
+        "closed form, which is too low here:"
+    ]
 
 
 def _sizes(study: Probability) -> list[Entry]:
@@ -302,18 +304,20 @@ def _at_means(study: Probability) -> str:
     if at_means is None:
         return f"{study.means.code} {study.means.message}".strip() or "not asked"
     named = ((at_means.limit, "PRE-IE"), (at_means.closed_form, "closed form"))
-    factors = [f"{value:.4f} {name}" for value, name in named if value is not None]
+    factors = [f"{value:.3f} {name}" for value, name in named if value is not None]
     words = status_words(study.design, at_means.status)
     return f"{words}: F {', '.join(factors)}" if factors else words
 
 
-def _factors(summary: Summary, target: float) -> list[str]:
+def _mean(summary: Summary, target: float) -> str:
     beta = summary.beta(target)
-    return [
-        f"mean {summary.mean:.4f}  sd {summary.sd:.4f}  from {summary.least:.4f} to {summary.most:.4f}"
-        + ("" if beta is None else f"  beta {beta:.3g} (mean above the target, in sd)"),
-        "  ".join(f"{share * 100:g} %: {value:.4f}" for share, value in summary.quantiles.items()),
-    ]
+    reliability = "" if beta is None else f"  beta {beta:.3g} (mean above the target, in sd)"
+    ends = f"from {summary.least:.3f} to {summary.most:.3f}"
+    return f"mean {summary.mean:.3f}  sd {summary.sd:.3f}  {ends}{reliability}"
+
+
+def _quantiles(summary: Summary) -> str:
+    return "  ".join(f"{share * 100:g} %: {value:.3f}" for share, value in summary.quantiles.items())
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,7 +48,7 @@ def _files(quake: Quake, records: Table[Any]) -> dict[str, Table[Any]]:
 def line_of(quake: Quake) -> str:
     """The yield coefficient, the displacements, the check on one line."""
     k, factor = quake.coefficient, quake.factor
-    parts = [f"k_y {shown_k(k)}", f"factor {factor:.4f}" if factor is not None else "no factor"]
+    parts = [f"k_y {shown_k(k)}", f"factor {factor:.3f}" if factor is not None else "no factor"]
     mark = " (W465)" if quake.yields[0].jumps else ""
     if quake.in_six is not None:
         parts.append(f"six degrees of freedom: {_moves(quake.leading)}")

@@ -44,7 +44,7 @@ def draw_motion(figure: Any, document: Mapping[str, Any]) -> None:
     if len(moving):
         below.set_xlim(t[0], min(t[-1], t[0] + _MORE * (t[moving[-1]] - t[0])))
     factor = document["yield"][0]["factor"]
-    said = "factor 1 (plain Newmark)" if factor is None else f"factor {factor:.4f}"
+    said = "factor 1 (plain Newmark)" if factor is None else f"factor {factor:.3f}"
     above.set_title(f"{short(str(motion['record']), 60)}, {motion['way']}: {said}", fontsize=10.5)
     most = max((max(one["as_recorded_m"], one["reversed_m"]) for one in document["records"]), default=0.0)
     below.annotate(f"{100.0 * most:.4g} cm in all", (0.01, 0.92), xycoords="axes fraction", va="top", fontsize=8.5,

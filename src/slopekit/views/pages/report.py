@@ -30,7 +30,7 @@ _SECTIONS = {
     "factors": ("FoS",), "rules": ("ACCEPT", "FACTORED"), "bolts": ("BOLTS",), "forces": ("FORCES",),
     "moments": ("MOMENTS", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("MECHANISM", "BY BLOCK", "TABLE"),
     "checks": ("CHECKS",),
-    "searches": ("STRENGTH", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
+    "searches": ("STRENGTH", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "SENSITIVITY"),
 }  # fmt: skip
 _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
 #: The tables of a section by its label, as the page calls them one after the other.
@@ -41,7 +41,7 @@ _CAPTIONS = {
     "MECHANISM": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
     "TABLE": ("Goodman & Bray's columns",),
     "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
-    "METHODS": ("Methods of columns",), "GOVERNS": ("What changes the factor most",),
+    "METHODS": ("Methods of columns",), "SENSITIVITY": ("What changes the factor most",),
 }  # fmt: skip
 #: Where the whole of the verification is.
 _WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
@@ -310,7 +310,7 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
         "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),
         "left_out": [str(one) for one in document["model"]["left_out"]],
         "not_modelled": NOT_MODELLED.replace(*_BENDS) if document.get("elastic") else NOT_MODELLED,
-        "defaults": _entries(sheet, "DEFAULTS") or [str(one) for one in document["defaults"]],
+        "defaults": _entries(sheet, "NOT GIVEN") or [str(one) for one in document["defaults"]],
         "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()]
         if not any(one["code"] == "W320" for one in document["warnings"]) else [],  # a notice says it
         "times": tables.time_table(document),

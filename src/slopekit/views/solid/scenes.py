@@ -344,7 +344,7 @@ def _answer_of(stage: Stage, step: int) -> str:
     if step == 1 or step > len(stage.mechanisms):
         return ""
     one = stage.mechanisms[step - 1]
-    factor = "no factor of safety" if one.get("fos") is None else f"FoS {one['fos']:.4f} (limit, PRE-IE)"
+    factor = "no factor of safety" if one.get("fos") is None else f"FoS {one['fos']:.3f} (limit, PRE-IE)"
     return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
 
@@ -364,7 +364,7 @@ def _factors(stage: Stage, _: SceneOptions) -> Picture:
     notes = ("a block that only the one before it held fails together with it",) if not stage.alone else ()
     if one and bar is not None:  # one value needs no scale
         colour = tuple(bar.colours(factor[known][:1])[0].tolist())
-        asked = [(f"fails at {float(factor[known][0]):.4f} ({int(known.sum())})", colour, 1.0), *asked]
+        asked = [(f"fails at {float(factor[known][0]):.3f} ({int(known.sum())})", colour, 1.0), *asked]
     return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
 
 

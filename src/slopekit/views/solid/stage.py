@@ -221,14 +221,14 @@ class Stage:
         parts = [str(self.document.get("status_text", ""))]
         led = self.document.get("leading") or {}
         name = str(led.get("name"))
-        parts += [f"FoS {led['fos']:.4f} ({JUDGED[name]}: acceptance hangs on it)"] if name in JUDGED else []
+        parts += [f"FoS {led['fos']:.3f} ({JUDGED[name]}: acceptance hangs on it)"] if name in JUDGED else []
         said = "limit, PRE-IE" if not led else "limit"
-        parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} ({said})")
+        parts.append("no factor of safety" if limit is None else f"FoS {limit:.3f} ({said})")
         known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
-        parts += [] if known else [f"lowest estimate {lowest:.4f}"]
+        parts += [] if known else [f"lowest estimate {lowest:.3f}"]
         searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
-        parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
-        parts += [] if closed is None else [f"closed form {closed:.4f}"]
+        parts += [] if searched is None else [f"all pairs failed {searched:.3f}"]
+        parts += [] if closed is None else [f"closed form {closed:.3f}"]
         agree = self.document.get("agree")
         if self.document.get("status") != "not_converged":
             words = {True: "agree", False: "DO NOT AGREE", None: "not compared"}
