@@ -20,7 +20,7 @@ from slopekit.preie.tolerances import MESH_CHANGE, PASSES_SETTLED
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
 #: Of the inputs, of other methods and of what a run asks besides: not of the factor, which studies repeat.
-_NOT_OF_FACTORS = {"W309", "W313", "W320", "W327", "W332", "W341", "W373", INVENTED, "W428", "W429"}
+_NOT_OF_FACTORS = {"W309", "W313", "W320", "W366", "W332", "W341", "W373", INVENTED, "W332", "W332"}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
@@ -119,19 +119,19 @@ def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
     """Cohesion and friction that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > _INTACT_KPA:
-        yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+        yield Notice("W302", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
     steepest = max((strength.friction_angle_deg for strength in strengths if strength.law is None), default=0.0)
     if steepest > _STEEPEST_DEG:
-        yield Notice("W316", f"a friction angle of {steepest:.6g}° is that of no joint: rough ones have 70° at most")
+        yield Notice("W302", f"a friction angle of {steepest:.6g}° is that of no joint: rough ones have 70° at most")
     for law in dict.fromkeys(strength.law for strength in strengths if strength.law is not None):
         resists = float(law.resistance(np.array([_AT_KPA]))[0])
         if resists >= _STRONGEST_LAW_KPA:
-            yield Notice("W316", f"{law.in_words()} resists {resists:.4g} kPa at a normal traction of {_AT_KPA:g} kPa, "
+            yield Notice("W302", f"{law.in_words()} resists {resists:.4g} kPa at a normal traction of {_AT_KPA:g} kPa, "
                                  "as intact rock does: are its numbers in kPa?")  # fmt: skip
 
 
 def bolt_notices(design: Design) -> Iterator[Notice]:
-    """Bolts whose moments nobody knows (W311), and active ones that pull the block out of its face (W315)."""
+    """Bolts whose moments nobody knows (W311), and active ones that pull the block out of its face (W311)."""
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
     face = getattr(design, "face", None)
@@ -145,13 +145,13 @@ def bolt_notices(design: Design) -> Iterator[Notice]:
         named = f"bolts {', '.join(map(str, outward[:_FEW]))}" if len(outward) > 1 else f"bolt {outward[0]}"
         pull = "pull" if len(outward) > 1 else "pulls"
         more = f" and {len(outward) - _FEW} more" if len(outward) > _FEW else ""
-        yield Notice("W315", f"active {named}{more} {pull} out of the face: toward is the direction of the force on "
+        yield Notice("W311", f"active {named}{more} {pull} out of the face: toward is the direction of the force on "
                      "the block, into the rock")  # fmt: skip
 
 
 def undrawn_notice() -> Notice:
     """Passive bolts that no block pulls at."""
-    return Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
+    return Notice("W311", "the passive bolts add nothing: the movement does not draw them out")
 
 
 def mesh_notices(change: float) -> Iterator[Notice]:
@@ -161,22 +161,22 @@ def mesh_notices(change: float) -> Iterator[Notice]:
 
 
 def size_notices(height_m: float) -> Iterator[Notice]:
-    """W492: the blocks are higher than nearly any rock slope, or lower than a model of one in a laboratory."""
+    """W302: the blocks are higher than nearly any rock slope, or lower than a model of one in a laboratory."""
     if not _HEIGHTS_M[0] <= height_m <= _HEIGHTS_M[1]:
         shown, what, unit = number(float(f"{height_m:.4g}")), "lower than any slope", "km"
         if height_m > _HEIGHTS_M[1]:
             what, unit = "higher than nearly any rock slope", "mm"
-        yield Notice("W492", f"the blocks are {shown} m high, {what}: was a length typed in {unit}?")
+        yield Notice("W302", f"the blocks are {shown} m high, {what}: was a length typed in {unit}?")
 
 
 def pressure_notices(pressures_kpa: Sequence[float], height_m: float, water_unit_weight: float) -> Iterator[Notice]:
-    """W498: the water on an interface would stand far above the blocks."""
+    """W302: the water on an interface would stand far above the blocks."""
     highest = max(pressures_kpa, default=0.0)
     head_m = highest / water_unit_weight
     if head_m > _ARTESIAN * height_m:
         pressure, head, height = (number(float(f"{value:.4g}")) for value in (highest, head_m, height_m))
         water = f"a mean water pressure of {pressure} kPa is that of {head} m of water"
-        yield Notice("W498", f"{water}, on blocks {height} m high: was it typed in Pa?")
+        yield Notice("W302", f"{water}, on blocks {height} m high: was it typed in Pa?")
 
 
 def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
@@ -190,7 +190,7 @@ def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
 
 
 def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
-    """W379, W327, W373: what was not given, what is not used and what was read in another way than it stands there.
+    """W379, W366, W373: what was not given, what is not used and what was read in another way than it stands there.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]
     if invented := [name for name in design.invented if name not in own]:
         yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(invented)}")
     if design.left_out:
-        yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
+        yield Notice("W366", f"not used: {'; '.join(design.left_out)}")
     if design.read_as:
         yield Notice("W373", f"read of {'; '.join(design.read_as)}")
 
@@ -212,10 +212,10 @@ def _read_notices(design: Design) -> Iterator[Notice]:
     asks = max((rule.value for rule in design.rules if rule.relation in (">=", ">")), default=0.0)
     if design.partial is not None and asks > 1.0:
         yield Notice(
-            "W428", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
+            "W332", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
         )
     if design.partial is not None and getattr(design, "crack_searched", None):
-        yield Notice("W429", "the crack stands where it is worst without the partial factors")
+        yield Notice("W332", "the crack stands where it is worst without the partial factors")
     yield from _weight_notices(design)
 
 
@@ -226,7 +226,7 @@ def _weight_notices(design: Design) -> Iterator[Notice]:
 
 
 def unlikely_values(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """Numbers of the inputs that are likelier slips than meant: W302, W316."""
+    """Numbers of the inputs that are likelier slips than meant: W302, W302."""
     yield from _weight_notices(design)
     yield from _intact_notices(strengths)
 

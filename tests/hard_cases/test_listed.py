@@ -186,7 +186,7 @@ def test_duplicate_planes_are_one_and_said(offset) -> None:
 
 def test_the_same_set_twice_is_refused() -> None:
     double = bench(more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": 0.0, "strength": "joint"}})
-    assert point(double).refused == "E136"
+    assert point(double).refused == "E151"
 
 
 @pytest.mark.parametrize("shift", [0.0, 4e6])

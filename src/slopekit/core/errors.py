@@ -158,7 +158,7 @@ class SolverError(SlopekitError):
 
 #: Notices that inform and ask for nothing: no badge on a page, not in `--quiet`.
 HARMLESS = frozenset({
-    "W305", "W321", "W336", "W337", "W343", "W344", "W367", "W368", "W377", "W400", "W405",
+    "W305", "W321", "W336", "W337", "W343", "W334", "W366", "W373", "W376", "W400", "W405",
 })  # fmt: skip
 
 

@@ -22,7 +22,7 @@ def explanation(code: str) -> str:
     Raises
     ------
     DesignError
-        E128 for a code that does not exist.
+        E142 for a code that does not exist.
 
     >>> explanation("e203").splitlines()[0]
     'E203'
@@ -32,7 +32,7 @@ def explanation(code: str) -> str:
         digits = wanted[:1] + wanted[1:].replace("O", "0").replace("I", "1").replace("L", "1")
         near = [digits] if digits in texts else get_close_matches(wanted, texts, n=1)
         advice = f"Did you mean {near[0]}?" if near else ""
-        raise DesignError([Fault("E128", f"{code} is not a code of slopekit", "", advice)])
+        raise DesignError([Fault("E142", f"{code} is not a code of slopekit", "", advice)])
     return f"{wanted}\n{texts[wanted]}{weight_of(wanted)}"
 
 

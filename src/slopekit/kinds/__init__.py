@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 #: How the keys begin of what a likely slip is said of.
-_SAID_OF = {"W302": "rock", "W316": "strength", "W492": "slope.height", "W498": "water"}
+_SAID_OF = {"W302": "rock", "W302": "strength", "W302": "slope.height", "W302": "water"}
 
 
 def register(kind: "Kind[Any]") -> None:
@@ -66,7 +66,7 @@ def analyse(design: Design, elastic: bool = False) -> Result:
 
 
 def with_all_said(result: Result) -> Result:
-    """What a kind found with what is said of all kinds: W492 and W498 of its size, the factors on residual strength."""
+    """What a kind found with what is said of all kinds: W302 and W302 of its size, the factors on residual strength."""
     said = tuple(_of_size(result.design, result.geometry.total_height_m))
     result = replace(result, warnings=(*result.warnings, *said)) if said else result
     kind = kind_of(result.design)
@@ -78,7 +78,7 @@ def with_all_said(result: Result) -> Result:
 
 
 def _of_size(design: Design, height_m: float) -> Iterator[Notice]:
-    """W492, W498: heights, and pressures on blocks of that height, that are likelier slips than meant."""
+    """W302, W302: heights, and pressures on blocks of that height, that are likelier slips than meant."""
     yield from size_notices(height_m)
     yield from pressure_notices(_pressures_kpa(design), height_m, design.water_unit_weight_kn_m3)
 
@@ -91,7 +91,7 @@ def _pressures_kpa(design: Design) -> list[float]:
 
 
 def slips_of_size(design: Design) -> tuple[Notice, ...]:
-    """What `analyse` says of the size of a design, without its analysis: W492, W498; nothing where no block forms."""
+    """What `analyse` says of the size of a design, without its analysis: W302, W302; nothing where no block forms."""
     try:
         return tuple(_of_size(design, cut(design).height_m))
     except SlopekitError:  # what the run says
@@ -99,7 +99,7 @@ def slips_of_size(design: Design) -> tuple[Notice, ...]:
 
 
 def likely_slips(design: Design, varied: Sequence[str] = ()) -> list[Notice]:
-    """Numbers of a design that are likelier typed in another unit than meant: W302, W316, W492, W498.
+    """Numbers of a design that are likelier typed in another unit than meant: W302, W302, W302, W302.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
 
 
 def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
-    """W506: numbers are those of the peak strength, and what is left of the factor on the residual strength.
+    """W417: numbers are those of the peak strength, and what is left of the factor on the residual strength.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
         return ()
     left = kind_of(design).factors(replace(design.at_residual(), rules=()))
     factor = f"has {left.limit:.4g}" if left.limit is not None else f"has no factor ({left.status})"
-    return (Notice("W506", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
+    return (Notice("W417", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
                    f"design {factor}"),)  # fmt: skip
 
 

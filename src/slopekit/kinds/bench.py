@@ -57,7 +57,7 @@ class JointSetInput:
     name: str
     plane: Plane = orientation("plane", example="45/170")
     spacing_m: float = number(
-        "spacing", "length", above=0.0, code="E134", example="2 m", doc="mean distance of its planes, square to them"
+        "spacing", "length", above=0.0, code="E116", example="2 m", doc="mean distance of its planes, square to them"
     )
     strength: str = text("strength", default="", left_out="the only one", doc="a name under strength")
     offset_m: float = number(
@@ -69,7 +69,7 @@ class JointSetInput:
         default=0.0,
         least=0.0,
         most=45.0,
-        code="E135",
+        code="E186",
         role="scatter",
         doc="standard deviation of the angle of its planes about the mean (Fisher)",
     )
@@ -79,7 +79,7 @@ class JointSetInput:
         default=0.0,
         least=0.0,
         most=1.0,
-        code="E135",
+        code="E186",
         role="scatter",
         doc="standard deviation of the distances, in parts of the spacing",
     )
@@ -135,7 +135,7 @@ class BenchDesign(AssemblyDesign):
     surcharge_kpa: float | None = surcharge()
     max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
     min_volume_m3: float = number(
-        "cut.min_volume", "volume", default=0.0, least=0.0, code="E138", says="a volume is never negative",
+        "cut.min_volume", "volume", default=0.0, least=0.0, code="E116", says="a volume is never negative",
         advice="0 keeps every block, however small.", scatters=False, role="setting", label="min_volume",
         doc="smaller blocks join the neighbour they share most with",
     )  # fmt: skip
@@ -156,7 +156,7 @@ def read_bench(reader: Reader) -> BenchDesign:
     Raises
     ------
     DesignError
-        With every fault found: E134 to E138 for sets and cut, E116 for the slope, and those of every assembly.
+        With every fault found: E116 to E116 for sets and cut, E116 for the slope, and those of every assembly.
     """
     own = reader.fields(BenchDesign)
     face, height = own["face"], own["height_m"]
@@ -176,7 +176,7 @@ def read_bench(reader: Reader) -> BenchDesign:
 
 
 def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
-    """The joint sets that can be read: E134 spacing, E135 scatter, E136 the same set twice."""
+    """The joint sets that can be read: E116 spacing, E186 scatter, E151 the same set twice."""
     named = reader.names("sets")
     strengths = strength_names(reader, [(name, below.get("strength"), below) for name, below in named])
     seen: dict[tuple[float, ...], str] = {}
@@ -189,7 +189,7 @@ def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
         key = (plane.dip_deg, plane.dip_direction_deg % 360.0, attributes["spacing_m"], attributes["offset_m"])
         if key in seen:
             message = f"{name} has the planes of {seen[key]}: the same orientation, spacing and offset"
-            reader.fault("E136", message, below, "Leave it out, or give it an offset.")
+            reader.fault("E151", message, below, "Leave it out, or give it an offset.")
         seen.setdefault(key, name)
         yield JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
 

@@ -56,15 +56,15 @@ def notices_of(
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
     if limit.rounding and first.fos:
         where = "at" if limit.basis is Basis.PEAK else "just before"
-        yield Notice("W502", f"all blocks rest {where} the factor but for a rounding of the law of their joints: "
+        yield Notice("W317", f"all blocks rest {where} the factor but for a rounding of the law of their joints: "
                      "forces balance within strength, and what joints give, open and slip fits them but for "
                      f"{limit.rounding * 100.0:.1g} % of the elastic energy")  # fmt: skip
     if limit.loads_last and first.fos:
-        yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
+        yield Notice("W317", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
     if limit.begun and first.fos and limit.static_bound:
         last = "led to no limit state" if limit.fit_on is None else f"fit on at F = {limit.fit_on:.4f}"
-        yield Notice("W482", "with all loads on at once the blocks come to rest at "
+        yield Notice("W317", "with all loads on at once the blocks come to rest at "
                      f"{limit.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
                      f"twice; those that came on after the weight {last}")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
@@ -167,7 +167,7 @@ def _given_up(limit: BlocksLimit) -> Notice:
             fit = f"just all fit on with the strength divided by {low:.4g}"
         why = f"the loads beside weight and water, coming on last, {fit}, and no rest under all of them was found there"
     above = "" if limit.static_bound is None else f"; the static bound is {limit.static_bound:.4g}"
-    return Notice("W371", f"the search for the limit of these blocks gave up: {why}{above}")
+    return Notice("W308", f"the search for the limit of these blocks gave up: {why}{above}")
 
 
 def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
@@ -198,7 +198,7 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
     bonds, tip = "without the cohesion that is lost, ", ""
     if not (limit.bond == 0.0).any():
         bonds, tip = "", " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
-    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
+    return Notice("W362", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
                   f"{tip}: no factor of safety is given{exist}")  # fmt: skip
 
 

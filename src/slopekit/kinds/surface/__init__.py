@@ -411,13 +411,13 @@ def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, 
         below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
                  if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
         if rule.is_on_factor and rule.met(limit) and below:
-            yield Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not")
+            yield Notice("W324", f"the limit meets {rule}, {', '.join(below)} would not")
 
 
 def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> Iterator[Notice]:
     if design.slip.normals == "facet":
         message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
-        yield Notice("W326", message)
+        yield Notice("W325", message)
     elif left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
         yield Notice("W325", message)
@@ -433,7 +433,7 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
         beyond = max(min(ends) - low - float(cut.origin[0]), high + float(cut.origin[0]) - max(ends))
         if beyond > 1e-6 * (high - low):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
-            yield Notice("W331", message)
+            yield Notice("W322", message)
     if cut.turned:
         yield Notice("W343", f"meshes that were inside out have been turned: {', '.join(cut.turned)}")
     if cut.mass.pieces:
