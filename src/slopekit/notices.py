@@ -13,14 +13,13 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.one_block.limit import LimitAnalysis
-from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import MESH_CHANGE, PASSES_SETTLED
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
 #: Of the inputs, of other methods and of what a run asks besides: not of the factor, which studies repeat.
-_NOT_OF_FACTORS = {"W309", "W313", "W320", "W366", "W332", "W341", "W373", INVENTED, "W332", "W332"}
+_NOT_OF_FACTORS = {"W320", "W332", "W366", "W373", INVENTED}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _PRESSED = 1e-6  # of all normal force: less is none
@@ -50,8 +49,8 @@ class Facts:
 
     Attributes
     ----------
-    bound_is_proved : or not asked for; mesh_change : what the last refinement did
-    unsettled : no equilibrium at full strength; why_not : why the closed form is not compared; block : what moves
+    mesh_change : what the last refinement did
+    why_not : why the closed form is not compared; block : what moves
     seismic : (3,) the way it acts, local axes; None without
     """
 
@@ -59,9 +58,7 @@ class Facts:
     analysis: LimitAnalysis
     pairs: NodePairs
     model: Model
-    bound_is_proved: bool
     mesh_change: float | None
-    unsettled: bool
     why_not: str
     block: str
     seismic: Floats | None = None
@@ -100,7 +97,7 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
     yield from _read_notices(design)
     yield from _static_bound_judged(design)
     yield from _tension_notices(strengths)
-    yield from _intact_notices(strengths)
+    yield from strength_notices(strengths)
 
 
 def _static_bound_judged(design: Design) -> Iterator[Notice]:
@@ -115,8 +112,8 @@ def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
 
 
-def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """Cohesion and friction that no joint has."""
+def strength_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """Yield W302 of cohesion and friction that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > _INTACT_KPA:
         yield Notice("W302", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
@@ -131,7 +128,7 @@ def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
 
 
 def bolt_notices(design: Design) -> Iterator[Notice]:
-    """Bolts whose moments nobody knows (W311), and active ones that pull the block out of its face (W311)."""
+    """Yield W311 of bolts whose moments are not known and of active ones that pull the block out of its face."""
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
     face = getattr(design, "face", None)
@@ -216,19 +213,13 @@ def _read_notices(design: Design) -> Iterator[Notice]:
         )
     if design.partial is not None and getattr(design, "crack_searched", None):
         yield Notice("W332", "the crack stands where it is worst without the partial factors")
-    yield from _weight_notices(design)
+    yield from weight_notices(design)
 
 
-def _weight_notices(design: Design) -> Iterator[Notice]:
-    """A weight that no rock has."""
+def weight_notices(design: Design) -> Iterator[Notice]:
+    """Yield W302 of a weight that no rock has."""
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
-
-
-def unlikely_values(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """Numbers of the inputs that are likelier slips than meant: W302, W302."""
-    yield from _weight_notices(design)
-    yield from _intact_notices(strengths)
 
 
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
@@ -237,15 +228,21 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     yield from _of_the_factor(design, interfaces, facts)
     strengths = [interface.strength for interface in interfaces]
     yield from _static_bound_judged(design)
-    yield from _intact_notices(strengths)
-    if not facts.bound_is_proved:
-        yield Notice("W309", "the static bound was not found")
-    if facts.unsettled:
-        yield Notice(
-            "W313",
-            "on an elastic bed no equilibrium was found at full strength (pairs that open "
-            "there lose their cohesion): no displacements",
-        )
+    yield from strength_notices(strengths)
+
+
+def new_notices(notices: Iterable[Notice], earlier: Sequence[Notice]) -> list[Notice]:
+    """Return the notices that no earlier one has, by itself or behind the place where it holds.
+
+    >>> weight, height = Notice("W302", "a weight"), Notice("W302", "at k = 0.1: a height")
+    >>> [notice.message for notice in new_notices([weight, Notice("W302", "a height")], [height])]
+    ['a weight']
+    """
+    return [
+        notice
+        for notice in notices
+        if not any(notice.code == old.code and old.message.endswith(notice.message) for old in earlier)
+    ]
 
 
 def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
@@ -256,8 +253,8 @@ def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
 def notices_of_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """Those of the notices of one analysed block that are of its factor: what studies say."""
     yield from _of_the_factor(design, interfaces, facts)
-    yield from _weight_notices(design)
-    yield from _intact_notices([interface.strength for interface in interfaces])
+    yield from weight_notices(design)
+    yield from strength_notices([interface.strength for interface in interfaces])
 
 
 def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
@@ -268,8 +265,6 @@ def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts
     yield from _of_shaking(facts)
     strengths = [interface.strength for interface in interfaces]
     yield from _tension_notices(strengths)
-    if facts.status == "slides_up":
-        yield Notice("W318", f"the loads drive the {facts.block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -facts.model.bolt_rows @ limit.velocity_of(facts.model)
         if not (drawn > SQUARE).any():
@@ -287,17 +282,8 @@ def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts
 
 
 def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
-    """How the limit was found, and what it rests on: moments, paths, rules on cohesion, passes, pairs without force."""
-    analysis, block = facts.analysis, facts.block
-    alone, limit = analysis.forces_only, analysis.governing
-    if facts.status == "topples":
-        opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"
-        unused = "" if alone.factor is None else f"; forces alone would give {alone.factor:.4g}: do not use it"
-        if limit.outcome is Outcome.NO_REST:
-            yield Notice("W303", f"moments turn the {block} over: on elastic joints it came to rest at none of the "
-                         f"strengths that were tried{unused}")  # fmt: skip
-        else:
-            yield Notice("W303", f"moments turn the {block} over{opened}, and no strength is called on{unused}")
+    """Yield W317 where the passes of the limit did not settle."""
+    limit = facts.analysis.governing
     if limit.factor and not limit.settled_to(PASSES_SETTLED):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"

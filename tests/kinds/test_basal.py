@@ -309,7 +309,7 @@ def test_what_the_whole_wedge_keeps_is_met() -> None:
     assert met.status == "no_driving_force"
     assert met.accepted is True
     assert met.margin == pytest.approx(met.without_basal.closed_form / 1.1)
-    assert {"W410", "W410"} <= {notice.code for notice in met.warnings}
+    assert {"W410"} <= {notice.code for notice in met.warnings}
     steep = {"joints__J1__plane": "88/100", "joints__J2__plane": "88/260", "basal__plane": "20/180"}
     other = sk.run(put(CUT_OFF, **steep))  # the line of J1 and J2 is steeper than the face
     assert other.without_basal is None

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from slopekit.core.errors import HARMLESS, DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 
 @cache
@@ -33,9 +33,4 @@ def explanation(code: str) -> str:
         near = [digits] if digits in texts else get_close_matches(wanted, texts, n=1)
         advice = f"Did you mean {near[0]}?" if near else ""
         raise DesignError([Fault("E142", f"{code} is not a code of slopekit", "", advice)])
-    return f"{wanted}\n{texts[wanted]}{weight_of(wanted)}"
-
-
-def weight_of(code: str) -> str:
-    """What a notice that asks for nothing says of its weight, behind its long text."""
-    return " It informs only: no badge on a page, not in --quiet." if code in HARMLESS else ""
+    return f"{wanted}\n{texts[wanted]}"

@@ -208,14 +208,13 @@ def cut(design: BenchDesign) -> AssemblyScene:
     planes = planes_of_sets(sets, body, np.random.default_rng(design.seed))
     cut = cut_bench(body, planes, design.max_blocks, design.min_volume_m3)
     assembly = cut.assembly
-    notices = []
-    if cut.planes_merged or cut.planes_on_body_faces:
-        notices.append(Notice("W337", f"{cut.planes_merged} joint planes that coincide were merged, "
-                              f"{cut.planes_on_body_faces} lie on a face of the bench and cut nothing"))  # fmt: skip
+    slivers, notices = list[str](), []
     if cut.slivers_joined or cut.slivers_left_out:
         left = f", {cut.slivers_left_out} without a neighbour left out ({cut.volume_left_out:.3g} m³)"
-        notices.append(Notice("W336", f"{cut.slivers_joined} slivers below {cut.min_volume:.3g} m³ were joined to the "
-                              f"neighbour they share most with{left if cut.slivers_left_out else ''}"))  # fmt: skip
+        slivers.append(
+            f"{cut.slivers_joined} slivers below {cut.min_volume:.3g} m³ joined to the neighbour they share most with"
+            f"{left if cut.slivers_left_out else ''}"
+        )
     share = cut.volume_joined / cut.body_volume
     if share > _SLIVERS:
         of_all = cut.blocks + cut.slivers_joined + cut.slivers_left_out
@@ -231,7 +230,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
         {"volume_error": cut.volume_error, "area_error": cut.area_error, "plane_error_m": cut.plane_error,
          "joint_area_m2": cut.joint_area},
         (f"{cut.fixed} of {cut.blocks} blocks reach the ends, the back or the bottom of the bench, where the rock goes "
-         "on: bedrock, no unknowns",),
+         "on: bedrock, no unknowns", *slivers),
         tuple(notices), origin=np.array(design.origin_m),
         crest=Crest(_up_the_face(design), design.face.normal(), design.upper.normal()),
     )  # fmt: skip

@@ -417,8 +417,6 @@ def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Assem
     _refuse_overlaps(names, cut.overlaps.pairs, cut.overlaps.amounts, cut.assembly.volumes, "m³")
     _refuse_floating(names, fixed, cut.assembly.patches, cut.gaps)
     notices = list(_fit(names, cut, "m²", "m³"))
-    if len(cut.turned):
-        notices.append(Notice("W343", f"meshes that were inside out have been turned: {_listed(names, cut.turned)}"))
     several = np.flatnonzero(cut.shells > 1)
     if len(several):
         text = f"files that hold several closed surfaces, taken as one rigid block each: {_listed(names, several)}"

@@ -26,15 +26,12 @@ from slopekit.kinds.elastic_scene import (
     ELASTIC,
     RIGID,
     ElasticScene,
-    elastic_stiffness,
     rock_of,
     scene_of_many,
     scene_of_one,
 )
 from slopekit.kinds.protocol import Kind
 from slopekit.kinds.single_block.one_block import Cut
-from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.preie.system.contact import CloughDuncan
 from slopekit.result import Result
 
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
@@ -125,9 +122,6 @@ def _timed(result: Result, began: float) -> dict[str, float]:
 
 
 def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
-    if result.openings:
-        yield Notice("W452", "moments open joints: the elastic limit is to be compared with the rigid one on its "
-                     f"pairs, {_number(answer.rigid_limit)}")  # fmt: skip
     lowest, highest = result.fos.lowest, result.fos.highest
     wide = lowest is not None and (highest is None or highest > lowest * (1.0 + _LOCKED))
     if answer.block is not None and wide:
@@ -135,9 +129,6 @@ def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
         span = f"{lowest:.3f} .. {far}"
         message = f"the limit under ELASTIC is that of the rigid path, other load paths and locked-in stresses: {span}"
         yield Notice("W455", f"{message}; rely on the lowest")
-    if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
-        shear = elastic_stiffness(result.design, result.findings is not None).tangential
-        yield Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³")
 
 
 def _number(value: float | None) -> str:

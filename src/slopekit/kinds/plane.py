@@ -13,7 +13,6 @@ from slopekit.core import sheet
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError, MisfitError, Notice
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
@@ -480,11 +479,6 @@ def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
 
 def _notices(design: PlaneDesign) -> Iterator[Notice]:
     yield from design.ground_notices(0.0, design.height_m)
-    for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
-        apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
-        if apart > _OUT and plane.dip_deg > 0.0:
-            message = f"{name} strikes {shown(round(apart, 1))}° from the face: taken as parallel to it"
-            yield Notice("W321", message)
     share = _in_section(design)
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (

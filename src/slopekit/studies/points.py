@@ -17,12 +17,13 @@ from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import also_falls_short, cut, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
+from slopekit.notices import new_notices
 from slopekit.studies.running import Record
 
 Method = Literal["closed_form", "pre_ie"]
 Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
-_BAD_INPUT = ("E211", "E212", "E250", "E250", "E252", "E253", "E116")  # of bolts and forces: blocks there are
+_BAD_INPUT = ("E211", "E212", "E250", "E252", "E253")  # of bolts and forces: blocks there are
 _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
 _WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
@@ -216,10 +217,10 @@ def said_at(
     >>> [str(notice) for notice in said_at([Point(None, "E203", "no"), there], "at c = {}".format)]
     ['W310 1 of 2 points, at c = 1: so']
     """
-    said, known = dict[str, list[tuple[int, str]]](), {notice.code for notice in besides}
+    said, known = dict[str, list[tuple[int, str]]](), tuple(besides)
     for k, point in enumerate(points):
-        notes = () if point.factors is None else point.factors.notes
-        for code in dict.fromkeys(note.code for note in notes if note.code not in known):
+        notes = new_notices(() if point.factors is None else point.factors.notes, known)
+        for code in dict.fromkeys(note.code for note in notes):
             text = "; ".join(note.message for note in notes if note.code == code)
             said.setdefault(code, []).append((k, text))
     for code, places in said.items():

@@ -129,7 +129,7 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
 
 def codes_of(notices: Sequence[Notice]) -> list[str]:
     """The codes of notices that a line of a study ends with: those that ask for something, each once."""
-    return list(dict.fromkeys(notice.code for notice in notices if not notice.is_harmless))
+    return list(dict.fromkeys(notice.code for notice in notices))
 
 
 def check_seed(faults: Faults, seed: object) -> None:

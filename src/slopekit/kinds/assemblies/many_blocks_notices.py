@@ -8,7 +8,7 @@ from slopekit.core.errors import Notice
 from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
-from slopekit.kinds.words import many_times, mass_in_words, size_number
+from slopekit.kinds.words import mass_in_words, size_number
 from slopekit.notices import (
     SQUARE,
     LostCohesion,
@@ -25,7 +25,6 @@ from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.tolerances import PASSES_SETTLED
 
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
-_FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _SMALL = 0.01  # of the volume that can move: the factor of less says little of the slope
 _BOULDER_M3 = 1.0  # a piece that may be left to its neighbours; a larger one is a failure of its own
 _FEW = 3  # mechanisms, of which one is mostly larger
@@ -73,19 +72,6 @@ def notices_of(
         yield _unsettled(limit)
     elif limit.outcome is Outcome.NOT_CONVERGED:
         yield _given_up(limit)
-    bound = ravelling.static_bound
-    if first.fos and bound is None and ravelling.locked:
-        yield Notice("W309", "there is no static bound: with joints free to dilate the blocks would be locked at any "
-                     "friction, and methods that take normality (limit analysis by linear or cone programs) find no "
-                     "failure; the limit is held against no upper bound")  # fmt: skip
-    elif first.fos and bound is None:
-        yield Notice("W309", "no static bound was found: its search gave up, or the blocks are too many for it; the "
-                     "limit is held against no upper bound")  # fmt: skip
-    if first.fos and bound and bound > _FAR_ABOVE * first.fos:
-        times = many_times(bound / first.fos)
-        more = f"{times} as much" if times else f"{(bound / first.fos - 1.0) * 100.0:.0f} % more"
-        yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
-                     "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     yield from lost_cohesion_notices(lost_cohesion(ravelling.failures[0]), "factor of safety")
 
 

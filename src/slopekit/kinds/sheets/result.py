@@ -86,6 +86,8 @@ def _factors(result: Result) -> Iterator[Factor]:
     yield Factor(fos.closed_form, closed, shared.verdict(result) if is_compared else "")
     if fos.static_bound is not None:
         yield Factor(fos.static_bound, shared.UPPER_BOUND)
+    elif fos.limit is not None and not result.static_bound_proved:
+        yield Factor(None, "upper bound: not found")
     if fos.all_pairs_failed is not None:
         yield Factor(fos.all_pairs_failed, "all pairs failed (the paper's criterion; depends on the stiffness)")
 

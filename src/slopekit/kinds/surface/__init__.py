@@ -434,8 +434,6 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
         if beyond > 1e-6 * (high - low):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
             yield Notice("W322", message)
-    if cut.turned:
-        yield Notice("W343", f"meshes that were inside out have been turned: {', '.join(cut.turned)}")
     if cut.mass.pieces:
         message = (
             f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
@@ -445,13 +443,9 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
     lowest = float(cut.mass.vertices[:, 2].min() + cut.origin[2])
     if design.pond_m is not None and design.pond_m <= lowest:
         yield Notice("W419", f"the pond stands at {shown(design.pond_m)} m, below the mass: it wets nothing")
-    if float(np.abs(cut.origin).max()) > _FAR_M:
-        message = "map coordinates: computed about the slip surface and put back, no digits lost"
-        if cut.grain:
-            message = (
-                f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
-            )
-        yield Notice("W305", message)
+    if cut.grain and float(np.abs(cut.origin).max()) > _FAR_M:
+        message = f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
+        yield Notice("W322", message)
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------

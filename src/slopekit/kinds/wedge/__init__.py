@@ -310,8 +310,6 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield Notice("W419", f"the crack is dry: pressures were given for {only} is the crack's)")
     if water.mode == "dry" and water.crack_fill:
         yield Notice("W419", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
-    if max(abs(coordinate) for coordinate in design.origin_m) > _FAR_M:
-        yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 
 
 def _without_basal(design: WedgeDesign) -> WithoutBasal | None:

@@ -267,7 +267,7 @@ def _number(name: str, given: object, where: str) -> float | None:
     if name in _WHOLE and value != int(value):
         raise DesignError([Fault("E106", f"{where} is {number(value)}, a whole number is needed", f"{where} {given}")])
     if not low <= value <= high:
-        code = "E116" if kind == "length" else "E307" if kind == "angle" or name == "swell" else "E307"
+        code = "E116" if kind == "length" else "E307"
         message = f"{where} is {number(value)}, {what} lies between {number(low)} and {number(high)}"
         raise DesignError([Fault(code, message, f"{where} {given}")])
     return value

@@ -26,7 +26,7 @@ from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
-from slopekit.notices import not_as_given
+from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Point, lower_of, other_history, point_of
 from slopekit.studies.prob.bolts import (
@@ -189,11 +189,8 @@ class Probability(StudyOutcome):
     @cached_property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: of the samples, and what a run says of the design at its means."""
-        said = {notice.code for notice in self.of_samples}
-        notes = () if self.means.factors is None else self.means.factors.notes
-        at_means = (
-            Notice(note.code, f"of the design at its means: {note.message}") for note in notes if note.code not in said
-        )
+        notes = new_notices(() if self.means.factors is None else self.means.factors.notes, self.of_samples)
+        at_means = (Notice(note.code, f"of the design at its means: {note.message}") for note in notes)
         peak = () if self.given.source is None else peak_only(self.given, "samples are judged by factors")
         return (*self.of_samples, *at_means, *self._other_history(), *peak)
 

@@ -25,6 +25,7 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import also_falls_short, dilates, kind_of, notices_of_inputs, peak_only
+from slopekit.notices import new_notices
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
@@ -566,6 +567,5 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
         notes.append(Notice("W353", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
                             "gone"))  # fmt: skip
     notes += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
-    known = {note.code for note in notes}
-    notes += (note for note in notices_of_inputs(static, [KEY]) if note.code not in known)
+    notes += new_notices(notices_of_inputs(static, [KEY]), notes)
     return [*notes, *peak_only(static, "displacements one way are those")]

@@ -299,7 +299,7 @@ def sets(
         listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, contours, _plane(at), dense,
         _girdle(poles, each, tried), confidence, seed, tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
-    return _with_notices(outcome, ignore_sets)
+    return _with_notices(outcome)
 
 
 def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str], Ints, Floats]:
@@ -315,10 +315,10 @@ def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str
     return found, of, share
 
 
-def _with_notices(joint_sets: JointSets, ignored: bool) -> JointSets:
+def _with_notices(joint_sets: JointSets) -> JointSets:
     from slopekit.studies.sets.said import notices_of
 
-    return replace(joint_sets, warnings=(*left_out(joint_sets.joints), *notices_of(joint_sets, ignored)))
+    return replace(joint_sets, warnings=(*left_out(joint_sets.joints), *notices_of(joint_sets)))
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------

@@ -8,20 +8,15 @@ from slopekit.core.sheet import counted
 from slopekit.studies.sets.run import JointSets, is_close, too_few
 
 
-def notices_of(joint_sets: JointSets, ignored: bool) -> list[Notice]:
-    """W400 to W404, those that apply."""
+def notices_of(joint_sets: JointSets) -> list[Notice]:
+    """Return those of W401, W402 and W404 that apply."""
     said: list[Notice] = []
     joints, sets = joint_sets.joints, joint_sets.sets
     if not joint_sets.are_given:
         said += _of_number(joint_sets)
     elif joint_sets.asked is not None:
         message = f"the sets are those of the column set of {joints.name}: --sets {joint_sets.asked} is not used"
-        said.append(Notice("W405", f"{message}; --ignore-sets finds them anew"))
-    if ignored and joints.sets():
-        said.append(Notice("W405", f"the column set of {joints.name} is left out, as asked"))
-    if sets and joint_sets.without_set:
-        alone = counted(len(joint_sets.without_set), "joint")
-        said.append(Notice("W400", f"{alone} of {len(joints)} {_is(joint_sets)} of no set, and in no mean and no K"))
+        said.append(Notice("W404", f"{message}; --ignore-sets finds them anew"))
     few = [one for one in sets if too_few(one)]
     if few:
         names = ", ".join(f"{one.name} ({len(one.members)})" for one in few)
@@ -70,7 +65,3 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
         )
         return [Notice("W404", message)]
     return []
-
-
-def _is(joint_sets: JointSets) -> str:
-    return "is" if len(joint_sets.without_set) == 1 else "are"

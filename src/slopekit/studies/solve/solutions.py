@@ -13,6 +13,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.kinds import factors_of, notices_of_inputs
+from slopekit.notices import new_notices
 from slopekit.studies.keys import Key
 from slopekit.studies.points import UNSETTLED, Method, Point, checked_target
 from slopekit.studies.protocol import StudyOutcome
@@ -359,7 +360,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W353 to W356, W462, W356 to W360, W477, W302, cohesion, inputs."""
+    """Yield what is to be known beside the value: of moments, of other values, of the order of loads, of inputs."""
     key, target, answer = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -374,7 +375,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
         yield Notice("W353", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
     yield from _of_paths(solution)
     if answer is not None:
-        yield from (note for note in answer.notes if note.code != "W303" or not solution.moments_govern)  # W353 says it
+        yield from answer.notes
     if len(solution.pre_ie.roots) > 1:
         further = [f"{key.shown(one.value)} ({one.status})" for one in solution.pre_ie.roots[1:]]
         others = ", ".join(further[:_MOST_LISTED]) + (", …" if len(further) > _MOST_LISTED else "")
@@ -388,8 +389,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
             yield Notice("W356", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
 
-    known = () if answer is None else {note.code for note in answer.notes}
-    yield from (note for note in notices_of_inputs(solution.design, [key.path]) if note.code not in known)
+    yield from new_notices(notices_of_inputs(solution.design, [key.path]), () if answer is None else answer.notes)
 
 
 def _of_paths(solution: Solution) -> Iterator[Notice]:

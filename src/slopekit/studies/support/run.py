@@ -268,7 +268,7 @@ class _SupportSearch:
         if which == "practical":
             low, high = self.options.plunge or (0.0, 0.0)
             where = f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
-            return Notice("E322" if ways.passive else "E322", where)
+            return Notice("E322", where)
         return Notice("E322", "no force of any direction reaches the target")
 
     # -- PRE-IE ---------------------------------------------------------------------------------------------
