@@ -22,7 +22,6 @@ INVENTED = "W379"
 _NOT_OF_FACTORS = {"W320", "W332", "W366", "W373", INVENTED}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
-_PRESSED = 1e-6  # of all normal force: less is none
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
 _HEIGHTS_M = (0.02, 2500.0)
 _INTACT_KPA = 5000.0  # of cohesion

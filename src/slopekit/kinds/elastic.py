@@ -131,10 +131,6 @@ def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
         yield Notice("W455", f"{message}; rely on the lowest")
 
 
-def _number(value: float | None) -> str:
-    return "none" if value is None else f"{value:.4f}"
-
-
 # -- at rest ----------------------------------------------------------------------------------------------------------
 
 

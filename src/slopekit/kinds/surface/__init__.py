@@ -75,16 +75,12 @@ _TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not t
 
 @dataclass(frozen=True, slots=True)
 class _Mass:
-    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to.
-
-    `turned`: names of mesh files that were inside out.
-    """
+    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to."""
 
     mass: SlidingMass
     pairs: NodePairs
     origin: Floats
     grain: float
-    turned: tuple[str, ...]
 
 
 def analyse_surface(design: SurfaceDesign) -> Result:
@@ -179,15 +175,14 @@ def _turns(velocity: Floats) -> bool:
 
 def _cut(design: SurfaceDesign) -> _Mass:
     slip = design.slip
-    turned: list[str] = []
     ground_mesh = slip_mesh = None
     if design.ground_mesh is not None:
-        ground_mesh = _read(design.ground_mesh, turned)
+        ground_mesh = _read(design.ground_mesh)
         if not ground_mesh[2]:
             name = design.ground_mesh.name
             raise GeometryError([Fault("E216", f"the mesh {name} of the slope is not closed", "", CLOSE_IT)])
     if slip.mesh is not None:
-        slip_mesh = _read(slip.mesh, turned)
+        slip_mesh = _read(slip.mesh)
     if slip_mesh is None:
         origin = np.array(slip.centre_m)
         radii = np.array(slip.radii_m)
@@ -220,7 +215,7 @@ def _cut(design: SurfaceDesign) -> _Mass:
     if design.profile_m is not None:
         _refuse_elsewhere(mass.vertices[:, 0] + origin[0], [x for x, _ in design.profile_m])
     grain = max(_grain(mesh[0]) for mesh in (ground_mesh, slip_mesh) if mesh) if ground_mesh or slip_mesh else 0.0
-    return _Mass(mass, pairs, origin, grain, tuple(turned))
+    return _Mass(mass, pairs, origin, grain)
 
 
 def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
@@ -233,13 +228,10 @@ def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
         raise GeometryError([Fault("E551", message, "", advice)])
 
 
-def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:
-    """Vertices, triangles and whether they close; one that is inside out is turned, and its name kept."""
-    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where, file.up)
-    triangles = outward(vertices, given) if closed else given
-    if (triangles != given).any():
-        turned.append(file.name)
-    return vertices, triangles, closed
+def _read(file: MeshFile) -> tuple[Floats, Ints, bool]:
+    """Return vertices, triangles and whether they close; a mesh that is inside out is turned."""
+    vertices, triangles, closed = read_mesh(Path(file.path), file.name, file.where, file.up)
+    return vertices, outward(vertices, triangles) if closed else triangles, closed
 
 
 def _grain(vertices: Floats) -> float:

@@ -42,7 +42,6 @@ from slopekit.result import Result, Words
 
 _NEARLY_PARALLEL_DEG = 5.0
 _OUTCOMES = (*OUTCOMES, "E486", "E487")  # the last two by limits of size
-_FAR_M = 1e4  # coordinates beyond this are a map's
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
 
