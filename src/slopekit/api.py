@@ -198,7 +198,7 @@ def analyse(design: "Source", elastic: bool = False) -> "Result | Cases[Result]"
     GeometryError
         Where no block can be formed.
     DesignError
-        E140 without the extra, E288 to E125 what elastic blocks do not take.
+        E140 without the extra, E125 and E288 what elastic blocks do not take.
 
     Examples
     --------
@@ -373,7 +373,7 @@ def plot(
     Raises
     ------
     DesignError
-        E106, E340 to E313 for what cannot be drawn, E140 without the extra.
+        E106, E141, E197, E273, E313 and E340 for what cannot be drawn, E140 without the extra.
 
     Examples
     --------
@@ -431,7 +431,7 @@ def report(
     Raises
     ------
     DesignError
-        E140 without the extra, E147 to E149, E340, E340, E340 and E340 for what is no result, E142 for the project,
+        E140 without the extra, E147 to E149 and E340 for what is no result, E142 for the project,
         E129 where the page cannot be written.
 
     Examples

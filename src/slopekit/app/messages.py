@@ -26,7 +26,7 @@ def parsed(text: str) -> Message:
     Raises
     ------
     DesignError
-        E541 for what is none, E541 for what is too large or too deep.
+        E541 for what is none, too large or too deep.
     """
     if len(text) > LARGEST_SURVEY or (len(text) > LARGEST and '"survey"' not in text[:400]):
         raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E541")

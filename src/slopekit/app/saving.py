@@ -289,7 +289,7 @@ def save(session: Session, file: str | None, seen: str) -> Path:
     Raises
     ------
     DesignError
-        E545 where the file changed on the disk, E545 where `seen` is another difference, E547 without a file, or where
+        E545 where the file changed on the disk or `seen` is another difference, E547 without a file, or where
         there is one of that name already, E129 where it cannot be written.
     """
     change, opened = change_of(session, file), session.opened

@@ -34,7 +34,7 @@ def checked(function: Function) -> Function:
     Raises
     ------
     DesignError
-        E405 a value of another type, E405 too many values, or one by two names, E142 a name that it has not, E143 a
+        E405 a value of another type, too many values, or one by two names, E142 a name that it has not, E143 a
         value that is missing, E105 a number beyond floats.
     """
     return cast(Function, _asking(function))

@@ -189,7 +189,7 @@ def _behind_crest(design: SlopeDesign) -> float:
 def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     """The table, the pond and the surcharge by attribute, and the water where they say it all; None where they do not.
 
-    Of the keys those that the kind has. E112 for what excludes each other, E454 for a table that is not given, E454 for
+    Of the keys those that the kind has. E112 for what excludes each other, E454 for a table that is not given or
     points that do not ascend.
     """
     own = fields_of(reader.record)

@@ -129,7 +129,7 @@ def export(
     Raises
     ------
     DesignError
-        E141 to E313, E129, E140, of `case` E197 and E313: see `slopekit explain`.
+        E129, E140, E141, E197, E273, E313, E340 and E350: see `slopekit explain`.
 
     Notes
     -----
@@ -212,7 +212,7 @@ def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:
 
 
 def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
-    """The file to write, refused before any work is done; E141, E313, E313, E140, E129."""
+    """The file to write, refused before any work is done; E129, E140, E141, E313."""
     file_format = _format(path.suffix.lower(), str(path))
     lacking = [word for word in words if word not in file_format.parts]
     if lacking:

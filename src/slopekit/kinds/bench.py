@@ -156,7 +156,7 @@ def read_bench(reader: Reader) -> BenchDesign:
     Raises
     ------
     DesignError
-        With every fault found: E116 to E116 for sets and cut, E116 for the slope, and those of every assembly.
+        With every fault found: E116, E137, E151 and E186 for the slope, sets and cut, and those of every assembly.
     """
     own = reader.fields(BenchDesign)
     face, height = own["face"], own["height_m"]

@@ -157,8 +157,8 @@ def read_blocks(reader: Reader) -> BlocksDesign:
     Raises
     ------
     DesignError
-        With every fault found: E242 to E245 for blocks, E247 to E176 for interfaces, E240 and E116 for sizes, and
-        those of every assembly.
+        With every fault found: E112, E126, E242 and E245 for blocks, E151, E176 and E247 for interfaces, E116 and
+        E240 for sizes, and those of every assembly.
     """
     group = reader.at("blocks")
     nodes = dict(reader.names("blocks"))
@@ -283,7 +283,7 @@ def _weight(
 
 
 def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, tuple[tuple[str, str, str], ...]]:
-    """The strength of every interface: the default, and those of the pairs that are named; E247 to E176, E176."""
+    """The strength of every interface: the default, and those of the pairs that are named; E151, E176, E247."""
     group, strengths = reader.at("interfaces"), reader.at("strength")
     named = {key: node for key, node in group.items() if node.text is not None} if group is not None else {}
     default = named.pop("default", None)

@@ -48,7 +48,7 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     Raises
     ------
     DesignError
-        E140 without scikit-fem, E288 to E288 for what cannot be had.
+        E140 without scikit-fem, E125 and E288 for what cannot be had.
     """
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)

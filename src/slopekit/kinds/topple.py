@@ -147,7 +147,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
     Raises
     ------
     DesignError
-        With every fault found: E101 a dip, E240 a size, E240 a step that cannot be, E448 to E450 a slope that makes no
+        With every fault found: E101 a dip, E240 a size or step that cannot be, E448 and E450 a slope that makes no
         columns, and those of every assembly.
     """
     node = reader.at("columns")

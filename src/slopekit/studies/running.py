@@ -185,7 +185,7 @@ def run_all(
     Interrupted
         Ctrl-C: E304, with what is done in the journal.
     DesignError
-        E301 no connection to the scheduler, E140 Dask is not installed, E301 workers with another slopekit, E464 a
+        E301 no connection to the scheduler or workers with another slopekit, E140 Dask is not installed, E464 a
         script without a main guard.
     SolverError
         E303 workers die again and again.

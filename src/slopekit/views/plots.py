@@ -233,9 +233,9 @@ def draw(
     Raises
     ------
     DesignError
-        E106 an option that is no number, E140 without the extra, E197 no such picture, E273 the document has no data
-        for it, E340 it is damaged, E141 not a format, E140 no window, E313 an option of other pictures, E273 nothing to
-        draw, E129 not writable. What goes wrong in drawing a whole document is ours, and goes through.
+        E106 an option that is no number, E140 without the extra, E197 no such picture, E273 nothing to draw,
+        E340 the document is damaged, E141 not a format, E140 no window, E313 an option of other pictures, E129 not
+        writable. What goes wrong in drawing a whole document is ours, and goes through.
     """
     options = options or PlotOptions()
     named, name = bool(name), name or "the document"
@@ -360,7 +360,7 @@ def read_document(path: Path) -> Document:
     Raises
     ------
     DesignError
-        E147 to E149 for the file, E340 not JSON, E340 not slopekit's.
+        E147 to E149 for the file, E340 no JSON of slopekit's.
     """
     import json
 

@@ -18,7 +18,7 @@ def load_document(path: str | os.PathLike[str]) -> Document:
     Raises
     ------
     DesignError
-        E147 to E149 and E159 for the file, E150 to E150 for its YAML: every fault that could be found.
+        E147 to E149 and E159 for the file, E150 and E151 for its YAML: every fault that could be found.
     """
     document, faults = read_document(path)
     if faults:
@@ -38,7 +38,7 @@ def read_document(
     Raises
     ------
     DesignError
-        Where there is no tree; E160 to E405 for the overrides.
+        Where there is no tree; E151, E160 and E405 for the overrides.
     """
     file = Path(path)
     document, faults = read_text(decoded(read_bytes(path), file.name), file.name, file)

@@ -136,7 +136,7 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     Raises
     ------
     DesignError
-        E174 another version, E174 an unknown kind, and what structure, names and values are wrong.
+        E174 another version or an unknown kind, and what structure, names and values are wrong.
     """
     root = document.root
     kind = kind_named(_kind(root))

@@ -61,7 +61,7 @@ def with_overrides(document: Document, overrides: Sequence[tuple[str, object]]) 
     Raises
     ------
     DesignError
-        E151 a path set twice, E160 not a path or broken YAML, E160 a path through a value, E160 no such list item.
+        E151 a path set twice, E160 no path, broken YAML, a path through a value, or no such list item.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> design = document_from({"water": {"mode": "full"}, "support": {"bolts": [{"force": "200 kN"}]}})

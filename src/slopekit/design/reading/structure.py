@@ -91,7 +91,7 @@ def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, 
     Returns
     -------
     list of Fault
-        E142 unknown key, E143 missing key, E144 wrong shape, E144 nothing written, E146 a name that cannot be one,
+        E142 unknown key, E143 missing key, E144 wrong shape or nothing written, E146 a name that cannot be one,
         E109 a list that is too short or too long; E149 behind the last where there are too many to go on.
 
     >>> from slopekit.design.reading.nodes import document_from

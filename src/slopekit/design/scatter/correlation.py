@@ -29,9 +29,8 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
     Returns
     -------
     pairs of coordinates with their coefficient (two orientations give two pairs), and faults: E105 to E108 for a
-    coefficient, E144 no mapping, E167 a key that is no pair, E168 an unknown name, E167 a coefficient beyond -1 to 1,
-    E151 a pair twice, E167 a value with itself, E183 coefficients that contradict each other, E167 an orientation with
-    a number.
+    coefficient, E144 no mapping, E151 a pair twice, E167 a key that is no pair, a coefficient beyond -1 to 1, a value
+    with itself, or an orientation with a number, E168 an unknown name, E183 coefficients that contradict each other.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> node = document_from({"J1.phi/J2.phi": 0.8}).root

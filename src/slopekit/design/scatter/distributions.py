@@ -163,9 +163,8 @@ def read_distribution(node: Node, kind: str, name: str, period: float | None = N
     Raises
     ------
     DesignError
-        E105 to E108 for a parameter, E165 unknown distribution, E165 parameter missing, E165 parameter that it does
-        not have, E186 sd below 0, E186 min not below max, E186 centre outside its bounds, E186 lognormal with a mean
-        not above 0, E165 fisher for a number.
+        E105 to E108 for a parameter, E165 a distribution or parameter that it does not have, or lacks, or fisher for
+        a number, E186 sd below 0, min not below max, a centre outside its bounds, a lognormal mean not above 0.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> node = document_from({"c": {"dist": "uniform", "min": "10 kPa", "max": "0.03 MPa"}}).root.get("c")
@@ -211,7 +210,7 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
     Raises
     ------
     DesignError
-        E101 to E105 for the mean, E165, E165 and E165 as for numbers, E165 another distribution or k not above 0.
+        E101 to E105 for the mean, E165 as for numbers, another distribution, or k not above 0.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> node = document_from({"plane": {"dist": "fisher", "mean": "45/115", "k": 100}}).root.get("plane")

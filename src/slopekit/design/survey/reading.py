@@ -127,9 +127,9 @@ def read_joints(
     ------
     DesignError
         E101 to E108 and E113 to E115 for the values, E140 a workbook without openpyxl, E147 to E149 and E159 for the
-        file, E193 quantities, E190 no joints, E191 columns missing, unknown or twice, E192 a strike without its
-        convention, or two formats, E193 a row that does not fit, or too many to be skipped, E193 a size: every bad row
-        of the file, those of one kind together.
+        file, E190 no joints, E191 columns missing, unknown or twice, E192 a strike without its
+        convention, or two formats, E193 a row, quantity or size that does not fit, or too many to be skipped: every bad
+        row of the file, those of one kind together.
     """
     table = table_of(Path(path).name, read_bytes(path, MOST_BYTES, _TOO_LARGE))
     return _Reader(table, convention, skip_bad, option, sizes, columns).survey()

@@ -127,7 +127,7 @@ def check_outlines(outlines: Outlines, tolerance: float, crossing: Ints, names: 
     Raises
     ------
     GeometryError
-        E227, E227, E230.
+        E227, E230.
     """
     crosses = np.zeros(len(outlines), dtype=bool)
     crosses[crossing] = True
@@ -256,7 +256,7 @@ def section_assembly(
     Raises
     ------
     GeometryError
-        E227 an outline crosses itself, E227 it encloses no area, E230 the tolerance is as large as a block.
+        E227 an outline crosses itself or encloses no area, E230 the tolerance is as large as a block.
 
     Examples
     --------

@@ -134,7 +134,7 @@ def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
 
 
 def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
-    """Mean water pressures as the file names them; E118 for water said in another way, E118 below 0."""
+    """Mean water pressures as the file names them; E118 for water in another form or below 0."""
     node = reader.at("water")
     if node is None or node.value is None:
         return []
@@ -227,7 +227,7 @@ def _on_blocks(
 
 
 def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] | None) -> str | None:
-    """The block of a load: the one it names, or the only one that moves; E250, E250."""
+    """The block of a load: the one it names, or the only one that moves; E250."""
     named = node.get("block")
     moving = [name for name, moves in (blocks or {}).items() if moves]
     if named is not None and named.text is not None:

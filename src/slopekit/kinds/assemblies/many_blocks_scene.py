@@ -84,7 +84,7 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
     GeometryError
         E225 where none of the blocks can move.
     DesignError
-        E250, E250 for loads on blocks that are not there, E212 for passive bolts that end in their own block.
+        E250 for loads on blocks that are not there, E212 for passive bolts that end in their own block.
     """
     if scene.assembly.fixed.all():
         message = f"none of the {len(scene.assembly)} blocks can move: each reaches bedrock's side of the model"

@@ -146,7 +146,7 @@ def build_model(
     Raises
     ------
     SolverError
-        E599 there is nothing to solve, E599 normals that are no unit vectors.
+        E599 there is nothing to solve, or normals are no unit vectors.
     """
     # the sum of all loads' sizes, not the size of their sum: bolts may hold the block in balance
     force_scale = sum(math.sqrt(float(part @ part)) for part in loads.parts.values())

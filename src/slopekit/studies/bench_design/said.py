@@ -16,7 +16,7 @@ _FEW = 30  # joints: below it, a survey says little of its sets
 
 
 def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
-    """W432, W366, W373, W350, W390 to W394, W422, W391."""
+    """Yield what a reader must know of the survey, of the options and of what was not counted."""
     yield from asked.meant
     yield from left_out(asked.joints)
     n = len(asked.joints)

@@ -276,7 +276,7 @@ def combos(
     ------
     DesignError
         Every fault: of the list, of the slope as for a wedge, E143 a strength that a joint needs, E116 limits of size,
-        E126 top, E307 fos, E126 neither scale nor filter, E109 two values where pairs have no order.
+        E126 top, or neither scale nor filter, E307 fos, E109 two values where pairs have no order.
     GeometryError
         E209 the slope has no crest.
 

@@ -241,8 +241,8 @@ def kinematic(
     Raises
     ------
     DesignError
-        With every fault: of the list, E113, E115 for phi, E143 without a face, E312 and E312 for the faces, E307 for
-        the lateral limits, E307 the seed.
+        With every fault: of the list, E113, E115 for phi, E143 without a face, E312 for the faces, E307 for the
+        lateral limits and the seed.
 
     Notes
     -----

@@ -331,7 +331,7 @@ def _probability(
 def notices_of(
     target: float, judged: Judged, samples: Samples, share: Share, confirmation: Confirmation | None
 ) -> Iterator[Notice]:
-    """What a reader must know: W350 to W353."""
+    """Yield what a reader must know: W350, W353 and W507."""
     impossible = int(judged.among("E1", IMPOSSIBLE).sum())
     if impossible:
         yield Notice("W350", f"{impossible} of {len(samples.values)} samples have a value that no design can have, "

@@ -126,8 +126,8 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
     Raises
     ------
     DesignError
-        E511 the unit, E512 no numbers, E514 times that do not rise or are not in seconds, E512 too few samples or
-        nothing but zeros, E511 an acceleration that none has.
+        E511 the unit, or an acceleration that none has, E512 no numbers, too few samples or nothing but zeros, E514
+        times that do not rise or are not in seconds.
     """
     t, a = np.asarray(times_s, dtype=np.float64).ravel(), np.asarray(accelerations, dtype=np.float64).ravel()
     if len(t) != len(a):
@@ -175,7 +175,7 @@ def _refused(name: str, code: str, what: str, line: int | None = None, advice: s
 
 
 def _said_of(record: Record) -> Iterator[Notice]:
-    """W460 uneven steps, W460 the baseline."""
+    """Yield W460 of uneven steps and of the baseline."""
     steps = np.diff(record.times_s)
     usual = float(np.median(steps))
     uneven = int((np.abs(steps - usual) > _UNEVEN * usual).sum())
@@ -205,7 +205,7 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     Raises
     ------
     DesignError
-        E147 to E149 for the files, E510 nothing there, E511 to E511 what is in them, E517 a pulse.
+        E147 to E149 for the files, E510 nothing there, E511, E512 and E514 what is in them, E517 a pulse.
     """
     if unit is not None:
         _factor_of(unit, "unit")

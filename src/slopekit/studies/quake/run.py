@@ -366,7 +366,7 @@ def quake(
     Raises
     ------
     DesignError
-        E510 to E511 for the records, E307 for a peak, E520 a slope that does not stand, E313 components that do not go
+        E510 to E517 for the records, E307 for a peak, E520 a slope that does not stand, E313 components that do not go
         together, E288 a design that --six has no answer for, E253 a design without a seismic coefficient or a direction
         of it, E524 a displacement of a kilometre, E280 a design without a file.
 

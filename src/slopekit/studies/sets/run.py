@@ -240,7 +240,7 @@ def sets(
     ------
     DesignError
         With every fault: of the list (E193 its spacings and traces), E137 the number of sets, E104 the scanline, E307
-        the bias angle, E307 confidence or contours, E307 the seed.
+        the bias angle, confidence, contours or seed.
 
     Notes
     -----

@@ -95,7 +95,7 @@ def report_of(
     Raises
     ------
     DesignError
-        E140 without the extra, E340 neither result nor study, E340 one that is damaged, E142 a key of the project.
+        E140 without the extra, E340 no result or one that is damaged, E142 a key of the project.
     """
     given = [documents] if isinstance(documents, Mapping) else list(documents)
     several, called, short = _with_cases(given, names)

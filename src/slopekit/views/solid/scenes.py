@@ -100,8 +100,8 @@ def draw(
     Raises
     ------
     DesignError
-        E140 where pyvista or matplotlib is not installed, E350 to E307 where the document holds no such scene, E140
-        without a display.
+        E140 where pyvista or matplotlib is not installed or there is no display, E273, E307 and E350 where the
+        document holds no such scene.
     """
     from slopekit.views.solid.rendering import save, show_window
 
@@ -118,7 +118,7 @@ def compose(document: Mapping[str, Any], what: str, asked: SceneOptions | None =
     Raises
     ------
     DesignError
-        E350 no scene, E273 no displacement, E273 no mechanism, E273 no such step, E307 a magnification that is none.
+        E350 no scene, E273 no displacement, mechanism or step, E307 a magnification that is none.
     """
     wanted = asked or SceneOptions()
     for name, value in (("explode", wanted.explode), ("magnify", wanted.magnify)):
