@@ -221,7 +221,7 @@ def test_a_bench_is_the_same_for_the_same_seed() -> None:
     scattered["cut"] = {"seed": 3, "min_volume": 0.05}
     first, again = sk.run(scattered), sk.run(scattered)
     assert first.to_dict()["assembly"] == again.to_dict()["assembly"]
-    assert "W336" in codes(first)
+    assert any("slivers below" in text for text in first.model.left_out)
     other = cut(sk.load(scattered, set={"cut.seed": 4}))  # cut, not solved
     assert len(other.assembly) != first.findings.blocks
 
@@ -230,7 +230,6 @@ def test_coincident_planes_and_benches_without_a_free_block() -> None:
     double = json.loads(json.dumps(BENCH))
     double["sets"]["S4"] = {"plane": "45/170", "spacing": 8, "strength": "j"}
     result = sk.run(double)
-    assert "W337" in codes(result)
     assert result.fos.limit == pytest.approx(the_bench().fos.limit, rel=1e-6)
     with pytest.raises(GeometryError, match="can move") as error:
         sk.run(
@@ -319,7 +318,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
 
     assert said() == {}
     bond = np.array([1.0, 0.0, 1.0])
-    assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307", "W309"}
+    assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307"}
     lost = "(1 of 1, with 33 % of the node pairs; open pairs of other contacts keep theirs): the factor of safety jumps"
     assert lost in said(bond=bond)["W307"]
     assert "for 0.4 % of the elastic energy" in said(rounding=0.0042)["W317"]
@@ -347,10 +346,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "just all fit on with the strength divided by 0.2, and" in once
     assert "by turns" not in once
     assert said(spent=True, **gave_up).keys() == {"W360"}
-    assert "19 % more" in said(static_bound=1.19 * part.limit.factor)["W341"]
-    assert "W341" not in said(static_bound=1.09 * part.limit.factor)
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
-    assert said(static_bound=None)["W309"].endswith("; the limit is held against no upper bound")
     in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
     held = " ".join(room._left_out(design, scene, in_group))
     assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
@@ -383,23 +379,20 @@ def test_the_bound_of_blocks_that_fail_together_is_the_least() -> None:
     """One of two components is locked in a slot at any friction, the other is not."""
     result = sk.run(populations.bench(34))
     assert result.fos.static_bound == pytest.approx(14.026, rel=1e-4)
-    assert "W309" not in codes(result)
 
 
 def test_blocks_locked_by_dilation_are_held_against_no_bound() -> None:
     result = sk.run(populations.bench(54))
     assert result.fos.limit is not None
     assert result.fos.static_bound is None
-    said = {notice.code: notice.message for notice in result.warnings}
-    assert "locked at any friction" in said["W309"]
-    assert "W341" not in said
+    assert "upper bound: not found" in str(result.sheet)
 
 
 def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
     """cases.json 5a: 19 % between them; the table has 16 rows, P of column 10 is 2826.71 kN at full strength."""
     result = result_of("goodman-bray")
     assert result.fos.static_bound == pytest.approx(1.19089, abs=1e-4)
-    assert "W341" in codes(result)
+    assert "19.1 % above the limit" in str(result.sheet)
     rows = result.findings.table
     assert [row.mode_preie for row in rows] == ["slide"] * 3 + ["topple"] * 10 + ["stable"] * 3
     assert [row.mode for row in rows] == [row.mode_preie for row in rows]
@@ -407,7 +400,7 @@ def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
 
 
 def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -> None:
-    """An inside-out cube is turned, and said; pairs that the geometry could not intersect are named."""
+    """An inside-out cube is turned; pairs that the geometry could not intersect are named."""
     from slopekit.geometry.solids import solids
 
     slab = trimesh.creation.box([9, 9, 2], trimesh.transformations.translation_matrix([0, 0, -1]))
@@ -420,7 +413,6 @@ def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -
         "strength: {j: {c: 0, phi: 30}}\nrock: {unit_weight: 25}\n"
     )
     result = sk.run(tmp_path / "c.yaml")
-    assert "turned: C" in {notice.code: notice.message for notice in result.warnings}["W343"]
     assert result.geometry.volume_m3 == pytest.approx(1.0)
     assert result.status == "no_driving_force"
 

@@ -225,13 +225,12 @@ def test_the_column_set_wins() -> None:
     assert own.are_given
     assert [one.name for one in own.sets] == ["S1", "S2", "S3"]
     assert len(own.without_set) == 6
-    assert "W400" in codes(own)
     asked = sk.sets(LIST, n=5)
     assert [len(one.members) for one in asked.sets] == [len(one.members) for one in own.sets]
-    assert "W405" in codes(asked)
+    assert "W404" in codes(asked)
     anew = sk.sets(LIST, ignore_sets=True)
     assert not anew.are_given
-    assert {"W404", "W405", "W400"} <= set(codes(anew))
+    assert "W404" in codes(anew)
     # the list was drawn from three sets and six flat joints: all found again, but for four joints at the edges
     both = {(joint.set_name, int(k)) for joint, k in zip(anew.joints.joints, anew.of, strict=True) if k >= 0}
     assert sorted(name for name, _ in both) == ["S1", "S2", "S3"]

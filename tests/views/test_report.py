@@ -321,8 +321,8 @@ def test_several_documents_have_contents_and_a_view_each_and_say_whose_they_are(
     assert caught.value.codes == ("E142",)
 
 
-def test_the_factor_at_the_top_is_never_more_than_it_is_and_harmless_notices_raise_no_badge() -> None:
-    found = document("wedge") | {"warnings": [{"code": "W305", "message": "moved"}]}
+def test_the_factor_at_the_top_is_never_more_than_it_is_and_notices_raise_a_badge() -> None:
+    found = document("wedge") | {"warnings": []}
     found["fos"] = found["fos"] | {"limit": 1.49996}
     text = report_of(found, with_pictures=False).html
     assert '<div class="fos">1.49<small>factor of safety 1.5000' in text
