@@ -149,10 +149,9 @@ def test_gaps_overlaps_corners_and_names_that_do_not_touch() -> None:
     )
     gap["strength"]["smooth"] = {"c": 0, "phi": 5}
     gap["interfaces"] = {"default": "joint", "A/C": "smooth"}
-    said = {notice.code: notice.message for notice in sk.run(gap).warnings}
-    assert "A and B are 2 mm apart over 1 m" in said["W334"]
-    assert "A/C" in said["W334"]
-    assert "corner" in said["W334"]
+    said = [notice.message for notice in sk.run(gap).warnings if notice.code == "W334"]
+    for part in ("A and B are 2 mm apart over 1 m", "A/C", "corner"):
+        assert any(part in message for message in said)
     with pytest.raises(GeometryError, match=r"A and B overlap by 0\.1 m²") as error:
         sk.run(on_incline({"A": box(0, 0, 1, 1), "B": box(0.9, 0, 1, 1)}, 0, 30))
     assert error.value.faults[0].code == "E257"
@@ -332,7 +331,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     begun = said(begun=part.limit.factor / 4.0, static_bound=part.limit.factor)
     assert "come to rest at 4 times the strength of the static bound" in begun["W317"]
     assert "W317" not in lost
-    assert "W362" not in lost
+    assert "came to rest at none" not in lost["W362"]
     without = {"factor": None, "outcome": Outcome.NO_REST, "basis": Basis.NONE}
     assert "at any strength that was tried" in said(loads_last=True, carried=0.4, static_bound=None, **without)["W362"]
     assert said(**without)["W362"].endswith("not that they arise")
