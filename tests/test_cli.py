@@ -197,7 +197,7 @@ def test_text_is_folded_to_the_terminal(columns, widest, monkeypatch) -> None:
     [
         ("kin", ["kinematic"]),
         ("templates show wedge-", ["wedge-basal", "wedge-scatter"]),
-        ("explain E37", ["E340", "E340", "E141", "E140", "E273", "E142"]),
+        ("explain E32", ["E322", "E325", "E328", "E329"]),
         ("plot result.json ex", ["exploded"]),
         ("combos --convention l", ["left-hand-rule"]),
     ],
