@@ -328,12 +328,12 @@ def test_what_else_is_wrong() -> None:
         sk.load({**PLANE, "loads": held, "crack": {"distance": "worst"}})
 
 
-@pytest.mark.parametrize(("pond", "code"), [(-1.0, "W419"), (25.0, "W419")])
-def test_what_is_said_of_a_pond(pond, code) -> None:
+@pytest.mark.parametrize(("pond", "says"), [(-1.0, "it wets nothing"), (25.0, "is that a reservoir?")])
+def test_what_is_said_of_a_pond(pond, says) -> None:
     """Below the toe it wets nothing, above the crest it may be a slip of elevations."""
     result = sk.run({**WEDGE, "water": {"pond": pond}})
-    assert code in [notice.code for notice in result.warnings]
-    if code == "W419":
+    assert any(says in notice.message for notice in result.warnings if notice.code == "W419")
+    if pond < 0.0:
         assert result.fos.limit == pytest.approx(sk.run(WEDGE).fos.limit, rel=1e-12)
 
 

@@ -236,7 +236,7 @@ def test_files_with_anything_in_them_are_read_or_refused(tmp_path) -> None:
             assert np.isfinite(record.accelerations).all()
             assert (np.diff(record.times_s) > 0.0).all()
     assert "read" in outcomes
-    assert len(outcomes) > 4
+    assert outcomes == {"read", "E511", "E512", "E514"}
 
 
 def test_a_record_that_is_given_twice_is_said_to_be(tmp_path) -> None:
@@ -246,7 +246,7 @@ def test_a_record_that_is_given_twice_is_said_to_be(tmp_path) -> None:
     (tmp_path / "copy.csv").write_text(text)
     (tmp_path / "other.csv").write_text(text.replace("-0.1", "-0.2"))
     records = read_records([tmp_path / "a.csv", tmp_path])
-    said = {record.name: [one.message for one in record.notices if one.code == "W460"] for record in records}
+    said = {record.name: [one.message for one in record.notices if "once more" in one.message] for record in records}
     again = "once more, sample by sample: it counts twice in medians and percentiles"
     assert said == {
         "a.csv (1)": [], "a.csv (2)": [f"a.csv (2) is a.csv (1) {again}"],
