@@ -134,7 +134,8 @@ def _movement(result: Result) -> list[str]:
     """Displacement at full strength on elastic joints."""
     state = result.at_factor_one
     if state is None:
-        return []
+        stands = result.fos.limit is not None and result.fos.limit > 1.0
+        return ["no displacement at F = 1: no equilibrium was found on elastic joints"] if stands else []
     failed, pairs = state.failed_pairs, result.model.node_pairs
     yielding = f"{failed} of {pairs} node pairs yield" if failed else "no yielding"
     return [
