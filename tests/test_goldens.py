@@ -25,7 +25,6 @@ NOT_REACHED = {
     "E140": "a workbook where openpyxl is missing",
     "E405": "a value of a Python type, or a list of joints given in Python",
     "E280": "a design made in Python",
-    "E125": "a list of more joints than are taken",
 }
 
 
