@@ -327,10 +327,9 @@ def test_notices(tmp_path) -> None:
     (tmp_path / "joints.csv").write_text(content)
     found = sk.kinematic(tmp_path / "joints.csv", face="15/180", skip_bad=True)
     said = {notice.code: notice.message for notice in found.warnings}
-    assert set(said) == {"W366", "W373", "W369"}
+    assert set(said) == {"W366", "W369"}
     assert any("line 4 (E101 dip of C is 195" in notice.message for notice in found.warnings)
     assert said["W366"].startswith("the cohesion of the list is left out")
-    assert "the joints' own for 10 of 10, from 20 to 25°" in said["W373"]
     assert "no steeper than friction" in said["W369"]
     assert refused(joints=tmp_path / "joints.csv").codes == ("E101",)
     assert sk.kinematic(["45/115"], face="65/180").warnings == ()

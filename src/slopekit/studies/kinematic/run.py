@@ -298,7 +298,7 @@ def kinematic(
         modes,
         tuple((dip, face_modes.counts()) for dip, face_modes in zip(dips, over, strict=True)), modes.shares(*weights),
         tuple(face_modes.shares(*weights) for face_modes in over), tuple(defaults),
-        tuple(_notices(listed, plane, friction, measured, modes)), time.perf_counter() - began,
+        tuple(_notices(listed, plane, friction)), time.perf_counter() - began,
     )  # fmt: skip
 
 
@@ -335,7 +335,7 @@ def _faces(given: Any, key: Key) -> tuple[float, ...]:
     return dips
 
 
-def _notices(joints: JointList, face: Plane, friction: Floats, measured: int, modes: Modes) -> list[Notice]:
+def _notices(joints: JointList, face: Plane, friction: Floats) -> list[Notice]:
     notices = left_out(joints)
     if joints.has_quantities:
         message = (
@@ -346,13 +346,6 @@ def _notices(joints: JointList, face: Plane, friction: Floats, measured: int, mo
     if any(joint.cohesion_kpa for joint in joints.joints):
         message = "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
         notices.append(Notice("W366", message))
-    if 0 < measured < len(joints) or (measured and float(np.ptp(friction)) > 0.0):
-        message = (
-            f"friction angles are the joints' own for {measured} of {len(joints)}, from "
-            f"{number(float(friction.min()))} to {number(float(friction.max()))}°: lines take the lower of their two "
-            "joints, oblique toppling the highest of all; a stereonet has no one circle for them"
-        )
-        notices.append(Notice("W373", message))
     if face.dip_deg <= float(friction.min()):
         message = f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it"
         notices.append(Notice("W369", message))
