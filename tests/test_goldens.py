@@ -23,10 +23,8 @@ CHEAP = re.compile(
 #: Codes of reading that no file and no option reaches.
 NOT_REACHED = {
     "E140": "a workbook where openpyxl is missing",
-    "E163": "a value of a Python type",
+    "E405": "a value of a Python type, or a list of joints given in Python",
     "E280": "a design made in Python",
-    "E330": "a list of more joints than are taken",
-    "E338": "a list of joints given in Python",
 }
 
 

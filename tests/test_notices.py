@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from benchmarks.ordinary_cuts import notices_of_sheets
 from slopekit.core.errors import SolverError
 from slopekit.core.explanations import explanations
 from slopekit.design.parts import Strength
@@ -31,61 +32,57 @@ ONE_PLANE = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "
 OF_A_WEDGE = [
     ("W301", {"dips": ("45/178", "45/182")}, "J1 and J2"),
     ("W302", {"unit_weight": 100}, "a unit weight of 100 kN/m³ is not that of rock"),
-    ("W305", {"origin": (5e5, 4e6, 1e3)}, "map coordinates"),
     ("W307", ONE_PLANE, "J2 has lost contact"),
     ("W308", {"c": 0, "phi": 0}, "the joints have no strength"),
     ("W310", {"dilation": 5}, "the closed form knows no dilation"),
     ("W328", {"seismic": "0.1@000"}, "the seismic load acts against the movement"),
     ("W329", {"tension": 100}, "the tensile strength acts in the displacements only"),
     ("W311", {"bolts": "200@000/10"}, "bolts without a head"),
-    ("W315", {"bolts": "200@180/22.909807,passive"}, "the passive bolts add nothing"),
-    ("W316", {"c": 50000}, "a cohesion of 50000 kPa"),
-    ("W316", {"phi": 80}, "a friction angle of 80° is that of no joint"),
-    ("W318", {"bolts": "9000000@000/00"}, "the loads drive the wedge upward"),
-    ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
-    ("W492", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),
-    ("W492", {"height": 0.01}, "m high, lower than any slope: was a length typed in km?"),
-    ("W498", {"water": "u=5000kPa"}, "a mean water pressure of 5000 kPa is that of 509.7 m of water, on blocks 100 m"),
+    ("W311", {"bolts": "200@180/22.909807,passive"}, "the passive bolts add nothing"),
+    ("W302", {"c": 50000}, "a cohesion of 50000 kPa"),
+    ("W302", {"phi": 80}, "a friction angle of 80° is that of no joint"),
+    ("W419", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
+    ("W302", {"height": 15000}, "m high, higher than nearly any rock slope: was a length typed in mm?"),
+    ("W302", {"height": 0.01}, "m high, lower than any slope: was a length typed in km?"),
+    ("W302", {"water": "u=5000kPa"}, "a mean water pressure of 5000 kPa is that of 509.7 m of water, on blocks 100 m"),
     ("W379", {"face": "65/180"}, "not given, taken from the paper's wedge: upper, height, c, phi, density"),
 ]  # fmt: skip
 # code, template, changes, what the notice says
 OF_A_FILE = [
-    ("W319", "wedge", {"crack": {"plane": "80/180", "distance": 5, "water": "full"}}, "the crack holds water"),
+    ("W419", "wedge", {"crack": {"plane": "80/180", "distance": 5, "water": "full"}}, "the crack holds water"),
     ("W320", "wedge", {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}}, "strength.weak.c is a distribu"),
-    ("W321", "plane", {"joints.J1.plane": "35/170"}, "J1 strikes 10° from the face"),
     ("W322", "paper-ellipsoid",
      {"slope.profile": [[80, 20], [62, 20], [60, 0], [40, 0], [0, 40], [-20, 40]]}, "the slip surface cuts 2 pieces"),
     ("W323", "plane", {"support": {"bolts": [{"force": 10, "toward": "090/0"}]}}, "bolts or forces act along the slo"),
     ("W324", "paper-ellipsoid", {"loads": {"forces": [[10, 0, 0]]}}, "the methods of columns are left out: they know"),
     ("W325", "paper-ellipsoid", {"slip.radii": [40, 28, 36]}, "the normals were turned by"),
     ("W328", "surface", {"loads": {"seismic": "0.1@180"}}, "the seismic load acts across the movement"),
-    ("W330", "surface", {"acceptance": {"rules": ["fos >= 1.362"]}}, "the limit meets fos >= 1.362, Fellenius"),
-    ("W331", "sphere", {"slope.profile": [[5, -8.09017], [-30, 9.4098301]]}, "the mass reaches"),
+    ("W324", "surface", {"acceptance": {"rules": ["fos >= 1.362"]}}, "the limit meets fos >= 1.362, Fellenius"),
+    ("W322", "sphere", {"slope.profile": [[5, -8.09017], [-30, 9.4098301]]}, "the mass reaches"),
     ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the static bound"),
     ("W323", "plane", {"loads": {"seismic": "0.2@270"}}, "the seismic load acts off the section: 0 % of it"),
-    ("W321", "plane", {"slope.upper": "10/195"}, "the upper slope strikes 15° from the face"),
-    ("W492", "footing", {"weak_plane.length": 8000}, "the blocks are 5142 m high, higher"),
-    ("W492", "blocks", {"blocks": {"base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},
+    ("W302", "footing", {"weak_plane.length": 8000}, "the blocks are 5142 m high, higher"),
+    ("W302", "blocks", {"blocks": {"base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},
                                    "B1": {"polygon": [[0, 0], [2000, 0], [2000, 3000], [0, 3000]]}},
                         "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 0, "phi": 30}}},
      "the blocks are 4000 m high"),
-    ("W498", "blocks", {"water": {"pressures": {"base/B1": 900}}}, "a mean water pressure of 900 kPa is that of 91.7"),
-    ("W498", "topple", {"water": {"pressures": {"base": 2000}}}, "a mean water pressure of 2000 kPa is that"),
-    ("W316", "wedge", {"strength.weak": {"law": "power", "a": 200, "b": 0.75}}, "power curve 200 σ^0.75 kPa resists 6"),
-    ("W326", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
+    ("W302", "blocks", {"water": {"pressures": {"base/B1": 900}}}, "a mean water pressure of 900 kPa is that of 91.7"),
+    ("W302", "topple", {"water": {"pressures": {"base": 2000}}}, "a mean water pressure of 2000 kPa is that"),
+    ("W302", "wedge", {"strength.weak": {"law": "power", "a": 200, "b": 0.75}}, "power curve 200 σ^0.75 kPa resists 6"),
+    ("W325", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("code", "inputs", "says"), OF_A_WEDGE, ids=lambda value: str(value)[:30])
 def test_notices_of_a_wedge(code, inputs, says) -> None:
-    said = {notice.code: notice.message for notice in sk.wedge(**{"dips": DIPS, **inputs}).warnings}
-    assert says in said[code]
+    said = [notice.message for notice in sk.wedge(**{"dips": DIPS, **inputs}).warnings if notice.code == code]
+    assert any(says in message for message in said)
 
 
 @pytest.mark.parametrize(("code", "template", "changes", "says"), OF_A_FILE, ids=lambda value: str(value)[:30])
 def test_notices_of_a_design_file(code, template, changes, says) -> None:
-    said = {notice.code: notice.message for notice in sk.run(path_of(template), set=changes).warnings}
-    assert said[code].startswith(says)
+    said = [notice.message for notice in sk.run(path_of(template), set=changes).warnings if notice.code == code]
+    assert any(message.startswith(says) for message in said)
 
 
 def test_a_plain_design_is_told_nothing() -> None:
@@ -102,7 +99,7 @@ def facts(**changes) -> tuple[set[str], str]:
     if "change" in changes:
         governing = replace(analysis.governing, change=changes.pop("change"))
         analysis = replace(analysis, governing=governing)
-    found = Facts("slides_on_both", analysis, scene.pairs, scene.model, True, None, False, "", "wedge")
+    found = Facts("slides_on_both", analysis, scene.pairs, scene.model, None, "", "wedge")
     interfaces = [Interface(0, "J1", Strength(50, 20)), Interface(1, "J2", Strength(50, 20))]
     said = list(notices(design, interfaces, replace(found, **changes)))
     return {notice.code for notice in said}, "\n".join(map(str, said))
@@ -111,9 +108,7 @@ def facts(**changes) -> tuple[set[str], str]:
 @pytest.mark.parametrize(
     ("code", "changes", "says"),
     [
-        ("W309", {"bound_is_proved": False}, "the static bound was not found"),
         ("W312", {"mesh_change": 0.03}, "still moved the limit by 3.0 %"),
-        ("W313", {"unsettled": True}, "no equilibrium was found at full strength"),
         ("W317", {"change": 0.01}, "the passes did not settle: the limit swings between 1.557 and 1.573"),
     ],
 )
@@ -124,7 +119,7 @@ def test_notices_of_what_the_solver_met(code, changes, says) -> None:
 
 
 def test_bugs_of_ours_have_codes() -> None:
-    """E501 to E503 guard the arrays between the stages; a design cannot bring them about."""
+    """E599 guards the arrays between the stages; a design cannot bring them about."""
     square = {0: np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])}
     pairs, none = node_pairs(square), np.zeros((0, 3))
     strength = JointStrength(np.ones(1), np.ones(1), np.zeros(1), np.zeros(1))
@@ -132,21 +127,21 @@ def test_bugs_of_ours_have_codes() -> None:
     heavy = replace(weightless, force=np.array([0.0, 0, -1]), parts={"weight": np.array([0.0, 0, -1])})
     with pytest.raises(SolverError) as caught:
         build_model(pairs, weightless, np.zeros(3), strength)
-    assert caught.value.codes == ("E502",)
+    assert caught.value.codes == ("E599",)
     with pytest.raises(SolverError) as caught:
         build_model(replace(pairs, normals=pairs.normals * 1.01), heavy, np.zeros(3), strength)
-    assert caught.value.codes == ("E503",)
+    assert caught.value.codes == ("E599",)
     bow_tie = {0: np.array([[0.0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1.5, 0]])}
     with pytest.raises(SolverError) as caught:
         node_pairs(bow_tie)
-    assert caught.value.codes == ("E501",)
+    assert caught.value.codes == ("E599",)
 
 
 @pytest.mark.parametrize(
     ("arguments", "starts"),
     [
         (("wedge", "--nonsense", "1"), "E100 "),
-        (("wedge", "--dips", *DIPS, "--c", "5", "--c", "6"), "E133 --c is given twice"),
+        (("wedge", "--dips", *DIPS, "--c", "5", "--c", "6"), "E100 --c is given twice"),
         (("wedge", "--dips", *DIPS, "--picture", "wedge.jpg"), "E141 the picture wedge.jpg is not a .png, .glb or"),
     ],
 )
@@ -195,12 +190,24 @@ def test_drawing_without_its_extra_says_which(monkeypatch, tmp_path, missing) ->
 def test_every_code_has_a_test() -> None:
     tests = "".join(path.read_text() for path in Path(__file__).parent.rglob("*.py"))
     assert explanations().keys() - set(re.findall(r"\b[EW][0-9]{3}\b", tests)) - {"E599"} == set()
-    assert len(explanations()) >= 60
+
+
+def test_there_are_few_codes() -> None:
+    codes = explanations().keys()
+    assert len(codes) <= 250
+    assert sum(code.startswith("W") for code in codes) <= 60
+
+
+def test_most_sheets_of_ordinary_cuts_have_no_notice() -> None:
+    """60 random cuts; 500 of them: `python -m benchmarks.ordinary_cuts`."""
+    sheets, without = notices_of_sheets(60, 7)
+    assert without >= 2 / 3 * 60
+    assert max(sheets.values()) <= 60 / 5
 
 
 @pytest.mark.parametrize("height", [0.3, 15.0, 900.0])
 def test_heights_of_models_and_of_slopes_are_no_slips(height) -> None:
-    assert "W492" not in {notice.code for notice in sk.wedge(dips=DIPS, height=height).warnings}
+    assert "W302" not in {notice.code for notice in sk.wedge(dips=DIPS, height=height).warnings}
 
 
 @pytest.mark.parametrize("height", [0.3, 15.0, 900.0])
@@ -211,7 +218,7 @@ def test_water_that_stands_little_above_the_blocks_is_no_slip(height) -> None:
         {notice.code for notice in sk.wedge(dips=DIPS, height=height, water=(times * 9.81 * total,) * 2).warnings}
         for times in (2.9, 3.1)
     ]
-    assert ["W498" in codes for codes in said] == [False, True]
+    assert ["W302" in codes for codes in said] == [False, True]
 
 
 _SLIPS = {"rock": {"unit_weight": 100}, "strength.weak.c": 6000, "slope.height": 15000}
@@ -230,12 +237,19 @@ _STUDIES = {
 @pytest.mark.parametrize("study", _STUDIES)
 def test_every_study_says_the_slips_of_a_design_that_its_run_says(study) -> None:
     scatters = {"strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 2}} if study == "prob" else {}
-    for slips, codes in ((_SLIPS, {"W302", "W316", "W492"}), (_WET, {"W498"})):
+    for slips, count in ((_SLIPS, 3), (_WET, 1)):
         design = sk.load(path_of("wedge"), set=slips | scatters)
-        assert codes <= {notice.code for notice in sk.run(path_of("wedge"), set=slips).warnings}
-        if study in ("support", "quake") and codes == {"W498"}:
+        said = unlikely(sk.run(path_of("wedge"), set=slips))
+        assert len(said) == count
+        if study in ("support", "quake") and slips is _WET:
             continue  # the water pushes the wedge off its joints: there is nothing to hold or to shake
-        assert codes <= {notice.code for notice in _STUDIES[study](design).warnings}
+        found = unlikely(_STUDIES[study](design))
+        assert all(any(text.endswith(message) for text in found) for message in said)
+
+
+def unlikely(found) -> set[str]:
+    """What is said of inputs that are likelier slips than meant."""
+    return {notice.message for notice in found.warnings if notice.code == "W302"}
 
 
 def test_a_value_that_a_study_replaces_is_no_slip() -> None:
@@ -253,9 +267,9 @@ def test_lint_says_the_slips_that_a_run_says() -> None:
     sets += ["--set", "rock.density="]
     said = slopekit("lint", str(path_of("wedge")), *sets)
     assert said.returncode == 0
-    assert [line.split()[0] for line in said.stdout.splitlines()[-2:]] == ["W302", "W492"]
+    assert [line.split()[0] for line in said.stdout.splitlines()[-2:]] == ["W302", "W302"]
     document = json.loads(slopekit("lint", str(path_of("wedge")), *sets, "--json").stdout)
-    assert [one["code"] for one in document["warnings"]] == ["W302", "W492"]
+    assert [one["code"] for one in document["warnings"]] == ["W302", "W302"]
 
 
 @pytest.mark.parametrize(
@@ -270,7 +284,7 @@ def test_lint_says_the_slips_that_a_run_says() -> None:
 def test_an_active_bolt_that_pulls_out_of_the_face_is_said(toward, acts, said) -> None:
     """It drives the block; `toward` is the direction of the force on it, into a face that dips toward 180."""
     result = sk.wedge(dips=("45/115", "45/245"), bolts=[f"800@{toward},{acts}"])
-    messages = [notice.message for notice in result.warnings if notice.code == "W315"]
+    messages = [notice.message for notice in result.warnings if notice.code == "W311"]
     assert any("bolt 1 pulls out of the face" in message for message in messages) is said
     bare = sk.wedge(dips=("45/115", "45/245")).fos.limit
     assert not said or result.fos.limit < bare

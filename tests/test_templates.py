@@ -95,7 +95,7 @@ def test_run_writes_sets_and_judges(tmp_path) -> None:
     assert weaker.stdout.endswith("not met\n")
     again = slopekit("templates", "new", "plane", cwd=tmp_path)
     assert again.returncode == 2
-    assert again.stderr.startswith("E178 plane.yaml is there already")
+    assert again.stderr.startswith("E129 plane.yaml is there already")
 
 
 @pytest.mark.parametrize(
@@ -105,9 +105,9 @@ def test_run_writes_sets_and_judges(tmp_path) -> None:
         (("run", "wedge.yaml", "--set", "water.fill"), "E160 "),
         (("run", "wedge.yaml", "--set", "strength.weak.phi=0.35"), "E113 "),
         (("run", "wedge.yaml", "--set", "joints.J1.plane=115/45"), "E103 "),
-        (("templates", "show", "wegde"), "E177 wegde is not a template\n     Did you mean wedge?"),
+        (("templates", "show", "wegde"), "E197 wegde is not a template\n     Did you mean wedge?"),
         (("templates", "new", "wedge", "no/such/folder.yaml"), "E129 "),
-        (("templates", "new", "wedge", "wedge.yaml"), "E178 "),
+        (("templates", "new", "wedge", "wedge.yaml"), "E129 "),
         (("lint", "wedge.yaml", "--set", "slope.hieght=3"), "E142 hieght is not a key of slope"),
     ],
 )

@@ -126,7 +126,7 @@ def wedge(
     if not idle or elastic:
         return result
     message = f"{' and '.join(idle)}: of elastic blocks, which were not asked for (--elastic); nothing was done with it"
-    return replace(result, warnings=(*result.warnings, Notice("W457", message)))
+    return replace(result, warnings=(*result.warnings, Notice("W366", message)))
 
 
 def design_of_wedge(given: Mapping[str, Any]) -> "Design":
@@ -198,7 +198,7 @@ def analyse(design: "Source", elastic: bool = False) -> "Result | Cases[Result]"
     GeometryError
         Where no block can be formed.
     DesignError
-        E140 without the extra, E288 to E290 what elastic blocks do not take.
+        E140 without the extra, E125 and E288 what elastic blocks do not take.
 
     Examples
     --------
@@ -373,7 +373,7 @@ def plot(
     Raises
     ------
     DesignError
-        E106, E340 to E347 for what cannot be drawn, E140 without the extra.
+        E106, E141, E197, E273, E313 and E340 for what cannot be drawn, E140 without the extra.
 
     Examples
     --------
@@ -401,7 +401,7 @@ def plot(
     if document.get("study") == "cases":
         message = "these are load cases: a picture is of one of them"
         advice = f"Give its result, .cases[{next(iter(plots.by_case(document)))!r}]."
-        raise DesignError([Fault("E477", message, what, advice)])
+        raise DesignError([Fault("E313", message, what, advice)])
     options = plots.PlotOptions(show, "angle" if equal_angle else "area", test, explode, magnify, step)
     plots.draw(document, what, None if show else target, options, name)
     return None if show else Drawing(target)
@@ -431,7 +431,7 @@ def report(
     Raises
     ------
     DesignError
-        E140 without the extra, E147 to E149, E340, E341, E371 and E372 for what is no result, E376 for the project,
+        E140 without the extra, E147 to E149 and E340 for what is no result, E142 for the project,
         E129 where the page cannot be written.
 
     Examples

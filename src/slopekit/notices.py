@@ -13,17 +13,15 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.one_block.limit import LimitAnalysis
-from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import MESH_CHANGE, PASSES_SETTLED
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
 #: Of the inputs, of other methods and of what a run asks besides: not of the factor, which studies repeat.
-_NOT_OF_FACTORS = {"W309", "W313", "W320", "W327", "W332", "W341", "W373", INVENTED, "W428", "W429"}
+_NOT_OF_FACTORS = {"W320", "W332", "W366", "W373", INVENTED}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
-_PRESSED = 1e-6  # of all normal force: less is none
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
 _HEIGHTS_M = (0.02, 2500.0)
 _INTACT_KPA = 5000.0  # of cohesion
@@ -50,8 +48,8 @@ class Facts:
 
     Attributes
     ----------
-    bound_is_proved : or not asked for; mesh_change : what the last refinement did
-    unsettled : no equilibrium at full strength; why_not : why the closed form is not compared; block : what moves
+    mesh_change : what the last refinement did
+    why_not : why the closed form is not compared; block : what moves
     seismic : (3,) the way it acts, local axes; None without
     """
 
@@ -59,9 +57,7 @@ class Facts:
     analysis: LimitAnalysis
     pairs: NodePairs
     model: Model
-    bound_is_proved: bool
     mesh_change: float | None
-    unsettled: bool
     why_not: str
     block: str
     seismic: Floats | None = None
@@ -100,7 +96,7 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
     yield from _read_notices(design)
     yield from _static_bound_judged(design)
     yield from _tension_notices(strengths)
-    yield from _intact_notices(strengths)
+    yield from strength_notices(strengths)
 
 
 def _static_bound_judged(design: Design) -> Iterator[Notice]:
@@ -115,23 +111,23 @@ def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
 
 
-def _intact_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """Cohesion and friction that no joint has."""
+def strength_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """Yield W302 of cohesion and friction that no joint has."""
     strongest = max(strength.cohesion_kpa for strength in strengths)
     if strongest > _INTACT_KPA:
-        yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+        yield Notice("W302", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
     steepest = max((strength.friction_angle_deg for strength in strengths if strength.law is None), default=0.0)
     if steepest > _STEEPEST_DEG:
-        yield Notice("W316", f"a friction angle of {steepest:.6g}° is that of no joint: rough ones have 70° at most")
+        yield Notice("W302", f"a friction angle of {steepest:.6g}° is that of no joint: rough ones have 70° at most")
     for law in dict.fromkeys(strength.law for strength in strengths if strength.law is not None):
         resists = float(law.resistance(np.array([_AT_KPA]))[0])
         if resists >= _STRONGEST_LAW_KPA:
-            yield Notice("W316", f"{law.in_words()} resists {resists:.4g} kPa at a normal traction of {_AT_KPA:g} kPa, "
+            yield Notice("W302", f"{law.in_words()} resists {resists:.4g} kPa at a normal traction of {_AT_KPA:g} kPa, "
                                  "as intact rock does: are its numbers in kPa?")  # fmt: skip
 
 
 def bolt_notices(design: Design) -> Iterator[Notice]:
-    """Bolts whose moments nobody knows (W311), and active ones that pull the block out of its face (W315)."""
+    """Yield W311 of bolts whose moments are not known and of active ones that pull the block out of its face."""
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
     face = getattr(design, "face", None)
@@ -145,13 +141,13 @@ def bolt_notices(design: Design) -> Iterator[Notice]:
         named = f"bolts {', '.join(map(str, outward[:_FEW]))}" if len(outward) > 1 else f"bolt {outward[0]}"
         pull = "pull" if len(outward) > 1 else "pulls"
         more = f" and {len(outward) - _FEW} more" if len(outward) > _FEW else ""
-        yield Notice("W315", f"active {named}{more} {pull} out of the face: toward is the direction of the force on "
+        yield Notice("W311", f"active {named}{more} {pull} out of the face: toward is the direction of the force on "
                      "the block, into the rock")  # fmt: skip
 
 
 def undrawn_notice() -> Notice:
     """Passive bolts that no block pulls at."""
-    return Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
+    return Notice("W311", "the passive bolts add nothing: the movement does not draw them out")
 
 
 def mesh_notices(change: float) -> Iterator[Notice]:
@@ -161,22 +157,22 @@ def mesh_notices(change: float) -> Iterator[Notice]:
 
 
 def size_notices(height_m: float) -> Iterator[Notice]:
-    """W492: the blocks are higher than nearly any rock slope, or lower than a model of one in a laboratory."""
+    """W302: the blocks are higher than nearly any rock slope, or lower than a model of one in a laboratory."""
     if not _HEIGHTS_M[0] <= height_m <= _HEIGHTS_M[1]:
         shown, what, unit = number(float(f"{height_m:.4g}")), "lower than any slope", "km"
         if height_m > _HEIGHTS_M[1]:
             what, unit = "higher than nearly any rock slope", "mm"
-        yield Notice("W492", f"the blocks are {shown} m high, {what}: was a length typed in {unit}?")
+        yield Notice("W302", f"the blocks are {shown} m high, {what}: was a length typed in {unit}?")
 
 
 def pressure_notices(pressures_kpa: Sequence[float], height_m: float, water_unit_weight: float) -> Iterator[Notice]:
-    """W498: the water on an interface would stand far above the blocks."""
+    """W302: the water on an interface would stand far above the blocks."""
     highest = max(pressures_kpa, default=0.0)
     head_m = highest / water_unit_weight
     if head_m > _ARTESIAN * height_m:
         pressure, head, height = (number(float(f"{value:.4g}")) for value in (highest, head_m, height_m))
         water = f"a mean water pressure of {pressure} kPa is that of {head} m of water"
-        yield Notice("W498", f"{water}, on blocks {height} m high: was it typed in Pa?")
+        yield Notice("W302", f"{water}, on blocks {height} m high: was it typed in Pa?")
 
 
 def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
@@ -190,7 +186,7 @@ def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
 
 
 def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
-    """W379, W327, W373: what was not given, what is not used and what was read in another way than it stands there.
+    """W379, W366, W373: what was not given, what is not used and what was read in another way than it stands there.
 
     Parameters
     ----------
@@ -200,7 +196,7 @@ def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]
     if invented := [name for name in design.invented if name not in own]:
         yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(invented)}")
     if design.left_out:
-        yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
+        yield Notice("W366", f"not used: {'; '.join(design.left_out)}")
     if design.read_as:
         yield Notice("W373", f"read of {'; '.join(design.read_as)}")
 
@@ -212,23 +208,17 @@ def _read_notices(design: Design) -> Iterator[Notice]:
     asks = max((rule.value for rule in design.rules if rule.relation in (">=", ">")), default=0.0)
     if design.partial is not None and asks > 1.0:
         yield Notice(
-            "W428", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
+            "W332", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
         )
     if design.partial is not None and getattr(design, "crack_searched", None):
-        yield Notice("W429", "the crack stands where it is worst without the partial factors")
-    yield from _weight_notices(design)
+        yield Notice("W332", "the crack stands where it is worst without the partial factors")
+    yield from weight_notices(design)
 
 
-def _weight_notices(design: Design) -> Iterator[Notice]:
-    """A weight that no rock has."""
+def weight_notices(design: Design) -> Iterator[Notice]:
+    """Yield W302 of a weight that no rock has."""
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
-
-
-def unlikely_values(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """Numbers of the inputs that are likelier slips than meant: W302, W316."""
-    yield from _weight_notices(design)
-    yield from _intact_notices(strengths)
 
 
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
@@ -237,15 +227,21 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     yield from _of_the_factor(design, interfaces, facts)
     strengths = [interface.strength for interface in interfaces]
     yield from _static_bound_judged(design)
-    yield from _intact_notices(strengths)
-    if not facts.bound_is_proved:
-        yield Notice("W309", "the static bound was not found")
-    if facts.unsettled:
-        yield Notice(
-            "W313",
-            "on an elastic bed no equilibrium was found at full strength (pairs that open "
-            "there lose their cohesion): no displacements",
-        )
+    yield from strength_notices(strengths)
+
+
+def new_notices(notices: Iterable[Notice], earlier: Sequence[Notice]) -> list[Notice]:
+    """Return the notices that no earlier one has, by itself or behind the place where it holds.
+
+    >>> weight, height = Notice("W302", "a weight"), Notice("W302", "at k = 0.1: a height")
+    >>> [notice.message for notice in new_notices([weight, Notice("W302", "a height")], [height])]
+    ['a weight']
+    """
+    return [
+        notice
+        for notice in notices
+        if not any(notice.code == old.code and old.message.endswith(notice.message) for old in earlier)
+    ]
 
 
 def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
@@ -256,8 +252,8 @@ def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
 def notices_of_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """Those of the notices of one analysed block that are of its factor: what studies say."""
     yield from _of_the_factor(design, interfaces, facts)
-    yield from _weight_notices(design)
-    yield from _intact_notices([interface.strength for interface in interfaces])
+    yield from weight_notices(design)
+    yield from strength_notices([interface.strength for interface in interfaces])
 
 
 def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
@@ -268,8 +264,6 @@ def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts
     yield from _of_shaking(facts)
     strengths = [interface.strength for interface in interfaces]
     yield from _tension_notices(strengths)
-    if facts.status == "slides_up":
-        yield Notice("W318", f"the loads drive the {facts.block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -facts.model.bolt_rows @ limit.velocity_of(facts.model)
         if not (drawn > SQUARE).any():
@@ -287,17 +281,8 @@ def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts
 
 
 def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
-    """How the limit was found, and what it rests on: moments, paths, rules on cohesion, passes, pairs without force."""
-    analysis, block = facts.analysis, facts.block
-    alone, limit = analysis.forces_only, analysis.governing
-    if facts.status == "topples":
-        opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"
-        unused = "" if alone.factor is None else f"; forces alone would give {alone.factor:.4g}: do not use it"
-        if limit.outcome is Outcome.NO_REST:
-            yield Notice("W303", f"moments turn the {block} over: on elastic joints it came to rest at none of the "
-                         f"strengths that were tried{unused}")  # fmt: skip
-        else:
-            yield Notice("W303", f"moments turn the {block} over{opened}, and no strength is called on{unused}")
+    """Yield W317 where the passes of the limit did not settle."""
+    limit = facts.analysis.governing
     if limit.factor and not limit.settled_to(PASSES_SETTLED):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"

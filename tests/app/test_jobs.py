@@ -105,7 +105,7 @@ def test_options_that_are_none_are_refused(what, options):
     ("what", "options", "code"),
     [
         ("curve", {"path": "a.b"}, "E310"), ("probability", {"samples": 100}, "E302"),
-        ("probability", {"scatter": {DIP: {"dist": "normal", "sd": -1}}}, "E186"), ("support", {"acts": "x"}, "E321"),
+        ("probability", {"scatter": {DIP: {"dist": "normal", "sd": -1}}}, "E186"), ("support", {"acts": "x"}, "E307"),
     ],
 )  # fmt: skip
 def test_what_studies_refuse_is_said_by_their_codes(what, options, code):

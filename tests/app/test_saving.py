@@ -165,7 +165,7 @@ def test_another_difference_than_the_one_that_was_seen_is_not_written(file):
     seen = change_of(session).diff
     session.set({"slope.height": 71}, final=True)
     for other in (seen, "", change_of(session).diff + " "):
-        with pytest.raises(DesignError, match="E546"):
+        with pytest.raises(DesignError, match="E545"):
             save(session, None, other)
     assert file.read_bytes() == BLOCK.encode()
 

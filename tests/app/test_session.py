@@ -167,7 +167,7 @@ def test_load_cases_stand_aside():
     assert session.now.document.root.get("cases") is None
     session.set({DIP: 50}, final=True)
     assert session.now.faults == ()
-    with pytest.raises(DesignError, match="E474"):
+    with pytest.raises(DesignError, match="E471"):
         opened_text(text.replace("water.mode", "kind"), "cases.yaml")
 
 

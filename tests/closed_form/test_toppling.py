@@ -283,8 +283,8 @@ def test_random_columns(heights, width, dip, friction, step) -> None:
         ("E260", {"seismic_up": 1.0}, "the upward seismic coefficient is 1"),
         ("E260", {"toe_force_kn": -5.0}, "the toe force is -5"),
         ("E260", {"toe_force_height_m": -5.0}, "the height of the toe force is -5"),
-        ("E262", {"seismic": 2.0}, "lift column 1, 2, 3, 4, 5 off its base"),
-        ("E262", {"toe_force_kn": 5000.0, "toe_force_plunge_deg": -60.0}, "lift column 1 off its base"),
+        ("E260", {"seismic": 2.0}, "lift column 1, 2, 3, 4, 5 off its base"),
+        ("E260", {"toe_force_kn": 5000.0, "toe_force_plunge_deg": -60.0}, "lift column 1 off its base"),
     ],
 )
 def test_refusals(code, changes, says) -> None:

@@ -96,7 +96,7 @@ def test_bolt_so_strong_that_the_wedge_slides_up() -> None:
 def test_a_passive_bolt_that_is_pushed_in_adds_nothing() -> None:
     wedge = sk.wedge(dips=DIPS, bolts="1e5@180/22,passive")
     assert wedge.fos.limit == pytest.approx(1.5573963, abs=1e-6)
-    assert "W315" in [notice.code for notice in wedge.warnings]
+    assert "W311" in [notice.code for notice in wedge.warnings]
 
 
 def loaded(rng: np.random.Generator) -> dict:

@@ -48,7 +48,7 @@ def test_without_pandas_it_is_said(swept, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(DesignError, match="need pandas") as caught:
         swept.to_frame()
-    assert caught.value.codes == ("E374",)
+    assert caught.value.codes == ("E140",)
 
 
 def test_an_outcome_without_a_table_has_no_frame(monkeypatch, swept) -> None:
@@ -56,7 +56,7 @@ def test_an_outcome_without_a_table_has_no_frame(monkeypatch, swept) -> None:
     monkeypatch.setattr(type(swept), "tables", lambda self: {})
     with pytest.raises(DesignError) as caught:
         swept.to_frame()
-    assert caught.value.codes == ("E375",)
+    assert caught.value.codes == ("E273",)
 
 
 def test_a_sheet_folds_at_a_hundred_columns_and_escapes_html() -> None:

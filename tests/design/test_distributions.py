@@ -57,28 +57,28 @@ NUMBERS = [
     (("E108",), {"dist": "normal", "mean": "20 grad", "sd": 2}, "unknown unit 'grad'"),
     (("E165",), {"dist": "nromal", "mean": 20, "sd": 2}, "the distribution of phi is 'nromal', which is not known"),
     (("E165",), {"dist": ["normal"]}, "the distribution of phi is not named"),
-    (("E184",), {"dist": "normal", "mean": 20}, "sd of phi is missing, normal needs mean, sd"),
-    (("E184", "E184"), {"dist": "uniform", "min": None}, "min of phi is missing, uniform needs min, max"),
-    (("E185",), {"dist": "uniform", "min": 1, "max": 2, "mean": 1.5}, "uniform has no mean (phi)"),
-    (("E185", "E184"), {"dist": "normal", "mean": 1, "std": 2}, "normal has no std (phi)"),
+    (("E165",), {"dist": "normal", "mean": 20}, "sd of phi is missing, normal needs mean, sd"),
+    (("E165", "E165"), {"dist": "uniform", "min": None}, "min of phi is missing, uniform needs min, max"),
+    (("E165",), {"dist": "uniform", "min": 1, "max": 2, "mean": 1.5}, "uniform has no mean (phi)"),
+    (("E165", "E165"), {"dist": "normal", "mean": 1, "std": 2}, "normal has no std (phi)"),
     (("E186",), {"dist": "normal", "mean": 20, "sd": -2}, "sd of phi is -2, a standard deviation is never negative"),
-    (("E187",), {"dist": "uniform", "min": 30, "max": 10}, "min of phi is 30, it must be less than max, 10"),
-    (("E187",), {"dist": "normal", "mean": 5, "sd": 1, "min": 5, "max": 5}, "min of phi is 5, it must be less"),
-    (("E188",), {"dist": "normal", "mean": 40, "sd": 2, "min": 10, "max": 30}, "mean of phi is 40, beyond its max, 30"),
-    (("E188",), {"dist": "triangular", "min": 10, "mode": 5, "max": 30}, "mode of phi is 5, below its min, 10"),
-    (("E189",), {"dist": "lognormal", "mean": 0, "sd": 2}, "mean of phi is 0, a lognormal value is always more than 0"),
-    (("E166",), {"dist": "fisher", "mean": "45/115", "k": 9}, "phi is a number, fisher is for orientations"),
-    (("E185", "E186", "E187"), {"dist": "normal", "mean": 1, "sd": -1, "min": 2, "max": 1, "k": 1}, "normal has no k"),
+    (("E186",), {"dist": "uniform", "min": 30, "max": 10}, "min of phi is 30, it must be less than max, 10"),
+    (("E186",), {"dist": "normal", "mean": 5, "sd": 1, "min": 5, "max": 5}, "min of phi is 5, it must be less"),
+    (("E186",), {"dist": "normal", "mean": 40, "sd": 2, "min": 10, "max": 30}, "mean of phi is 40, beyond its max, 30"),
+    (("E186",), {"dist": "triangular", "min": 10, "mode": 5, "max": 30}, "mode of phi is 5, below its min, 10"),
+    (("E186",), {"dist": "lognormal", "mean": 0, "sd": 2}, "mean of phi is 0, a lognormal value is always more than 0"),
+    (("E165",), {"dist": "fisher", "mean": "45/115", "k": 9}, "phi is a number, fisher is for orientations"),
+    (("E165", "E186", "E186"), {"dist": "normal", "mean": 1, "sd": -1, "min": 2, "max": 1, "k": 1}, "normal has no k"),
 ]  # fmt: skip
 ORIENTATIONS = [
     (("E101",), {"dist": "fisher", "mean": "95/115", "k": 9}, "dip of mean of J1 is 95"),
     (("E104",), {"dist": "fisher", "mean": "N25E", "k": 9}, "mean of J1 is 'N25E'"),
     (("E106",), {"dist": "fisher", "mean": "45/115", "k": "x"}, "k of J1 is 'x'"),
     (("E165",), {"dist": "fischer", "mean": "45/115"}, "is 'fischer', which is not known"),
-    (("E184",), {"dist": "fisher", "mean": "45/115"}, "k of J1 is missing, fisher needs mean, k"),
-    (("E185",), {"dist": "fisher", "mean": "45/115", "k": 9, "sd": 1}, "fisher has no sd (J1)"),
-    (("E166",), {"dist": "fisher", "mean": "45/115", "k": 0}, "k of J1 is 0, it must be more than 0"),
-    (("E166",), {"dist": "normal", "mean": 4, "sd": 1}, "J1 is an orientation, normal is for numbers"),
+    (("E165",), {"dist": "fisher", "mean": "45/115"}, "k of J1 is missing, fisher needs mean, k"),
+    (("E165",), {"dist": "fisher", "mean": "45/115", "k": 9, "sd": 1}, "fisher has no sd (J1)"),
+    (("E165",), {"dist": "fisher", "mean": "45/115", "k": 0}, "k of J1 is 0, it must be more than 0"),
+    (("E165",), {"dist": "normal", "mean": 4, "sd": 1}, "J1 is an orientation, normal is for numbers"),
 ]
 
 
@@ -102,7 +102,7 @@ def test_orientations_that_cannot_be(codes, given, says) -> None:
 def test_a_line_that_cannot_be() -> None:
     with pytest.raises(DesignError) as caught:
         read_orientation(node({"dist": "fisher", "mean": "180/100", "k": 9}), "bolt", "line")
-    assert caught.value.codes == ("E166",)
+    assert caught.value.codes == ("E165",)
 
 
 def test_advice_names_the_nearest() -> None:
@@ -137,7 +137,7 @@ def test_an_orientation_by_its_angles() -> None:
         (("E106",), {"dip": "steep", "dip_direction": 5}, "dip of J1 is 'steep', a number is needed"),
         (("E107",), {"dip": "45 m", "dip_direction": 5}, "dip of J1 has the unit m"),
         (("E186",), {"dip": {"dist": "normal", "mean": 4, "sd": -1}, "dip_direction": 5}, "sd of dip of J1 is -1"),
-        (("E166",), {"dip": {"dist": "fisher", "mean": 4, "k": 9}, "dip_direction": 5}, "dip of J1 is a number"),
+        (("E165",), {"dip": {"dist": "fisher", "mean": 4, "k": 9}, "dip_direction": 5}, "dip of J1 is a number"),
         (("E106", "E106"), {"dip": "a", "dip_direction": "b"}, "dip of J1 is 'a'"),
         ((), {"dip": 45}, ""),  # the checker of keys says what is missing
     ],

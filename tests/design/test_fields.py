@@ -100,7 +100,7 @@ _UNITS = {
 _WRONG = {"length": "kPa", "ratio": "m"}
 _STEP = 1e-9
 #: Columns of a slope whose numbers are each taken for themselves, and do not fit together.
-_TOGETHER = {"E450", "E451", "E452"}
+_TOGETHER = {"E450"}
 
 
 def _numbers(value: object, path: str = "") -> Iterator[tuple[str, float]]:

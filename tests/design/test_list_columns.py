@@ -211,7 +211,7 @@ def test_a_name_that_stands_twice_gets_a_number(tmp_path) -> None:
     design.write_text(text, encoding="utf-8")
     with pytest.raises(DesignError) as caught:
         sk.load(design)
-    assert caught.value.codes == ("E194",)
+    assert caught.value.codes == ("E151",)
     design.write_text(text.replace("[A, C]", "[B, C]"), encoding="utf-8")
     assert sk.load(design).joints == (Plane(50.0, 200.0), Plane(45.0, 245.0))
 

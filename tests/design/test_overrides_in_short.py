@@ -77,7 +77,7 @@ def test_what_stands_for_nothing_longer_is_refused_still() -> None:
     for path in ("slope.height.x", "title.x"):
         with pytest.raises(DesignError) as caught:
             with_values(load(WEDGE | {"slope": {"height": "10 m"}, "title": "T"}), {path: 1})
-        assert caught.value.codes == ("E161",)
+        assert caught.value.codes == ("E160",)
 
 
 def test_a_strength_that_is_none_of_the_files_is_a_slip() -> None:

@@ -65,9 +65,9 @@ CASES = [
     ("E144", {"loads": {"forces": [{"a": 1}]}}, "loads.forces.0 is a group of keys (a), a value or a list", ""),
     ("E146", {"strength": {"a.b": {"c": 1}}}, "'a.b' under strength cannot be a name", "letters, digits"),
     ("E146", {"strength": {"": {"c": 1}}}, "'' under strength cannot be a name", ""),
-    ("E164", {"joints": {"J1": {"plane": "45/115"}}}, "joints has 1 entry, at least 2 needed", "Write joints: {J1:"),
-    ("E164", {"slope": {"height": 5, "profile": [[1, 2], [3]]}}, "slope.profile.1 has 1 entry, 2 needed", ""),
-    ("E164", {"loads": {"forces": [[1, 2, 3, 4]]}}, "loads.forces.0 has 4 entries, 3 needed", ""),
+    ("E109", {"joints": {"J1": {"plane": "45/115"}}}, "joints has 1 entry, at least 2 needed", "Write joints: {J1:"),
+    ("E109", {"slope": {"height": 5, "profile": [[1, 2], [3]]}}, "slope.profile.1 has 1 entry, 2 needed", ""),
+    ("E109", {"loads": {"forces": [[1, 2, 3, 4]]}}, "loads.forces.0 has 4 entries, 3 needed", ""),
 ]  # fmt: skip
 
 
@@ -97,7 +97,7 @@ def test_all_faults_of_a_file_with_line_and_column(tmp_path) -> None:
         "E142 plane:45/245 is not a key of joints.J2\n     wall.yaml:4:8  J2: {plane:45/245}\n"
         "     Put a space behind the colon: plane: 45/245",
         "E143 joints.J2.plane is missing\n     wall.yaml:4:3  J2: {plane:45/245}\n     Add plane: 45/115",
-        "E145 strength.weak.phi is empty, a number is needed\n     wall.yaml:5:19  strength: {weak: {phi: }}\n"
+        "E144 strength.weak.phi is empty, a number is needed\n     wall.yaml:5:19  strength: {weak: {phi: }}\n"
         "     Write phi: 20",
     ]
 

@@ -139,7 +139,7 @@ def test_quantities_weigh_percentages_as_that_many_joints_do(tmp_path) -> None:
     assert found.input_hash() != once.input_hash()
     document = found.to_dict()
     assert document["survey"]["quantity"] == 13.0
-    assert [notice["code"] for notice in document["warnings"]] == ["W374"]
+    assert [notice["code"] for notice in document["warnings"]] == ["W373"]
     assert "1 of 6 (23.1 % by quantity) joints slide within the lateral limit" in str(found)
 
 
@@ -147,7 +147,7 @@ def test_pairs_stand_once_and_it_is_said(tmp_path) -> None:
     plain = "dip,dd\n45,115\n45,245\n50,240\n"
     weighed = plain.replace("dd\n", "dd,Anzahl\n").replace("115\n", "115,4\n").replace("245\n", "245,2\n")
     found = sk.combos(written(tmp_path, weighed), face="65/180", c=10, phi=30)
-    assert [notice.code for notice in found.warnings if notice.code == "W374"] == ["W374"]
+    assert [notice.code for notice in found.warnings if notice.code == "W373"] == ["W373"]
     assert "3 joints, 7 by quantity" in found.warnings[-1].message
     assert found.counts == sk.combos(written(tmp_path, plain), face="65/180", c=10, phi=30).counts
 
@@ -155,7 +155,7 @@ def test_pairs_stand_once_and_it_is_said(tmp_path) -> None:
 @pytest.mark.parametrize("quantity", ["-1", "many", "3°", "inf"])
 def test_quantities_that_are_none(quantity, tmp_path) -> None:
     error = refused(written(tmp_path, f"dip,dd,Quantity\n45,115,{quantity}\n"))
-    assert error.codes == ("E173",)
+    assert error.codes == ("E193",)
 
 
 def test_quantity_goes_before_weight(tmp_path) -> None:

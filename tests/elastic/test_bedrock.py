@@ -226,9 +226,9 @@ def test_where_bedrock_stays_rigid_it_is_refused_in_words(monkeypatch: pytest.Mo
     for template in ("topple", "blocks", "footing"):
         with pytest.raises(DesignError) as caught:
             sk.run(f"templates/{template}.yaml", asked | {"rock.density": 2600}, elastic=True)
-        assert [fault.code for fault in caught.value.faults] == ["E291"]
+        assert [fault.code for fault in caught.value.faults] == ["E288"]
     with pytest.raises(DesignError, match="it is rigid or elastic"):
         sk.wedge(("45/115", "45/245"), bedrock="soft")
     monkeypatch.setattr("slopekit.kinds.elastic_scene._MOST_CELLS", 300)
-    with pytest.raises(DesignError, match=r"E290 .* of the bedrock"):
+    with pytest.raises(DesignError, match=r"E125 .* of the bedrock"):
         sk.run(PLANE, elastic=True)

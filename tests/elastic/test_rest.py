@@ -91,7 +91,7 @@ def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(mor
 
 
 def test_a_state_that_is_not_that_of_full_strength_is_said() -> None:
-    """A wet, cracked wedge: no rest at F = 1 while the limit without what is open at 0.95 lies above (W501)."""
+    """A wet, cracked wedge: no rest at F = 1 while the limit without what is open at 0.95 lies above (W455)."""
     given = {
         "dips": ("51.3/147.8", "67.8/259.5"), "face": "78.2/180", "upper": "1.8/180", "height": 52.22,
         "c": (55.4, 61.9), "phi": (30.6, 30.6), "unit_weight": 26, "shear_stiffness": 1e5, "modulus": "4.8 GPa",
@@ -100,11 +100,11 @@ def test_a_state_that_is_not_that_of_full_strength_is_said() -> None:
     found = sk.wedge(**given, elastic=True)
     assert (found.elastic.factor, found.elastic.limit) == (0.95, pytest.approx(1.0065, abs=1e-3))
     said = {notice.code: notice.message for notice in found.warnings}
-    assert "come to rest at F = 0.95, at 1 none was found: their limit may lie between, below the 1.00" in said["W501"]
-    assert said["W501"].endswith("rely on 0.95")
+    assert "come to rest at F = 0.95, at 1 none was found: their limit may lie between, below the 1.00" in said["W455"]
+    assert said["W455"].endswith("rely on 0.95")
     _, search, state = state_of(found, 0.95)
     assert last_rest(search, state, found.elastic.limit)[1] < 0.96
-    assert "W501" not in {notice.code for notice in sk.wedge(**WEDGE, **COARSE, elastic=True).warnings}
+    assert "W455" not in {notice.code for notice in sk.wedge(**WEDGE, **COARSE, elastic=True).warnings}
 
 
 def test_the_oracle_sees_cohesion_go() -> None:

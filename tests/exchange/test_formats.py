@@ -83,9 +83,9 @@ def test_stl_by_trimesh_and_by_its_text(result, tmp_path) -> None:
 
 
 def test_binary_stl_rounds_and_says_how_far(result, tmp_path) -> None:
-    """W370: float32 at 5.5e6 m has a grain of 0.5 m; near the origin nothing is said."""
+    """W376: float32 at 5.5e6 m has a grain of 0.5 m; near the origin nothing is said."""
     far = sk.export(result("map"), tmp_path / "far.stl", binary=True)
-    assert [notice.code for notice in far.warnings] == ["W370"]
+    assert [notice.code for notice in far.warnings] == ["W376"]
     vertices = BlockScene.from_dict(result("map")["scene"]).shapes.solids.vertices
     back = np.asarray(trimesh.load(tmp_path / "far.stl").vertices)
     rounding = cKDTree(back - vertices[0]).query(vertices - vertices[0], p=np.inf)[0].max()
@@ -300,7 +300,7 @@ def test_bolts_where_asked_for(tmp_path, result) -> None:
     own = names[source.scene.bolts.block[0]]
     kept = int((source.scene.bolts.block == source.scene.bolts.block[0]).sum())
     assert sk.export(source, tmp_path / "b.dxf", what="bolts", blocks=[own]).written[0].bolts == kept < 6
-    for document, file, code in ((source, "c.stl", "E364"), (result("map"), "c.dxf", "E365")):
+    for document, file, code in ((source, "c.stl", "E313"), (result("map"), "c.dxf", "E273")):
         with pytest.raises(sk.DesignError) as caught:
             sk.export(document, tmp_path / file, what="bolts")
         assert caught.value.codes == (code,)

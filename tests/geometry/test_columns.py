@@ -89,9 +89,9 @@ def test_ten_thousand_columns() -> None:
 def test_columns_that_are_none(dip, width, heights, step) -> None:
     with pytest.raises(GeometryError) as caught:
         column_outlines(dip, width, np.array(heights), step)
-    assert caught.value.codes == ("E231",)
+    assert caught.value.codes == ("E227",)
 
 
 def test_rows_that_are_none() -> None:
-    with pytest.raises(GeometryError, match="E231"):
+    with pytest.raises(GeometryError, match="E227"):
         column_assembly(60.0, 1.0, np.ones(2), 0.0, rows=0)

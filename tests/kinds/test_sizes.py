@@ -271,10 +271,10 @@ def test_a_filtered_wedge_is_none() -> None:
 @pytest.mark.parametrize(
     ("limits", "codes"),
     [
-        ({"bench_width": 0}, ["E488"]), ({"min_volume": 5, "max_volume": 2}, ["E488"]),
-        ({"trace_length": {"A": -1}}, ["E488"]), ({"trace_length": {"C": 1}}, ["E489"]),
-        ({"persistence": [1, 2, 3]}, ["E489"]), ({"by": "cut"}, ["E491"]), ({"bench_width": "6 kPa"}, ["E107"]),
-        ({"by": "cut", "slope_length": -2, "persistence": {"J1": 4}}, ["E488", "E491", "E489"]),
+        ({"bench_width": 0}, ["E116"]), ({"min_volume": 5, "max_volume": 2}, ["E116"]),
+        ({"trace_length": {"A": -1}}, ["E116"]), ({"trace_length": {"C": 1}}, ["E197"]),
+        ({"persistence": [1, 2, 3]}, ["E197"]), ({"by": "cut"}, ["E126"]), ({"bench_width": "6 kPa"}, ["E107"]),
+        ({"by": "cut", "slope_length": -2, "persistence": {"J1": 4}}, ["E116", "E126", "E197"]),
         ({"width": 3}, ["E142"]), (5, ["E144"]), ({"trace_length": {"A": "long"}}, ["E106"]),
     ],
 )  # fmt: skip
@@ -286,11 +286,11 @@ def test_limits_that_are_none_are_refused(limits: Any, codes: list[str]) -> None
 
 
 def test_limits_and_what_bounds_the_wedge_exclude_each_other() -> None:
-    """E490 beside a crack or a basal joint."""
+    """E112 beside a crack or a basal joint."""
     for other in ({"crack": {"plane": "80/185", "distance": 3}}, {"basal": {"plane": "20/185", "height": 4}}):
         with pytest.raises(DesignError) as raised:
             sk.load(WEDGE | other | {"limits": {"bench_width": 6}})
-        assert [fault.code for fault in raised.value.faults] == ["E490"]
+        assert [fault.code for fault in raised.value.faults] == ["E112"]
 
 
 def test_points_are_from_the_toe_of_the_smaller_wedge() -> None:

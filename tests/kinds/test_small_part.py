@@ -90,7 +90,7 @@ def test_pieces_joined_until_nothing_is_left_say_so() -> None:
     """The template's 137 cells (132 blocks and 5 slivers) all lie below 500 m³: two blocks, on no bedrock, fell without
     a factor and without a word on the key."""
     bench = path_of("bench")
-    with pytest.raises(sk.GeometryError, match="E256 none of the 2 blocks can move") as refused:
+    with pytest.raises(sk.GeometryError, match="E225 none of the 2 blocks can move") as refused:
         sk.run(bench, set={"cut.min_volume": 500})
     assert refused.value.faults[0].advice.endswith("deeper bench, or a cut.min_volume below 500 m3.")
     whole, coarse = cut(sk.load(bench)), cut(sk.load(bench, set={"cut.min_volume": 50}))

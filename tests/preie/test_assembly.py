@@ -290,5 +290,5 @@ def test_fixed_blocks_and_bedrock_are_the_same() -> None:
 def test_nothing_to_solve() -> None:
     scene = wall(2, 2)
     for changed in (replace(scene, fixed=~scene.fixed), replace(scene, forces=0.0 * scene.forces)):
-        with pytest.raises(SolverError, match="E502"):
+        with pytest.raises(SolverError, match="E599"):
             changed.model(30.0)

@@ -601,4 +601,4 @@ def test_rounded_rests_are_said(monkeypatch) -> None:
     monkeypatch.setattr(rests, "_LAGGED", 0)
     monkeypatch.setattr(rests, "_LAGGED_FAR", 0)
     said = {notice.code: notice.message for notice in sk.run(sk.load(bench(1.0, 5.0))).warnings}
-    assert "W502" in said
+    assert "W317" in said

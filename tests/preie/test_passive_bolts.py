@@ -167,11 +167,11 @@ def test_a_bolt_square_to_the_movement() -> None:
 
 
 def test_a_bolt_that_is_pushed_in_adds_nothing() -> None:
-    """W315; and it does not push."""
+    """W311; and it does not push."""
     given = design({"A": box(0.0)}, [bolt(60.0, steeper=180.0)])
     assert limit_of(given).factor == pytest.approx(limit_of(design({"A": box(0.0)})).factor, rel=1e-12)
     result = sk.run(given)
-    assert "W315" in [notice.code for notice in result.warnings]
+    assert "W311" in [notice.code for notice in result.warnings]
     assert pulls(result) == [0.0]
 
 

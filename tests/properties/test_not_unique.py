@@ -152,7 +152,7 @@ def test_a_block_that_leans_out_of_the_row_topples_in_seven_writings(change, tim
     said = {notice.code: notice.message for notice in found.warnings}
     assert (found.status, found.fos.limit) == ("topples", None)
     assert "W307" in said
-    assert said["W363"].startswith("without the cohesion that is lost")
+    assert said["W362"].startswith("without the cohesion that is lost")
 
 
 @pytest.mark.parametrize(("design", "low", "high"), [

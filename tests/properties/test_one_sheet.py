@@ -191,11 +191,11 @@ def test_data_frames(monkeypatch) -> None:
     assert {"forces", "fos"} < set(frames)
     with pytest.raises(sk.DesignError) as caught:
         Bare().to_frame()
-    assert caught.value.codes == ("E375",)
+    assert caught.value.codes == ("E273",)
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
     with pytest.raises(sk.DesignError) as caught:
         shown("wedge").to_frames()
-    assert caught.value.codes == ("E374",)
+    assert caught.value.codes == ("E140",)
 
 
 def test_ends_and_what_stands_about_a_cell() -> None:

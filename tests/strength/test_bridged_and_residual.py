@@ -71,16 +71,16 @@ def test_both_factors_are_those_of_two_runs(design, peak) -> None:
 
 
 def test_what_the_peak_alone_meets() -> None:
-    """W418 where the rule on the limit is met and the residual factor breaks it; `fos.residual` judges that itself."""
+    """W417 where the rule on the limit is met and the residual factor breaks it; `fos.residual` judges that itself."""
     strength = {"c": 50, "phi": 35, "residual": {"c": 0, "phi": 20}}
     found = run(WEDGE, strength, acceptance={"rules": ["fos >= 1.5"]})
     assert found.accepted
-    assert "W418" in [notice.code for notice in found.warnings]
+    assert "W417" in [notice.code for notice in found.warnings]
     strict = run(WEDGE, strength, acceptance={"rules": ["fos >= 1.5", "fos.residual >= 1.2"]})
     assert strict.accepted is False
     assert strict.exit_code == 1
     lower = run(WEDGE, strength, acceptance={"rules": ["fos >= 0.5"]})
-    assert "W418" not in [notice.code for notice in lower.warnings]
+    assert "W417" not in [notice.code for notice in lower.warnings]
 
 
 def test_a_residual_factor_above_the_peak_is_said() -> None:

@@ -200,7 +200,7 @@ def test_the_bound_is_that_of_tangents(monkeypatch) -> None:
 
 def test_support_takes_straight_laws_alone() -> None:
     """It compares directions by one c and φ a joint."""
-    with pytest.raises(DesignError, match="E320"):
+    with pytest.raises(DesignError, match="E288"):
         site_of(paper_wedge(ROUGH))
     assert site_of(template("paper-wedge")).design == template("paper-wedge")
 

@@ -73,15 +73,15 @@ def test_the_seed_and_nothing_else_decides() -> None:
 @pytest.mark.parametrize(
     ("block", "codes"),
     [
-        ("slope: {height: 3}", {"E418"}),
-        ("sets: {A: {plane: 50/150, spacings: 2}}", {"E419"}),
-        ("sets: {A: {spacing: 2}, B: {plane: 95/150}}", {"E420", "E101"}),
-        ("sets: {A: {plane: 50/150, phi: 95}}", {"E421"}),
-        ("sets: {A: {plane: 50/150, c: {dist: normal, mean: 5, sd: 5}}}", {"E421"}),
-        ("sets: {A: {plane: 50/150, trace: {dist: uniform, min: -1, max: 5}}}", {"E421"}),
+        ("slope: {height: 3}", {"E190"}),
+        ("sets: {A: {plane: 50/150, spacings: 2}}", {"E142"}),
+        ("sets: {A: {spacing: 2}, B: {plane: 95/150}}", {"E143", "E101"}),
+        ("sets: {A: {plane: 50/150, phi: 95}}", {"E281"}),
+        ("sets: {A: {plane: 50/150, c: {dist: normal, mean: 5, sd: 5}}}", {"E281"}),
+        ("sets: {A: {plane: 50/150, trace: {dist: uniform, min: -1, max: 5}}}", {"E281"}),
         ("sets: {A: {plane: 50/150, phi: {dist: norm, mean: 5, sd: 5}}}", {"E165"}),
-        ("sets: {A: 50/150}", {"E420"}),
-        ("sets: [50/150]", {"E418"}),
+        ("sets: {A: 50/150}", {"E143"}),
+        ("sets: [50/150]", {"E190"}),
     ],
 )
 def test_what_a_file_may_not_say(block: str, codes: set[str], tmp_path: Path) -> None:

@@ -95,9 +95,9 @@ def test_disagreement_is_exit_code_4() -> None:
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [
-        ((), "E270"),
-        ((str(path_of("plane")), "--suite"), "E270"),
-        (("--suite", "--set", "rock.density=2600"), "E271"),
+        ((), "E143"),
+        ((str(path_of("plane")), "--suite"), "E143"),
+        (("--suite", "--set", "rock.density=2600"), "E313"),
         (("nowhere.yaml",), "E147"),
         ((str(path_of("plane")), "--picture", "chart.gif"), "E141"),
     ],

@@ -112,7 +112,7 @@ def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     lost = study.bolts
     assert 0 < lost.samples < lost.of
     assert sum(lost.each) == lost.left.sum()
-    assert [notice.code for notice in study.warnings if notice.code == "W381"] == ["W381"]
+    assert [notice.code for notice in study.warnings if notice.code == "W311"] == ["W311"]
     assert "samples by bolts without force: 0: " in str(study)
     assert study.to_dict()["bolts_without_force"]["samples"] == lost.samples
     bare = prob(load(values | {"support": {"bolts": []}}), count, confirm=0, near=0.0, seed=2, fos=target)

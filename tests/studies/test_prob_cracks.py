@@ -126,7 +126,7 @@ def test_many_samples_that_are_looked_for_alone_are_refused(why) -> None:
     with pytest.raises(DesignError) as caught:
         sk.prob(sk.load(WEDGE | changes), n=201)
     (fault,) = caught.value.faults
-    assert (fault.code, fault.where) == ("E424", PLACE)
+    assert (fault.code, fault.where) == ("E125", PLACE)
     assert why in fault.message
     assert fault.advice.startswith(way)
     assert len(f"{fault.code} {fault.message}") <= 100
@@ -137,7 +137,7 @@ def test_many_are_refused_where_the_mean_values_cut_no_block_too() -> None:
     changes = {"crack": IN_METRES, "joints": {**joints, "J2": {"plane": "45/245"}}}
     design = sk.load(WEDGE | changes | {"slope": {"face": "15/180", "upper": "10/180", "height": 30}})
     assert design.crack is None
-    with pytest.raises(DesignError, match="E424"):
+    with pytest.raises(DesignError, match="E125"):
         sk.prob(design, n=201)
 
 
@@ -146,5 +146,5 @@ def test_few_are_looked_for_alone_and_others_never_refused() -> None:
     found = sk.prob(design, n=2, confirm=0, near=0.0)
     assert found.evaluator == "closed form, sample by sample"
     checked_alone(sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3, "water": "1 m"}}), 10_000)
-    with pytest.raises(DesignError, match="E424"):
+    with pytest.raises(DesignError, match="E125"):
         checked_alone(design, 201)

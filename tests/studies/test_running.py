@@ -149,11 +149,11 @@ def test_a_journal_that_cannot_be_written_says_so(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("jobs", "scheduler", "code"),
     [
-        ("0", None, "E300"),
-        ("two", None, "E300"),
-        (2, "tcp://a:1", "E300"),
-        (1, "a:1", "E300"),
-        (1, "tcp://a:1", "E305"),
+        ("0", None, "E313"),
+        ("two", None, "E313"),
+        (2, "tcp://a:1", "E313"),
+        (1, "a:1", "E313"),
+        (1, "tcp://a:1", "E140"),
     ],
 )
 def test_crews_that_cannot_be(jobs, scheduler, code, monkeypatch) -> None:
@@ -226,7 +226,7 @@ def test_dask_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None
     monkeypatch.setattr(running, "__version__", "another")
     with pytest.raises(DesignError) as caught:
         run_all(square, [1], crew)
-    assert caught.value.codes == ("E306",)
+    assert caught.value.codes == ("E301",)
     workers[1].kill()
     workers[1].wait()
     monkeypatch.setattr(running, "_CONNECT_S", 1.0)

@@ -294,7 +294,7 @@ def test_results_that_cannot_be_right_fail_whatever_the_row(monkeypatch, change,
 def test_a_name_that_is_none_is_refused(only, near) -> None:
     with pytest.raises(sk.DesignError) as caught:
         verify(only)
-    assert caught.value.codes == ("E272",)
+    assert caught.value.codes == ("E197",)
     assert near in str(caught.value)
 
 

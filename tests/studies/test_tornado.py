@@ -195,7 +195,7 @@ def test_bolts_stay_where_they_are_when_the_geometry_moves() -> None:
     assert bars["slope.face.dip"].at_low.factors.closed_form == pytest.approx(without.closed_form, rel=1e-9)
     held = sk.run(BOLTED, set={"slope.face.dip": 67}).fos
     assert bars["slope.face.dip"].at_high.factors.limit == pytest.approx(held.limit, rel=1e-9)
-    assert "W381" in [notice.code for notice in study.warnings]
+    assert "W311" in [notice.code for notice in study.warnings]
     swept = sk.sweep(sk.load(BOLTED), {"slope.face.dip": [63, 67]})
     assert swept.points[0].factors.limit == pytest.approx(without.limit, rel=1e-9)
     own = sk.sweep(sk.load(BOLTED), {"support.bolts.0.length": [1, 12]})  # values of the bolts are as they are

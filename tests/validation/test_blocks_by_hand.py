@@ -100,14 +100,14 @@ def test_water_behind_a_block_drives_it() -> None:
     found = sk.run(design | {"interfaces": {"default": "joint", "B/back": "smooth"}})
     by_hand = (25.0 * 30.0 - 0.5 * 9.81 * 5.0 * 5.0) * tangent(35) / (0.5 * 9.81 * 5.0**2)
     assert found.fos.limit == pytest.approx(by_hand, rel=1e-9)
-    assert "W499" not in {notice.code for notice in found.warnings}
+    assert "W419" not in {notice.code for notice in found.warnings}
 
 
 def test_a_table_in_front_of_a_face_is_no_reservoir() -> None:
-    """The same table with nothing behind the block: γ_w h² / 2 = 122.6 kN would press there, and does not; W499."""
+    """The same table with nothing behind the block: γ_w h² / 2 = 122.6 kN would press there, and does not; W419."""
     found = sk.run(dam())
     assert found.status == "no_driving_force"
-    assert [notice.message for notice in found.warnings if notice.code == "W499" and "122.6 kN" in notice.message]
+    assert [notice.message for notice in found.warnings if notice.code == "W419" and "122.6 kN" in notice.message]
 
 
 def test_blocks_under_water_slide_at_the_factor_of_dry_ones() -> None:

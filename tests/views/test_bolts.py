@@ -200,7 +200,7 @@ def test_who_offers_an_elevation(tmp_path: Path) -> None:
     assert "elevation" not in offers(bare)
     with pytest.raises(DesignError) as caught:
         draw_any(bare, "elevation", tmp_path / "x.png")
-    assert caught.value.codes == ("E343",)
+    assert caught.value.codes == ("E273",)
     draw_any(document("three"), "elevation", tmp_path / "x.svg")
     assert (tmp_path / "x.svg").stat().st_size > 5000
 

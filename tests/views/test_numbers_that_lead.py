@@ -8,8 +8,6 @@ import pytest
 
 import slopekit as sk
 from benchmarks.populations import bench, section
-from slopekit.core.errors import HARMLESS
-from slopekit.core.explanations import explanation, explanations
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
@@ -105,17 +103,9 @@ def test_a_plane_has_its_own_name_where_it_was_given_one() -> None:
         assert table["shown"][0][-1] == said
 
 
-def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:
-    assert explanations().keys() >= HARMLESS
-    assert all(code.startswith("W") for code in HARMLESS)
-    assert explanation("W305").endswith("It informs only: no badge on a page, not in --quiet.")
-    assert "informs only" not in explanation("W303")
-    far = sk.wedge(DIPS, origin=(5e5, 4e6, 1e3), tension=100)
-    assert {"W305", "W329"} <= {notice.code for notice in far.warnings}
-    assert "W329" in far.line
-    assert "W305" not in far.line
-    headless = sk.wedge(DIPS, bolts=["1000@000/10"])  # its moment is not known: that is no mere information
-    assert "W311" in headless.line
+def test_every_notice_stands_in_the_line() -> None:
+    assert "W329" in sk.wedge(DIPS, tension=100).line
+    assert "W311" in sk.wedge(DIPS, bolts=["1000@000/10"]).line
 
 
 # -- factors by block --------------------------------------------------------------------------------------------------

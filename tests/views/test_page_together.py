@@ -111,7 +111,7 @@ def test_damaged_inputs_are_a_fault_and_no_traceback(junk) -> None:
                 report_of(broken, with_pictures=False)
             except sk.DesignError as error:
                 codes.update(error.codes)
-            assert codes <= {"E371", "E372"}
+            assert codes <= {"E340"}
 
 
 def test_the_histogram_is_drawn_and_not_listed_too(monkeypatch) -> None:
@@ -132,7 +132,7 @@ def test_a_scene_too_heavy_for_the_page_is_said(monkeypatch) -> None:
     monkeypatch.setattr(report, "_HEAVIEST_VIEWS", 1000)
     made = report_of([run, run], with_pictures=False)
     assert re.findall(r'id="(view-data[^"]*)"', made.html) == ["view-data"]
-    assert [one.code for one in made.notices] == ["W385"]
+    assert [one.code for one in made.notices] == ["W372"]
     assert "2 Result cannot be turned here" in made.html
 
 

@@ -420,4 +420,4 @@ def test_plot_from_python(tmp_path, scattered) -> None:
     assert (tmp_path / "prob-histogram.png").read_bytes() == first.read_bytes()
     with pytest.raises(DesignError) as caught:
         sk.plot(3, "histogram")
-    assert caught.value.codes == ("E341",)
+    assert caught.value.codes == ("E340",)

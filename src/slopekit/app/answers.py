@@ -163,7 +163,7 @@ def _of_design(moment: Moment) -> list[dict[str, Any]]:
     if not moment.cases:
         return []
     text = f"the load cases {', '.join(moment.cases)} stand aside here: slopekit run goes through them"
-    return [notice_of(Notice("W480", text))]
+    return [notice_of(Notice("W427", text))]
 
 
 def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterator[dict[str, Any]]:

@@ -356,7 +356,7 @@ class Link:
             message = parsed(text)
             do = self.verbs.get(_word(message.get("do")))
             if do is None:
-                raise wrong(f"{cut(printable(repr(message.get('do'))))} is nothing to do", "", "E542")
+                raise wrong(f"{cut(printable(repr(message.get('do'))))} is nothing to do", "", "E541")
             do(self, message)
         except SlopekitError as error:
             self.refuse(message, error.faults)

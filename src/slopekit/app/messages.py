@@ -26,21 +26,21 @@ def parsed(text: str) -> Message:
     Raises
     ------
     DesignError
-        E541 for what is none, E543 for what is too large or too deep.
+        E541 for what is none, too large or too deep.
     """
     if len(text) > LARGEST_SURVEY or (len(text) > LARGEST and '"survey"' not in text[:400]):
-        raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E543")
+        raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E541")
     try:
         message = json.loads(text, parse_constant=_no_constant, parse_float=_finite, parse_int=_whole)
     except RecursionError:
-        raise wrong("the message is nested too deep", "", "E543") from None
+        raise wrong("the message is nested too deep", "", "E541") from None
     except ValueError as error:
         raise wrong(f"the message is no JSON: {cut(printable(str(error)))}") from None
     if not isinstance(message, dict):
         raise wrong("the message is no JSON object", 'Send {"id": 1, "do": "set", ...}.')
     _check_depth(message)
     if len(text) > LARGEST and message.get("do") != "survey":
-        raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E543")
+        raise wrong(f"the message has {len(text)} letters: too many", f"The most are {LARGEST}.", "E541")
     return message
 
 
@@ -70,7 +70,7 @@ def _check_depth(value: Any) -> None:
         ]  # fmt: skip
         if not level:
             return
-    raise wrong(f"the message is nested more than {_DEEPEST} deep", "", "E543")
+    raise wrong(f"the message is nested more than {_DEEPEST} deep", "", "E541")
 
 
 def text_of(message: Mapping[str, Any], key: str, default: str | None = None) -> str:

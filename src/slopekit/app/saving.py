@@ -289,7 +289,7 @@ def save(session: Session, file: str | None, seen: str) -> Path:
     Raises
     ------
     DesignError
-        E545 where the file changed on the disk, E546 where `seen` is another difference, E547 without a file, or where
+        E545 where the file changed on the disk or `seen` is another difference, E547 without a file, or where
         there is one of that name already, E129 where it cannot be written.
     """
     change, opened = change_of(session, file), session.opened
@@ -303,7 +303,7 @@ def save(session: Session, file: str | None, seen: str) -> Path:
     if not own and target.exists():
         raise DesignError([Fault("E547", f"{target} is there already", str(target), "Give another name.")])
     if seen != change.diff:
-        raise DesignError([Fault("E546", "the change is another than the one that was shown", "", "Look at it again.")])
+        raise DesignError([Fault("E545", "the change is another than the one that was shown", "", "Look at it again.")])
     content = change.text.encode()
     if own and target.read_bytes().startswith(_BOM):
         content = _BOM + content

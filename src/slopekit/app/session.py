@@ -118,7 +118,7 @@ class Session:
 
     @classmethod
     def of_template(cls, name: str) -> "Session":
-        """A session that begins with a template. Raises DesignError E177 for a name that is none."""
+        """A session that begins with a template. Raises DesignError E197 for a name that is none."""
         return cls(opened_template(name))
 
     def open(self, opened: Opened) -> None:
@@ -363,7 +363,7 @@ class Session:
 
 
 def opened_template(name: str) -> Opened:
-    """A template as a design without a file of its own. Raises DesignError E177 for a name that is none."""
+    """A template as a design without a file of its own. Raises DesignError E197 for a name that is none."""
     path = templates.path_of(name)
     return opened_text(path.read_text(encoding="utf-8"), path.name)
 

@@ -114,7 +114,7 @@ def dropped(
     except DesignError as error:
         return _question(name, text, columns, error)
     joints = JointList(name, survey.joints, survey.left_out, survey.read_as)
-    notices = [{"code": "W481", "text": f"not used of {name}: {one}", "path": None} for one in survey.left_out]
+    notices = [{"code": "W366", "text": f"not used of {name}: {one}", "path": None} for one in survey.left_out]
     notices += [{"code": "W373", "text": f"read of {name}: {one}", "path": None} for one in survey.read_as]
     said: dict[str, Any] = {
         "name": name,

@@ -194,7 +194,7 @@ def _add_bolts(link: Link, message: Message) -> None:
         raise wrong("there are no bolts to add: none were looked for, or none give the factor", "", "E548")
     found_for, bolts = desk.bolts
     if found_for.document is not desk.session.now.document:
-        raise wrong("the bolts were found for an earlier design", "Find them again.", "E549")
+        raise wrong("the bolts were found for an earlier design", "Find them again.", "E545")
     desk.session.put("support.bolts", bolts)
     _changed(link, message)
 

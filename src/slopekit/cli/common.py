@@ -40,7 +40,7 @@ def repeats(arguments: Sequence[str]) -> Faults:
     given = [synonym(name, {*given} - {name}) or name for name in given]
     names = [_SPELLINGS.get(name, name) for name in given]
     twice = sorted({name for name in names if names.count(name) > 1} - _FOR_MORE)
-    return Faults(Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice)
+    return Faults(Fault("E100", f"{name} is given twice", name, "Give it once.") for name in twice)
 
 
 def canonical_options(declared: Iterable[Any], arguments: Sequence[str]) -> list[str]:

@@ -185,7 +185,7 @@ def report(
     if target.is_dir():
         target = target / "report.html"
     if target.suffix.lower() not in (".html", ".htm"):
-        raise DesignError([Fault("E373", f"the page {target} is not a .html file", str(target), "-o report.html")])
+        raise DesignError([Fault("E141", f"the page {target} is not a .html file", str(target), "-o report.html")])
     require_jinja(target)
     said = _project(project or [])
     documents = [read_document(source) for source in sources]
@@ -212,6 +212,6 @@ def _project(texts: list[str]) -> dict[str, str]:
     for text in texts:
         key, equals, value = text.partition("=")
         if not equals:
-            raise DesignError([Fault("E376", f"{text} gives the project no value", text, "--project client=NAME")])
+            raise DesignError([Fault("E142", f"{text} gives the project no value", text, "--project client=NAME")])
         project[key.strip()] = value.strip()
     return project

@@ -179,17 +179,17 @@ def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str)
 def _check_design(
     name: str, variants: Mapping[str, Callable[..., StudyOutcome]], chosen: str, given: Mapping[str, Any]
 ) -> None:
-    """Refuse a design and a variant without one (E270), neither of both, and what belongs to a design (E271)."""
+    """Refuse a design and a variant without one (E143), neither of both, and what belongs to a design (E313)."""
     alone = [f"--{flag}" for flag, function in variants.items() if not _takes_design(function)]
     if not alone:
         return
     of_its_own = f"--{chosen}" in alone
     if of_its_own != (given["design"] is None):
         message = f"{name} takes a design file or {' or '.join(alone)}" + (", not both" if of_its_own else "")
-        raise DesignError([Fault("E270", message, "", f"slopekit {name} my.yaml, or slopekit {name} {alone[0]}")])
+        raise DesignError([Fault("E143", message, "", f"slopekit {name} my.yaml, or slopekit {name} {alone[0]}")])
     if of_its_own and (given["sets"] or given["case"] or given.get("picture")):
         message = f"--set, --case and --picture belong to a design file, --{chosen} takes none of them"
-        raise DesignError([Fault("E271", message)])
+        raise DesignError([Fault("E313", message)])
 
 
 def _names(key: str, parameter: inspect.Parameter) -> set[str]:
@@ -286,6 +286,6 @@ def _draw(
         return
     if image is not None and not outcome.charts:
         message = f"this {outcome.name} has nothing to draw: {image} is not written"
-        print_faults(DesignError([Fault("E343", message, "--picture")]), plainly=True)
+        print_faults(DesignError([Fault("E273", message, "--picture")]), plainly=True)
     for k, what in enumerate(outcome.charts):
         draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)

@@ -68,7 +68,7 @@ def new_template(
     if not path.parent.is_dir():
         raise DesignError([Fault("E129", f"there is no folder {path.parent}", str(path))])
     if path.exists():
-        raise DesignError([Fault("E178", f"{path} is there already", str(path), "Give another name.")])
+        raise DesignError([Fault("E129", f"{path} is there already", str(path), "Give another name.")])
     with writing(path), whole_file(path, new=True) as file:
         file.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
     typer.echo(f"wrote {path}; try: slopekit run {quote(str(path))}")

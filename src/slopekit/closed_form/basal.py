@@ -46,7 +46,7 @@ from slopekit.core.records import dataclass
 #: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.
 OUTCOMES: Final = (
     "slides_on_J1_and_J2", *STATUSES[1:], "slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal",
-    "E434", "E206", "E209", "E441", "E443", "E442", "E440", "E444", "E207",
+    "E434", "E206", "E209", "E441", "E443", "E442", "E440", "E207",
     "E232",
 )  # fmt: skip
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
@@ -208,7 +208,7 @@ def _block(columns: Columns, count: int) -> _ConvexBlock:
     block_code = _last_of(
         (~_leaves(inward, none), "E232"),
         (none[_CRACK] if len(names) > _CRACK else np.zeros(count, dtype=np.bool_), "E207"),
-        (none[_J1] | none[_J2], "E444"), (none[_BASAL], "E440"), (none[_FACE], "E442"), (edges.endless, "E443"),
+        (none[_J1] | none[_J2] | none[_BASAL], "E440"), (none[_FACE], "E442"), (edges.endless, "E443"),
         (~edges.endless & ~(volume > 0.0), "E441"),
     )  # fmt: skip
     return _ConvexBlock(inward, areas, volume, height, depth, np.where(code, code, block_code))

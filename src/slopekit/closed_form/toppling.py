@@ -41,7 +41,7 @@ class ColumnSlope:
     Raises
     ------
     DesignError
-        E260 sizes or strengths that make no row of columns, E262 the loads lift a column off its base.
+        E260 sizes or strengths that make no row of columns, E260 the loads lift a column off its base.
     """
 
     heights_m: ArrayLike
@@ -70,7 +70,7 @@ class ColumnSlope:
         if not np.all(off > 0.0):
             lifted = ", ".join(str(i + 1) for i in np.flatnonzero(off <= 0.0)[:5])
             message = f"weight, earthquake and toe force together lift column {lifted} off its base"
-            raise DesignError([Fault("E262", message, "", "Give a smaller seismic coefficient or toe force.")])
+            raise DesignError([Fault("E260", message, "", "Give a smaller seismic coefficient or toe force.")])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

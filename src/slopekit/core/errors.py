@@ -156,12 +156,6 @@ class SolverError(SlopekitError):
     exit_code = 5
 
 
-#: Notices that inform and ask for nothing: no badge on a page, not in `--quiet`.
-HARMLESS = frozenset({
-    "W305", "W321", "W336", "W337", "W343", "W344", "W367", "W368", "W377", "W400", "W405",
-})  # fmt: skip
-
-
 @dataclass(frozen=True, slots=True)
 class Notice:
     """Something a reader must know although the run goes on: a stable W-code and a sentence."""
@@ -171,11 +165,6 @@ class Notice:
 
     def __str__(self) -> str:
         return f"{self.code} {self.message}"
-
-    @property
-    def is_harmless(self) -> bool:
-        """Whether it informs and asks for nothing."""
-        return self.code in HARMLESS
 
     def to_dict(self) -> dict[str, str]:
         """As JSON values."""

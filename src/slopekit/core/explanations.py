@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from slopekit.core.errors import HARMLESS, DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 
 @cache
@@ -22,7 +22,7 @@ def explanation(code: str) -> str:
     Raises
     ------
     DesignError
-        E128 for a code that does not exist.
+        E142 for a code that does not exist.
 
     >>> explanation("e203").splitlines()[0]
     'E203'
@@ -32,10 +32,5 @@ def explanation(code: str) -> str:
         digits = wanted[:1] + wanted[1:].replace("O", "0").replace("I", "1").replace("L", "1")
         near = [digits] if digits in texts else get_close_matches(wanted, texts, n=1)
         advice = f"Did you mean {near[0]}?" if near else ""
-        raise DesignError([Fault("E128", f"{code} is not a code of slopekit", "", advice)])
-    return f"{wanted}\n{texts[wanted]}{weight_of(wanted)}"
-
-
-def weight_of(code: str) -> str:
-    """What a notice that asks for nothing says of its weight, behind its long text."""
-    return " It informs only: no badge on a page, not in --quiet." if code in HARMLESS else ""
+        raise DesignError([Fault("E142", f"{code} is not a code of slopekit", "", advice)])
+    return f"{wanted}\n{texts[wanted]}"

@@ -97,7 +97,7 @@ class Shown:
         Raises
         ------
         DesignError
-            E374 where pandas is not installed.
+            E140 where pandas is not installed.
         """
         try:
             pandas = import_module("pandas")
@@ -105,7 +105,7 @@ class Shown:
             from slopekit.core.errors import DesignError, Fault
 
             message = "data frames need pandas, which is not installed"
-            raise DesignError([Fault("E374", message, "", "pip install pandas")]) from None
+            raise DesignError([Fault("E140", message, "", "pip install pandas")]) from None
         return {
             name: pandas.DataFrame(table.records(), columns=[column.key for column in table.columns if column.key])
             for name, table in self.tables().items()
@@ -117,11 +117,11 @@ class Shown:
         Raises
         ------
         DesignError
-            E374 where pandas is not installed, E375 where it has no table.
+            E140 where pandas is not installed, E273 where it has no table.
         """
         frames = self.to_frames()
         if not frames:
             from slopekit.core.errors import DesignError, Fault
 
-            raise DesignError([Fault("E375", f"{type(self).__name__} has no table", "", "to_dict() has all of it.")])
+            raise DesignError([Fault("E273", f"{type(self).__name__} has no table", "", "to_dict() has all of it.")])
         return next(iter(frames.values()))

@@ -34,7 +34,7 @@ def checked(function: Function) -> Function:
     Raises
     ------
     DesignError
-        E405 a value of another type, E406 too many values, or one by two names, E407 a name that it has not, E408 a
+        E405 a value of another type, too many values, or one by two names, E142 a name that it has not, E143 a
         value that is missing, E105 a number beyond floats.
     """
     return cast(Function, _asking(function))
@@ -67,7 +67,7 @@ def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
             if meant is None:
                 continue
             if meant in named:
-                faults.append(Fault("E406", f"{name} and {meant} are one", name, "Give one of them."))
+                faults.append(Fault("E405", f"{name} and {meant} are one", name, "Give one of them."))
             named[meant] = named.pop(name)
         if not open_ended:
             faults += [_unknown(function, name, by_name) for name in named if name not in own.parameters]
@@ -107,7 +107,7 @@ def _unknown(function: Callable[..., Any], name: str, known: list[str]) -> Fault
     """A name that the function has not, and the nearest that it has."""
     near = nearest(name, known)
     advice = f"Did you mean {near[0]}?" if near else f"It takes {', '.join(one for one in known if one != 'desk')}."
-    return Fault("E407", f"{function.__name__} takes no {name}", f"{name}=", advice)
+    return Fault("E142", f"{function.__name__} takes no {name}", f"{name}=", advice)
 
 
 def _misplaced(
@@ -123,15 +123,15 @@ def _misplaced(
         message = f"{name} takes {len(placed)} without a name, {first}; {len(values)} are given"
         surplus = repr(values[len(placed)])
         advice = f"Write {behind[0].name}={surplus if len(surplus) <= 40 else '...'}." if behind else ""
-        return Fault("E406", message, "", advice)
+        return Fault("E405", message, "", advice)
     for one in placed[: len(values)]:
         if one.name in named:
-            return Fault("E406", f"{one.name} is given twice", f"{one.name}=", "Give it once.")
+            return Fault("E405", f"{one.name} is given twice", f"{one.name}=", "Give it once.")
     here = [one.name for one in placed[: len(values)]] + list(named)
     missing = [one for one in parameters if one.default is inspect.Parameter.empty and one.name not in here]
     missing = [one for one in missing if one.kind is not inspect.Parameter.VAR_KEYWORD]
     said = [f"{one.name}{f' ({how.help})' if (how := given_by(one)) else ''}" for one in missing]
-    return Fault("E408", f"{name} needs {' and '.join(one.name for one in missing)}", "", f"It takes {'; '.join(said)}")
+    return Fault("E143", f"{name} needs {' and '.join(one.name for one in missing)}", "", f"It takes {'; '.join(said)}")
 
 
 def _possible(function: Callable[..., Any], name: str, value: Any, depth: int = 0) -> None:

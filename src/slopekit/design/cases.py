@@ -33,8 +33,8 @@ def read_cases(
 
     Returns
     -------
-    the document without its cases, the cases, and every fault of theirs: E471 a case that says nothing, E472 two names
-    that files cannot tell apart, E473 a name that no file can have, E474 a key that no case can set, and what the
+    the document without its cases, the cases, and every fault of theirs: E471 a case that says nothing, E146 two names
+    that files cannot tell apart, E146 a name that no file can have, E471 a key that no case can set, and what the
     design with these values is wrong in
     """
     group = document.root.get("cases")
@@ -59,15 +59,15 @@ def read_cases(
 
 
 def case_named(design: Design, name: str) -> LoadCase:
-    """A case by its name: E475 for another, with the nearest; E476 where there are none."""
+    """A case by its name: E197 for another, with the nearest; E313 where there are none."""
     known = {case.name: case for case in design.cases}
     if not known:
         message = f"the design has no load cases, {name} is none"
-        raise DesignError([Fault("E476", message, f"--case {name}", "Leave --case out, or write cases: in the file.")])
+        raise DesignError([Fault("E313", message, f"--case {name}", "Leave --case out, or write cases: in the file.")])
     if name not in known:
         near = get_close_matches(name, known, n=1) or get_close_matches(name.lower(), known, n=1)
         advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}."
-        raise DesignError([Fault("E475", f"{name} is no load case of this design", f"--case {name}", advice)])
+        raise DesignError([Fault("E197", f"{name} is no load case of this design", f"--case {name}", advice)])
     return known[name]
 
 
@@ -75,11 +75,11 @@ def _misnamed(name: str, node: Node, names: dict[str, str]) -> Iterator[Fault]:
     where = str(node.key_place)
     if not _NAME.fullmatch(name) and not re.search(r"[./]", name):  # of those the structure says so
         message = f"{cut(repr(name))} cannot be the name of a load case: files are named after it"
-        yield Fault("E473", message, where, "Letters, digits, blanks, - and _, at most 40, a letter or digit first.")
+        yield Fault("E146", message, where, "Letters, digits, blanks, - and _, at most 40, a letter or digit first.")
     first = names.setdefault(name.casefold(), name)
     if first != name:
         message = f"the load cases {first} and {name} differ in capitals alone"
-        yield Fault("E472", message, where, "Files are named after them, and many systems do not tell these apart.")
+        yield Fault("E146", message, where, "Files are named after them, and many systems do not tell these apart.")
 
 
 def _unsettable(name: str, node: Node) -> Iterator[Fault]:
@@ -92,7 +92,7 @@ def _unsettable(name: str, node: Node) -> Iterator[Fault]:
         if (top := path.partition(".")[0].strip()) in _NOT_SET:
             what = "cases within a case" if top == "cases" else f"{top} of the design"
             advice = "A case sets keys of the one design: its slope, strengths, water, loads, support, analysis."
-            yield Fault("E474", f"the load case {name} cannot set {what}", str(below.key_place), advice)
+            yield Fault("E471", f"the load case {name} cannot set {what}", str(below.key_place), advice)
 
 
 def _case(

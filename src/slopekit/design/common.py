@@ -144,7 +144,7 @@ class Design:
         left_out="required (a footing: no weight; blocks: each its own)", doc="or unit_weight (E112)",
     )  # fmt: skip
     gravity_m_s2: float = number(
-        "rock.gravity", "acceleration", default=9.81, least=1.0, most=25.0, code="E130", says=_RANGE, axis="gravity",
+        "rock.gravity", "acceleration", default=9.81, least=1.0, most=25.0, code="E127", says=_RANGE, axis="gravity",
         advice="9.81 m/s² is Earth's.",
     )  # fmt: skip
     modulus_kpa: float | None = number(
@@ -153,17 +153,17 @@ class Design:
         advice="Rock has 1 to 100 GPa: write '20 GPa'. A bare number is kPa.", doc="Young's modulus, for --elastic",
     )  # fmt: skip
     poisson: float | None = number(
-        "rock.poisson", "ratio", default=None, least=0.0, most=0.49, code="E285", example="0.25", role="setting",
+        "rock.poisson", "ratio", default=None, least=0.0, most=0.49, code="E284", example="0.25", role="setting",
         scatters=False, label="Poisson's ratio", left_out="0.25 with --elastic", advice="Rock has 0.15 to 0.35.",
         doc="Poisson's ratio, for --elastic",
     )  # fmt: skip
     elastic_edge_m: float | None = number(
-        "analysis.elastic.edge", "length", default=None, above=0.0, code="E287", words=("auto",), example="auto",
+        "analysis.elastic.edge", "length", default=None, above=0.0, code="E284", words=("auto",), example="auto",
         role="setting", scatters=False, label="edge", left_out="auto", advice="The longest edge of a finite element.",
         doc="longest edge of an element at contacts, for --elastic; `auto`: an eighth of the longest of the block",
     )  # fmt: skip
     elastic_bedrock: str | None = text(
-        "analysis.elastic.bedrock", default=None, words=("rigid", "elastic"), code="E291", left_out="rigid",
+        "analysis.elastic.bedrock", default=None, words=("rigid", "elastic"), code="E288", left_out="rigid",
         example="rigid", doc="`elastic`: a body of the same rock around one block, for --elastic",
     )  # fmt: skip
     water_unit_weight_kn_m3: float = number(

@@ -7,7 +7,7 @@ scatter, the keys of studies with their limits and the key reference of the docu
 >>> @dataclass
 ... class Seam:
 ...     dip_deg: float = number("seam.dip", "angle", above=0.0, most=89.9, code="E101", example="45")
-...     pairs: int = count("seam.pairs", 3, 2001, code="E199", default=9)
+...     pairs: int = count("seam.pairs", 3, 2001, code="E137", default=9)
 >>> [field.path for field in fields_of(Seam).values()]
 ['seam.dip', 'seam.pairs']
 >>> fields_of(Seam)["dip_deg"].limits_in_words()

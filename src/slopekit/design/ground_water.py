@@ -110,7 +110,7 @@ def pond() -> Any:
 def surcharge() -> Any:
     """A load on the upper slope."""
     return number(
-        "loads.surcharge", "pressure", default=None, least=0.0, code="E458", axis="surcharge",
+        "loads.surcharge", "pressure", default=None, least=0.0, code="E123", axis="surcharge",
         says="a surcharge presses: it is never negative", example="20 kPa", left_out="none",
         doc="on the upper slope, downward, per plan area",
     )  # fmt: skip
@@ -165,9 +165,9 @@ class SlopeDesign(Design):
                 yield Notice("W419", f"the pond stands at {shown(self.pond_m)} m, at or below the toe: it wets nothing")
             elif self.pond_m > crest_m:
                 over = shown(round(self.pond_m - crest_m, 6))
-                yield Notice("W420", f"the pond stands {over} m above the crest: is that a reservoir?")
+                yield Notice("W419", f"the pond stands {over} m above the crest: is that a reservoir?")
         if self.crack_searched == "free":
-            yield Notice("W441", "with the crack here nothing holds the block, by the closed form: worse than any "
+            yield Notice("W421", "with the crack here nothing holds the block, by the closed form: worse than any "
                          "factor of safety")  # fmt: skip
         elif self.crack_searched == "end":
             said = "at an end of the range of the crack: a crack there is at the crest itself"
@@ -189,7 +189,7 @@ def _behind_crest(design: SlopeDesign) -> float:
 def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     """The table, the pond and the surcharge by attribute, and the water where they say it all; None where they do not.
 
-    Of the keys those that the kind has. E198 for what excludes each other, E454 for a table that is not given, E455 for
+    Of the keys those that the kind has. E112 for what excludes each other, E454 for a table that is not given or
     points that do not ascend.
     """
     own = fields_of(reader.record)
@@ -212,10 +212,10 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     if others:
         beside = said[0] if said else "pond" if pond is not None else "mode: table"
         message = f"water has {others[0]} and {beside}: they exclude each other"
-        reader.fault("E198", message, node, "Keep one of them; a table says how high the water stands.")
+        reader.fault("E112", message, node, "Keep one of them; a table says how high the water stands.")
     elif len(said) > 1:
         message = f"the water table has {' and '.join(said)}: they exclude each other"
-        reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
+        reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
     elif not said and pond is None:
         message = "water is a table, and nothing says where it lies"
         *first, last = [*(_TABLE_KEYS[key] for key in known), *(["pond: 3 m"] if "pond_m" in own else [])]
@@ -245,7 +245,7 @@ def _points(reader: Reader, node: Node | None) -> tuple[tuple[float, float], ...
             return None
         if points and point[0] <= points[-1][0]:
             message = f"point {k} of the water table lies at {shown(point[0])} m, not beyond {shown(points[-1][0])} m"
-            reader.fault("E455", message, item, "Distances from the toe into the slope ascend from point to point.")
+            reader.fault("E454", message, item, "Distances from the toe into the slope ascend from point to point.")
             return None
         points.append(point)
     return tuple(points)

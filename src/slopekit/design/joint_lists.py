@@ -94,7 +94,7 @@ def joint_list(
     Raises
     ------
     DesignError
-        As `read_joints` for a file; E101 to E105 for planes, E330 too many, E331 too few, E338 no joints at all.
+        As `read_joints` for a file; E101 to E105 for planes, E125 too many, E190 too few, E405 no joints at all.
 
     >>> joint_list(["45/115", (45, 245)]).joints[1].plane
     Plane(dip_deg=45.0, dip_direction_deg=245.0)
@@ -112,12 +112,12 @@ def joint_list(
     if len(joints) < at_least:
         advice = "Every pair is looked at: two joints make the first."
         raise DesignError(
-            [Fault("E331", f"{joints.name} holds {len(joints)} joint, two are needed", joints.name, advice)]
+            [Fault("E190", f"{joints.name} holds {len(joints)} joint, two are needed", joints.name, advice)]
         )
     if len(joints) > most:
         pairs = f", {len(joints) * (len(joints) - 1) // 2:,} pairs" if most == MOST_JOINTS else ""
         message = f"{joints.name} holds {len(joints)} joints{pairs}: more than {most} joints are not taken"
-        raise DesignError([Fault("E330", message, joints.name, "Take a domain of the slope, or a sample of each set.")])
+        raise DesignError([Fault("E125", message, joints.name, "Take a domain of the slope, or a sample of each set.")])
     return joints
 
 
@@ -129,7 +129,7 @@ def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
         named = [(f"J{k}", value) for k, value in enumerate(values, 1)]
     else:
         message = f"joints are {type(source).__name__}, a path, a frame, a list of planes or {{name: plane}} is needed"
-        raise DesignError([Fault("E338", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
+        raise DesignError([Fault("E405", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
     faults = Faults()
     joints: list[MeasuredJoint] = []
     for line, (name, value) in enumerate(named, 1):
@@ -140,9 +140,9 @@ def _from_python(source: Any) -> tuple[MeasuredJoint, ...]:
             joints.append(MeasuredJoint(name, parse_plane(value, name), line))
     for name, times in Counter(joint.name for joint in joints).items():
         if times > 1:
-            faults.append(Fault("E194", f"{name} is the name of {times} joints", "joints"))
+            faults.append(Fault("E151", f"{name} is the name of {times} joints", "joints"))
     if not named:
-        faults.append(Fault("E338", "there are no joints", "joints", 'Give "joints.csv" or ["45/115", "45/245"].'))
+        faults.append(Fault("E405", "there are no joints", "joints", 'Give "joints.csv" or ["45/115", "45/245"].'))
     faults.refuse()
     return tuple(joints)
 
@@ -154,7 +154,7 @@ def own_or_given(
 
     Returns
     -------
-    (n,) values, how many have their own, and the fault E332 that names the joints which have neither
+    (n,) values, how many have their own, and the fault E143 that names the joints which have neither
     """
     own = [joint.cohesion_kpa if key == "c" else joint.friction_angle_deg for joint in joints.joints]
     missing = [joint for joint, value in zip(joints.joints, own, strict=True) if value is None]
@@ -163,11 +163,11 @@ def own_or_given(
     if not missing or given is not None:
         return np.where(np.isnan(values), np.nan if given is None else given, values), measured, None
     if measured == 0:
-        return values, 0, Fault("E332", f"{key} is missing: {joints.name} has none", option, f"Give {option}.")
+        return values, 0, Fault("E143", f"{key} is missing: {joints.name} has none", option, f"Give {option}.")
     shown = ", ".join(f"{joint.name} (line {joint.line})" for joint in missing[:8])
     more = f" and {len(missing) - 8} more" if len(missing) > 8 else ""
     message = f"{key} is missing for {len(missing)} of {len(own)} joints: {shown}{more}"
-    return values, measured, Fault("E332", message, joints.name, f"Fill in the column {key}, or give {option}.")
+    return values, measured, Fault("E143", message, joints.name, f"Fill in the column {key}, or give {option}.")
 
 
 def plane_of(value: object, name: str, where: str) -> Plane:

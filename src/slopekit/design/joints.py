@@ -45,7 +45,7 @@ JOINTS = Field(
 
 def refinements() -> Any:
     """How often the triangles of the joints are split to begin with."""
-    return count("analysis.refine", 0, 6, default=0, code="E131", advice="Each step makes four triangles of one.")
+    return count("analysis.refine", 0, 6, default=0, code="E137", advice="Each step makes four triangles of one.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +124,7 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
     shared = [name for name in wanted if pick is not None and name in survey.shared_names]
     for name in shared:
         advice = "Give each joint a name of its own, in a column called name or id."
-        reader.fault("E194", f"{name} names more than one joint of {file.text}", pick, advice)
+        reader.fault("E151", f"{name} names more than one joint of {file.text}", pick, advice)
     missing = [name for name in wanted if name not in names and name not in shared]
     for name in missing:
         reader.fault("E197", f"{file.text} has no joint {name}", pick, reader.nearest(name, names))

@@ -41,7 +41,7 @@ def read_factors(document: Document, node: Node) -> PartialFactors:
     Raises
     ------
     DesignError
-        E478 a number that is no factor, E479 no such set, with the nearest, E480 a file that holds no factors, and
+        E127 a number that is no factor, E197 no such set, with the nearest, E480 a file that holds no factors, and
         those of reading it.
     """
     if node.text is not None:
@@ -54,7 +54,7 @@ def read_factors(document: Document, node: Node) -> PartialFactors:
     forces = node.get("forces")
     if forces is not None and forces.text is not None:
         if forces.text not in ("permanent", "variable"):
-            faults.append(Fault("E478", f"forces are {forces.text}, they are permanent or variable", str(forces.place)))
+            faults.append(Fault("E127", f"forces are {forces.text}, they are permanent or variable", str(forces.place)))
         own["forces"] = forces.text
     faults.refuse()
     if own and base.called:
@@ -99,7 +99,7 @@ def _chosen(sets: Mapping[str, PartialFactors], name: str, of: str, where: str) 
         return folded[name.lower()]
     advice = did_you_mean(name.upper(), sets, f"There are: {', '.join(sets)}; or a file: my-factors.yaml.")
     message = f"{name} is no set of partial factors of {of}" if name else f"{of} has several sets of partial factors"
-    raise DesignError([Fault("E479", message, where, advice)])
+    raise DesignError([Fault("E197", message, where, advice)])
 
 
 @cache
@@ -152,11 +152,11 @@ def factored(design: Design, kind: Any, given: PartialFactors, where: str = "") 
     Raises
     ------
     DesignError
-        E482 a curved law with two factors.
+        E112 a curved law with two factors.
     """
     if abs(given.tan_phi - given.c) > _SAME and any(one.law is not None for one in kind.strengths(design)):
         message = "a curved strength has no c and phi of its own: its partial factors tan_phi and c must be equal"
-        raise DesignError([Fault("E482", message, where, "Eurocode 7 has 1.25 for both.")])
+        raise DesignError([Fault("E112", message, where, "Eurocode 7 has 1.25 for both.")])
     rules = design.rules or (Rule("fos", ">=", 1.0),)
     tried = [
         (_level(made, kind), made)

@@ -63,7 +63,7 @@ class Water:
         example="50 %",
         left_out="dry",
         axis="part of full water",
-        doc="part of full pressure; one of mode, fill, pressures (E198)",
+        doc="part of full pressure; one of mode, fill, pressures (E112)",
     )
     pressures_kpa: tuple[float, ...] = number(
         "pressures",
@@ -171,10 +171,10 @@ class HyperbolaParameters:
 
     ALSO: ClassVar[tuple[Field, ...]] = (Field("law", "text", example="clough-duncan", left_out="clough-duncan"),)
 
-    modulus_number: float = number("k1", "ratio", default=4800.0, above=0.0, code="E132", role="setting")
-    exponent: float = number("n", "ratio", default=0.56, least=0.0, most=2.0, code="E132", role="setting")
-    failure_ratio: float = number("Rf", "ratio", default=0.74, least=0.0, most=1.0, code="E132", role="setting")
-    friction_angle_deg: float = number("phi", "angle", default=36.0, above=0.0, below=90.0, code="E132", role="setting")
+    modulus_number: float = number("k1", "ratio", default=4800.0, above=0.0, code="E127", role="setting")
+    exponent: float = number("n", "ratio", default=0.56, least=0.0, most=2.0, code="E127", role="setting")
+    failure_ratio: float = number("Rf", "ratio", default=0.74, least=0.0, most=1.0, code="E127", role="setting")
+    friction_angle_deg: float = number("phi", "angle", default=36.0, above=0.0, below=90.0, code="E127", role="setting")
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,11 +185,11 @@ class Stiffness:
     """
 
     normal_kn_m3: float = number(
-        "normal", "stiffness", default=1.0e7, above=0.0, code="E132", example="1e7", role="setting",
+        "normal", "stiffness", default=1.0e7, above=0.0, code="E127", example="1e7", role="setting",
         label="normal stiffness",
     )  # fmt: skip
     shear_kn_m3: float | None = number(
-        "shear", "stiffness", default=None, above=0.0, code="E132", words=("clough-duncan",), of=HyperbolaParameters,
+        "shear", "stiffness", default=None, above=0.0, code="E127", words=("clough-duncan",), of=HyperbolaParameters,
         example="clough-duncan", role="setting", label="shear stiffness",
     )  # fmt: skip
     hyperbola: HyperbolaParameters = HyperbolaParameters()
@@ -259,7 +259,7 @@ class Strength:
         says="a friction angle lies from 0 to below 90",
         doc="broken numbers below 1.57 are taken for radians (E113) unless written with `deg`",
     )  # fmt: skip
-    dilation_deg: float = number("dilation", "angle", default=0.0, least=0.0, below=90.0, code="E117",
+    dilation_deg: float = number("dilation", "angle", default=0.0, least=0.0, below=90.0, code="E115",
                                  says="it lies between 0 and the friction angle", axis="dilation angle",
                                  doc="up to phi")  # fmt: skip
     tension_kpa: float = number(
@@ -338,7 +338,7 @@ def axis_key(path: str) -> Field:
 
 def _factor(path: str, doc: str, least: bool = False) -> Any:
     limits: dict[str, Any] = {"least": 0.0} if least else {"above": 0.0}
-    return number(path, "ratio", default=1.0, most=10.0, code="E478", role="setting", scatters=False, doc=doc, **limits)
+    return number(path, "ratio", default=1.0, most=10.0, code="E127", role="setting", scatters=False, doc=doc, **limits)
 
 
 @dataclass(frozen=True, slots=True)

@@ -116,7 +116,7 @@ def read_strength(
     listed: Mapping[str, float | None] | None = None,
     beside: Node | None = None,
 ) -> Strength | None:
-    """One strength: E143 without c or φ, E117 a dilation above φ.
+    """One strength: E143 without c or φ, E115 a dilation above φ.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def read_strength(
     below = node.get("dilation") if node is not None else None
     if friction is not None and dilation is not None and below is not None and dilation > friction:
         message = f"dilation of {owner} is {shown(dilation)}°, it lies between 0 and the friction angle"
-        reader.fault("E117", f"{message} {shown(friction)}°", below)
+        reader.fault("E115", f"{message} {shown(friction)}°", below)
     straight = None if None in attributes.values() else Strength(**attributes)
     return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
 
@@ -262,12 +262,12 @@ def read_strengths(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
 
 
 def read_stiffness(reader: Reader) -> Stiffness:
-    """The stiffness that is one for all strengths; E196 where it is not."""
+    """The stiffness that is one for all strengths; E112 where it is not."""
     given = [node for _, own in reader.names("strength") if (node := own.get("stiffness")) is not None]
     if len({str(node.plain()) for node in given}) > 1:
         advice = "Give both strengths the same stiffness; the limit factor does not depend on it."
         message = "the strengths have different stiffness: displacements take one for all"
-        reader.fault("E196", message, given[-1], advice)
+        reader.fault("E112", message, given[-1], advice)
     if not given or len({str(node.plain()) for node in given}) > 1:
         return Stiffness()
     own = fields_of(Stiffness)
@@ -278,7 +278,7 @@ def read_stiffness(reader: Reader) -> Stiffness:
         law = shear.get("law")
         if law is not None and str(law.text).lower() != "clough-duncan":
             advice = "Leave law out: it is clough-duncan (k1, n, Rf, phi)."
-            reader.fault("E132", f"{law.text} is no shear law", law, advice)
+            reader.fault("E127", f"{law.text} is no shear law", law, advice)
         return Stiffness(normal, None, HyperbolaParameters(**reader.fields(HyperbolaParameters, shear)))
     if shear is not None and (shear.text or "").lower() in own["shear_kn_m3"].words:
         shear = None
@@ -313,7 +313,7 @@ def given_water(reader: Reader, node: Node, order: Sequence[str]) -> tuple[Any, 
         said = ["fill"]  # so much of full
     if len(said) > 1:
         message = f"water has {' and '.join(said)}: they exclude each other"
-        reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
+        reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
     only = node.get(said[0]) if len(said) == 1 else None
     if only is None:
         return None

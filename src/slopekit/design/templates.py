@@ -14,12 +14,12 @@ def folder() -> Path:
     Raises
     ------
     DesignError
-        E177 where neither the package nor the checkout has one.
+        E197 where neither the package nor the checkout has one.
     """
     for place in _PLACES:
         if any(place.glob("*.yaml")):
             return place
-    raise DesignError([Fault("E177", "this installation has no templates", "", "Install slopekit again.")])
+    raise DesignError([Fault("E197", "this installation has no templates", "", "Install slopekit again.")])
 
 
 def names() -> list[str]:
@@ -33,13 +33,13 @@ def path_of(name: str) -> Path:
     Raises
     ------
     DesignError
-        E177 for a name that is no template, with the nearest one.
+        E197 for a name that is no template, with the nearest one.
     """
     known = names()
     wanted = name.removesuffix(".yaml").removesuffix(".yml")
     if wanted not in known:
         advice = did_you_mean(wanted, known, f"There are: {', '.join(known)}.")
-        raise DesignError([Fault("E177", f"{name} is not a template", "", advice)])
+        raise DesignError([Fault("E197", f"{name} is not a template", "", advice)])
     return folder() / f"{wanted}.yaml"
 
 

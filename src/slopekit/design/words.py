@@ -55,7 +55,7 @@ def water(value: Any, where: str, has_crack: bool, has_basal: bool = False) -> W
         return pressures(parts, where, has_crack, has_basal)
     if text and not text.endswith("%") and not re.match(_BARE_NUMBER, text):
         advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
-        raise DesignError([Fault("E119", f"water is {value!r}, which is not understood", where, advice)])
+        raise DesignError([Fault("E118", f"water is {value!r}, which is not understood", where, advice)])
     part = fill(value, where)
     return Water("full", part) if part else Water()
 
@@ -73,7 +73,7 @@ def fill(value: Any, where: str) -> float:
             [Fault("E118", f"water fills {number(part * 100)} % of the joints, more than all", where, advice)]
         )
     if part < 0.0:
-        raise DesignError([Fault("E119", f"water is {number(part * 100)} %, it is never negative", where)])
+        raise DesignError([Fault("E118", f"water is {number(part * 100)} %, it is never negative", where)])
     return part
 
 
@@ -84,7 +84,7 @@ def pressures(parts: Sequence[Any], where: str, has_crack: bool, has_basal: bool
         raise DesignError([Fault("E109", f"{len(parts)} water pressures given, there are {planes}", where)])
     values = [quantity(part, "pressure", "water pressure", where) for part in parts]
     if min(values) < 0.0:
-        raise DesignError([Fault("E119", f"water pressure is {number(min(values))} kPa, it is never negative", where)])
+        raise DesignError([Fault("E118", f"water pressure is {number(min(values))} kPa, it is never negative", where)])
     if len(values) == 1:
         values *= 3 if has_basal else 2
     return Water("pressures", 0.0, tuple(values)) if any(values) else Water()

@@ -196,7 +196,7 @@ class Condensed:
         if fronts.bytes > _MOST_BYTES:
             message = f"the matrix of {len(self.bodies)} elastic blocks needs {fronts.bytes * 1e-9:.1f} GB"
             advice = "Give a longer edge, or fewer blocks."
-            raise DesignError([Fault("E290", message, "analysis.elastic.edge", advice)])
+            raise DesignError([Fault("E125", message, "analysis.elastic.edge", advice)])
         self.order = (width * fronts.place[:, None] + np.arange(width)).ravel()  # where each unknown goes
         self.back = np.argsort(self.order)
         self.own = list[Ints]()

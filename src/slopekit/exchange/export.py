@@ -129,7 +129,7 @@ def export(
     Raises
     ------
     DesignError
-        E360 to E366, E129, E140, of `case` E475 and E476: see `slopekit explain`.
+        E129, E140, E141, E197, E273, E313, E340 and E350: see `slopekit explain`.
 
     Notes
     -----
@@ -148,7 +148,7 @@ def export(
     target = None if path is None else _target(Path(path), words, binary)
     if target is None and split is None:
         raise DesignError(
-            [Fault("E366", "no file to write is named", "-o", f"Give -o FILE ({' '.join(FORMATS)}) or --split.")]
+            [Fault("E313", "no file to write is named", "-o", f"Give -o FILE ({' '.join(FORMATS)}) or --split.")]
         )
     folder = None if split is None else Path(split)
     suffix = f".{split_as.lower().lstrip('.')}"
@@ -201,31 +201,31 @@ def _written_folder(
 
 
 def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:
-    """W431 where every load case has the same blocks."""
+    """W376 where every load case has the same blocks."""
     first, *others = [
         [(one.name, one.vertices.tobytes(), one.triangles.tobytes()) for one in part.bodies] for part in parts
     ]  # fmt: skip
     if not others or not first or any(other != first for other in others):
         return []
     message = f"the blocks are the same in {', '.join(names[:-1])} and {names[-1]}"
-    return [Notice("W431", f"{message}: --case NAME writes one")]
+    return [Notice("W376", f"{message}: --case NAME writes one")]
 
 
 def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
-    """The file to write, refused before any work is done; E360, E364, E366, E140, E129."""
+    """The file to write, refused before any work is done; E129, E140, E141, E313."""
     file_format = _format(path.suffix.lower(), str(path))
     lacking = [word for word in words if word not in file_format.parts]
     if lacking:
         able = [suffix for suffix, one in FORMATS.items() if lacking[0] in one.parts]
         message = f"{file_format.name} files hold no {lacking[0]}"
-        raise DesignError([Fault("E364", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
+        raise DesignError([Fault("E313", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
     if len(words) > 1 and not file_format.several:
         message = f"{file_format.name} files hold one part at a time, not {' and '.join(words)}"
         able = [suffix for suffix, one in FORMATS.items() if one.several and set(words) <= set(one.parts)]
-        raise DesignError([Fault("E364", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
+        raise DesignError([Fault("E313", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
     if binary and path.suffix.lower() != ".stl":
         message = f"--binary is for STL, {path.name} is {file_format.name}"
-        raise DesignError([Fault("E366", message, "--binary", "Leave it out.")])
+        raise DesignError([Fault("E313", message, "--binary", "Leave it out.")])
     _refuse_without(file_format, str(path))
     if path.is_dir():
         raise DesignError([Fault("E129", f"{path} cannot be written: it is a folder", str(path))])
@@ -239,7 +239,7 @@ def _format(suffix: str, where: str) -> Format:
         near = get_close_matches(suffix, FORMATS, n=1)
         shown = f"the suffix {suffix}" if suffix else "a file without suffix"
         advice = f"There are: {' '.join(FORMATS)}.{f' Did you mean {near[0]}?' if near else ''}"
-        raise DesignError([Fault("E360", f"{shown} is no format that slopekit writes", where, advice)])
+        raise DesignError([Fault("E141", f"{shown} is no format that slopekit writes", where, advice)])
     return file_format
 
 
@@ -270,7 +270,7 @@ def _check_split(folder: Path, suffix: str) -> None:
     meshes = (".stl", ".obj")
     if suffix not in meshes:
         message = f"the blocks are split into files of a mesh each, not {suffix}"
-        raise DesignError([Fault("E366", message, f"--as {suffix.lstrip('.')}", f"There are: {' '.join(meshes)}.")])
+        raise DesignError([Fault("E313", message, f"--as {suffix.lstrip('.')}", f"There are: {' '.join(meshes)}.")])
     with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
     _refuse_unwritable(folder)
@@ -294,17 +294,17 @@ def _volume(body: WrittenBlock, rounded: str) -> float:
 
 
 def _notices(source: ExportSource, chosen: Picked, path: Path, binary: bool) -> Iterator[Notice]:
-    """What the files do not say themselves: W370 rounding, W377 flat triangles for a curved body."""
+    """What the files do not say themselves: W376 rounding, W376 flat triangles for a curved body."""
     if binary:
         rounding = binary_rounding(chosen)
         smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest
         if rounding > _ROUNDING * smallest:
             message = f"binary STL holds float32: {path.name} rounds coordinates by up to {rounding:.2g} m"
-            yield Notice("W370", f"{message}, the smallest block is {smallest:.3g} m in size")
+            yield Notice("W376", f"{message}, the smallest block is {smallest:.3g} m in size")
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
     if source.is_curved and chosen.bodies and true > 0.0:
         flat = sum(body.volume for body in chosen.bodies)
         share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
         if share > _SMOOTH:
             message = f"the mass is written with flat triangles: {flat:.6g} m³"
-            yield Notice("W377", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³")
+            yield Notice("W376", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³")

@@ -104,7 +104,7 @@ def words_of_what(what: str | Sequence[str]) -> tuple[str, ...]:
     Raises
     ------
     DesignError
-        E364 for another word.
+        E313 for another word.
 
     >>> words_of_what("pairs, blocks")
     ('blocks', 'pairs')
@@ -114,9 +114,9 @@ def words_of_what(what: str | Sequence[str]) -> tuple[str, ...]:
     for word in words:
         if word not in WHAT:
             advice = did_you_mean(word, WHAT, f"There are: {', '.join(WHAT)}.")
-            raise DesignError([Fault("E364", f"{word} is not a part that can be written", "--what", advice)])
+            raise DesignError([Fault("E313", f"{word} is not a part that can be written", "--what", advice)])
     if not words:
-        raise DesignError([Fault("E364", "no part to write is named", "--what", f"There are: {', '.join(WHAT)}.")])
+        raise DesignError([Fault("E313", "no part to write is named", "--what", f"There are: {', '.join(WHAT)}.")])
     return tuple(word for word in WHAT if word in words)
 
 
@@ -148,7 +148,7 @@ def picked(
     Raises
     ------
     DesignError
-        E363 no such block, E365 nothing is left.
+        E197 no such block, E273 nothing is left.
     """
     shapes = scene.shapes
     chosen = _chosen(scene, blocks, moving)
@@ -159,7 +159,7 @@ def picked(
     own = {word: indices if word in what else indices[:0] for word, indices in every.items()}
     missing = next((word for word, indices in own.items() if word in what and not len(indices)), None)
     if missing is not None:
-        raise DesignError([Fault("E365", f"there are no {missing} to write", "", _why(missing, blocks, moving))])
+        raise DesignError([Fault("E273", f"there are no {missing} to write", "", _why(missing, blocks, moving))])
     bodies = tuple(WrittenBlock(k, shapes.names[k], *shapes.solids.of(k)) for k in own["blocks"].tolist())
     outlines = tuple(outline_of(body) for body in bodies) if is_section else ()
     line = _line(scene)
@@ -205,7 +205,7 @@ def _touching(chosen: Bools, sides: Contacts | NodePairState) -> Ints:
 def _unknown(name: str, names: Sequence[str]) -> Fault:
     more = ", …" if len(names) > _SHOWN else ""
     advice = did_you_mean(name, names, f"There are: {', '.join(names[:_SHOWN])}{more}.")
-    return Fault("E363", f"there is no block {name}", "--blocks", advice)
+    return Fault("E197", f"there is no block {name}", "--blocks", advice)
 
 
 def _why(word: str, blocks: Sequence[str] | None, moving: bool) -> str:

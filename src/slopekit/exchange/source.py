@@ -68,7 +68,7 @@ def sources_of(given: Given, case: str | None = None) -> dict[str, ExportSource]
     Raises
     ------
     DesignError
-        Those of `source_of`; E475 and E476 for the name of a case.
+        Those of `source_of`; E197 and E313 for the name of a case.
     """
     from slopekit.result import Result
 
@@ -88,7 +88,7 @@ def source_of(given: Given, name: str = "") -> ExportSource:
     Raises
     ------
     DesignError
-        E147 to E149 the file cannot be read, E361 it is no result of slopekit, E362 it holds no scene.
+        E147 to E149 the file cannot be read, E340 it is no result of slopekit, E350 it holds no scene.
     """
     from slopekit.result import Result
 
@@ -98,10 +98,10 @@ def source_of(given: Given, name: str = "") -> ExportSource:
     document, called = _document(given)
     name = name or called
     if "slopekit" not in document:
-        raise DesignError([Fault("E361", f"{name} is not a result of slopekit: it has no key slopekit", name, _MAKE)])
+        raise DesignError([Fault("E340", f"{name} is not a result of slopekit: it has no key slopekit", name, _MAKE)])
     if "errors" in document:
         message = f"{name} holds the faults of a run, not its result"
-        raise DesignError([Fault("E361", message, name, "Mend the design and run it again.")])
+        raise DesignError([Fault("E340", message, name, "Mend the design and run it again.")])
     scene = document.get("scene")
     if scene is None:
         raise DesignError([_no_scene(document, name)])
@@ -123,16 +123,16 @@ def _document(given: object) -> tuple[Mapping[str, Any], str]:
         document = to_dict()
         if isinstance(document, Mapping):
             return document, f"the {name}"
-    raise DesignError([Fault("E361", f"{name} is not a result of slopekit, its JSON or its path", name, _MAKE)])
+    raise DesignError([Fault("E340", f"{name} is not a result of slopekit, its JSON or its path", name, _MAKE)])
 
 
 def _no_scene(document: Mapping[str, Any], name: str) -> Fault:
     study = document.get("study")
     if study or "geometry" not in document:
         what = f"{name} is the result of {study or 'a study'}, it holds no blocks"
-        return Fault("E362", what, name, f"Files are made of the result of one design. {_MAKE}")
+        return Fault("E350", what, name, f"Files are made of the result of one design. {_MAKE}")
     message = f"{name} holds no scene: slopekit {document.get('slopekit')} wrote none"
-    return Fault("E362", message, name, f"Make it again. {_MAKE}")
+    return Fault("E350", message, name, f"Make it again. {_MAKE}")
 
 
 def _read(path: Path) -> Mapping[str, Any]:
@@ -144,9 +144,9 @@ def _read(path: Path) -> Mapping[str, Any]:
     except (UnicodeDecodeError, json.JSONDecodeError) as error:
         advice = f"A design is run first. {_MAKE}" if path.suffix.lower() in (".yaml", ".yml") else _MAKE
         message = f"{path.name} is not a result of slopekit: it is no JSON ({str(error)[:80]})"
-        raise DesignError([Fault("E361", message, str(path), advice)]) from None
+        raise DesignError([Fault("E340", message, str(path), advice)]) from None
     if not isinstance(document, dict):
-        raise DesignError([Fault("E361", f"{path.name} is not a result of slopekit: no keys", str(path), _MAKE)])
+        raise DesignError([Fault("E340", f"{path.name} is not a result of slopekit: no keys", str(path), _MAKE)])
     return document
 
 

@@ -55,7 +55,7 @@ def node_pairs(polygons: Mapping[int, Floats], refine: int = 0) -> NodePairs:
     Raises
     ------
     SolverError
-        E501 the control areas do not sum to the interface.
+        E599 the control areas do not sum to the interface.
     """
     faces = ((int(key), np.asarray(polygon, dtype=np.float64).tobytes()) for key, polygon in polygons.items())
     return _pairs_on(tuple(faces), refine)
@@ -77,7 +77,7 @@ def _pairs_on(faces: tuple[tuple[int, bytes], ...], refine: int) -> NodePairs:
         rounding = LENGTH_ROUNDING * float((np.ptp(vertices, axis=0) ** 2).sum())  # all that a sliver's area has left
         if abs(control.sum() - total) > AREA_SUM * total + rounding:
             raise SolverError(
-                [Fault("E501", f"control areas of interface {key} sum to {control.sum()}, not {total} m²")]
+                [Fault("E599", f"control areas of interface {key} sum to {control.sum()}, not {total} m²")]
             )
         points.append(where)
         areas.append(control)

@@ -1,22 +1,25 @@
 """The kinds of design: one file a kind, loaded when a design of it is asked for."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from slopekit.core.errors import Notice, SlopekitError
 from slopekit.design import registry
 from slopekit.design.common import Design
-from slopekit.notices import means_taken, not_as_given, pressure_notices, size_notices, unlikely_values
+from slopekit.notices import (
+    means_taken,
+    not_as_given,
+    pressure_notices,
+    size_notices,
+    strength_notices,
+    weight_notices,
+)
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.evidence import WithoutBasal
     from slopekit.kinds.protocol import Factors, Kind
-
-
-#: How the keys begin of what a likely slip is said of.
-_SAID_OF = {"W302": "rock", "W316": "strength", "W492": "slope.height", "W498": "water"}
 
 
 def register(kind: "Kind[Any]") -> None:
@@ -66,7 +69,7 @@ def analyse(design: Design, elastic: bool = False) -> Result:
 
 
 def with_all_said(result: Result) -> Result:
-    """What a kind found with what is said of all kinds: W492 and W498 of its size, the factors on residual strength."""
+    """Return what a kind found with what is said of all kinds: W302 of its size, the factors on residual strength."""
     said = tuple(_of_size(result.design, result.geometry.total_height_m))
     result = replace(result, warnings=(*result.warnings, *said)) if said else result
     kind = kind_of(result.design)
@@ -78,9 +81,13 @@ def with_all_said(result: Result) -> Result:
 
 
 def _of_size(design: Design, height_m: float) -> Iterator[Notice]:
-    """W492, W498: heights, and pressures on blocks of that height, that are likelier slips than meant."""
+    """Yield W302 of a height, and of pressures on blocks of that height, that are likelier slips than meant."""
     yield from size_notices(height_m)
-    yield from pressure_notices(_pressures_kpa(design), height_m, design.water_unit_weight_kn_m3)
+    yield from _pressure_notices(design, height_m)
+
+
+def _pressure_notices(design: Design, height_m: float) -> Iterator[Notice]:
+    return pressure_notices(_pressures_kpa(design), height_m, design.water_unit_weight_kn_m3)
 
 
 def _pressures_kpa(design: Design) -> list[float]:
@@ -91,22 +98,36 @@ def _pressures_kpa(design: Design) -> list[float]:
 
 
 def slips_of_size(design: Design) -> tuple[Notice, ...]:
-    """What `analyse` says of the size of a design, without its analysis: W492, W498; nothing where no block forms."""
+    """What `analyse` says of the size of a design, without its analysis: W302; nothing where no block forms."""
+    height_m = _height_m(design)
+    return () if height_m is None else tuple(_of_size(design, height_m))
+
+
+def _height_m(design: Design) -> float | None:
+    """Return the height of the blocks; None where none form, which the run says."""
     try:
-        return tuple(_of_size(design, cut(design).height_m))
-    except SlopekitError:  # what the run says
-        return ()
+        return float(cut(design).height_m)
+    except SlopekitError:
+        return None
 
 
 def likely_slips(design: Design, varied: Sequence[str] = ()) -> list[Notice]:
-    """Numbers of a design that are likelier typed in another unit than meant: W302, W316, W492, W498.
+    """Return W302 of numbers of a design that are likelier typed in another unit than meant.
 
     Parameters
     ----------
     varied : the paths that a study gives other values: what the design has there does not count
     """
-    slips = (*unlikely_values(design, kind_of(design).strengths(design)), *slips_of_size(design))
-    return [one for one in slips if not any(path.startswith(_SAID_OF[one.code]) for path in varied)]
+    height_m = _height_m(design)
+    by_path: dict[str, Iterable[Notice]] = {
+        "rock": weight_notices(design),
+        "strength": strength_notices(kind_of(design).strengths(design)),
+        "slope.height": () if height_m is None else size_notices(height_m),
+        "water": () if height_m is None else _pressure_notices(design, height_m),
+    }
+    return [
+        one for path, slips in by_path.items() if not any(name.startswith(path) for name in varied) for one in slips
+    ]
 
 
 def notices_of_inputs(design: Design, varied: Sequence[str] = ()) -> tuple[Notice, ...]:
@@ -144,7 +165,7 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
 
 
 def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
-    """W506: numbers are those of the peak strength, and what is left of the factor on the residual strength.
+    """W417: numbers are those of the peak strength, and what is left of the factor on the residual strength.
 
     Parameters
     ----------
@@ -154,7 +175,7 @@ def peak_only(design: Design, of: str) -> tuple[Notice, ...]:
         return ()
     left = kind_of(design).factors(replace(design.at_residual(), rules=()))
     factor = f"has {left.limit:.4g}" if left.limit is not None else f"has no factor ({left.status})"
-    return (Notice("W506", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
+    return (Notice("W417", f"{of} of the peak strength: on residual strength, once its joints have slipped, the "
                    f"design {factor}"),)  # fmt: skip
 
 

@@ -57,7 +57,7 @@ class JointSetInput:
     name: str
     plane: Plane = orientation("plane", example="45/170")
     spacing_m: float = number(
-        "spacing", "length", above=0.0, code="E134", example="2 m", doc="mean distance of its planes, square to them"
+        "spacing", "length", above=0.0, code="E116", example="2 m", doc="mean distance of its planes, square to them"
     )
     strength: str = text("strength", default="", left_out="the only one", doc="a name under strength")
     offset_m: float = number(
@@ -69,7 +69,7 @@ class JointSetInput:
         default=0.0,
         least=0.0,
         most=45.0,
-        code="E135",
+        code="E186",
         role="scatter",
         doc="standard deviation of the angle of its planes about the mean (Fisher)",
     )
@@ -79,7 +79,7 @@ class JointSetInput:
         default=0.0,
         least=0.0,
         most=1.0,
-        code="E135",
+        code="E186",
         role="scatter",
         doc="standard deviation of the distances, in parts of the spacing",
     )
@@ -135,7 +135,7 @@ class BenchDesign(AssemblyDesign):
     surcharge_kpa: float | None = surcharge()
     max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
     min_volume_m3: float = number(
-        "cut.min_volume", "volume", default=0.0, least=0.0, code="E138", says="a volume is never negative",
+        "cut.min_volume", "volume", default=0.0, least=0.0, code="E116", says="a volume is never negative",
         advice="0 keeps every block, however small.", scatters=False, role="setting", label="min_volume",
         doc="smaller blocks join the neighbour they share most with",
     )  # fmt: skip
@@ -156,7 +156,7 @@ def read_bench(reader: Reader) -> BenchDesign:
     Raises
     ------
     DesignError
-        With every fault found: E134 to E138 for sets and cut, E116 for the slope, and those of every assembly.
+        With every fault found: E116, E137, E151 and E186 for the slope, sets and cut, and those of every assembly.
     """
     own = reader.fields(BenchDesign)
     face, height = own["face"], own["height_m"]
@@ -176,7 +176,7 @@ def read_bench(reader: Reader) -> BenchDesign:
 
 
 def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
-    """The joint sets that can be read: E134 spacing, E135 scatter, E136 the same set twice."""
+    """The joint sets that can be read: E116 spacing, E186 scatter, E151 the same set twice."""
     named = reader.names("sets")
     strengths = strength_names(reader, [(name, below.get("strength"), below) for name, below in named])
     seen: dict[tuple[float, ...], str] = {}
@@ -189,7 +189,7 @@ def _sets(reader: Reader, by_name: dict[str, float]) -> Iterator[JointSetInput]:
         key = (plane.dip_deg, plane.dip_direction_deg % 360.0, attributes["spacing_m"], attributes["offset_m"])
         if key in seen:
             message = f"{name} has the planes of {seen[key]}: the same orientation, spacing and offset"
-            reader.fault("E136", message, below, "Leave it out, or give it an offset.")
+            reader.fault("E151", message, below, "Leave it out, or give it an offset.")
         seen.setdefault(key, name)
         yield JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **attributes)
 
@@ -208,14 +208,13 @@ def cut(design: BenchDesign) -> AssemblyScene:
     planes = planes_of_sets(sets, body, np.random.default_rng(design.seed))
     cut = cut_bench(body, planes, design.max_blocks, design.min_volume_m3)
     assembly = cut.assembly
-    notices = []
-    if cut.planes_merged or cut.planes_on_body_faces:
-        notices.append(Notice("W337", f"{cut.planes_merged} joint planes that coincide were merged, "
-                              f"{cut.planes_on_body_faces} lie on a face of the bench and cut nothing"))  # fmt: skip
+    slivers, notices = list[str](), []
     if cut.slivers_joined or cut.slivers_left_out:
         left = f", {cut.slivers_left_out} without a neighbour left out ({cut.volume_left_out:.3g} m³)"
-        notices.append(Notice("W336", f"{cut.slivers_joined} slivers below {cut.min_volume:.3g} m³ were joined to the "
-                              f"neighbour they share most with{left if cut.slivers_left_out else ''}"))  # fmt: skip
+        slivers.append(
+            f"{cut.slivers_joined} slivers below {cut.min_volume:.3g} m³ joined to the neighbour they share most with"
+            f"{left if cut.slivers_left_out else ''}"
+        )
     share = cut.volume_joined / cut.body_volume
     if share > _SLIVERS:
         of_all = cut.blocks + cut.slivers_joined + cut.slivers_left_out
@@ -231,7 +230,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
         {"volume_error": cut.volume_error, "area_error": cut.area_error, "plane_error_m": cut.plane_error,
          "joint_area_m2": cut.joint_area},
         (f"{cut.fixed} of {cut.blocks} blocks reach the ends, the back or the bottom of the bench, where the rock goes "
-         "on: bedrock, no unknowns",),
+         "on: bedrock, no unknowns", *slivers),
         tuple(notices), origin=np.array(design.origin_m),
         crest=Crest(_up_the_face(design), design.face.normal(), design.upper.normal()),
     )  # fmt: skip

@@ -135,7 +135,7 @@ class BlocksDesign(NamedDesign):
         left_out="1e-5 of the mean block, or as the corners are rounded",
         doc="faces nearer than this touch",
         above=0.0,
-        code="E254",
+        code="E116",
         scatters=False,
         role="setting",
     )
@@ -157,8 +157,8 @@ def read_blocks(reader: Reader) -> BlocksDesign:
     Raises
     ------
     DesignError
-        With every fault found: E242 to E246 for blocks, E247 to E249 for interfaces, E240 and E254 for sizes, and
-        those of every assembly.
+        With every fault found: E112, E126, E242 and E245 for blocks, E151, E176 and E247 for interfaces, E116 and
+        E240 for sizes, and those of every assembly.
     """
     group = reader.at("blocks")
     nodes = dict(reader.names("blocks"))
@@ -171,7 +171,7 @@ def read_blocks(reader: Reader) -> BlocksDesign:
     in_section = any(node.get("polygon") is not None for node in nodes.values())
     section = reader.at("section")
     if section is not None and nodes and all(node.get("mesh") is not None for node in nodes.values()):
-        reader.fault("E243", "section says nothing beside meshes", section, "Leave it out.")
+        reader.fault("E112", "section says nothing beside meshes", section, "Leave it out.")
     own = reader.fields(BlocksDesign, only=("thickness_m", "contact_tolerance_m", "mechanisms"))
     moves = {name: not is_fixed for name, is_fixed in fixed.items()}
     shared = common(reader, moves, in_section, None, [value for _, _, value in water])
@@ -199,17 +199,17 @@ def _is_fixed(reader: Reader, node: Node) -> bool:
     if given is None or given.text is None:
         return False
     if given.text.lower() not in _TRUTH:
-        reader.fault("E244", f"{given.path} is {given.text}, it is true or false", given)
+        reader.fault("E126", f"{given.path} is {given.text}, it is true or false", given)
     return given.text.lower() not in (*_UNTRUTHS, "false")
 
 
 def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
-    """Each block is a polygon or a mesh, and all of them are the same; E243, E143."""
+    """Each block is a polygon or a mesh, and all of them are the same; E112, E143."""
     kinds: dict[str, str] = {}
     for name, node in nodes.items():
         said = [key for key in ("polygon", "mesh") if node.get(key) is not None]
         if len(said) == 2:
-            reader.fault("E243", f"{name} has polygon and mesh", node.get("mesh"), "Keep one of them.")
+            reader.fault("E112", f"{name} has polygon and mesh", node.get("mesh"), "Keep one of them.")
         elif not said and all(key in _KEYS for key, _ in node.items()):  # else a slip in that key is said already
             reader.fault("E143", f"{node.path}.polygon is missing", node, "Add polygon: or mesh:.")
         elif said:
@@ -219,7 +219,7 @@ def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
     if other:
         more = f" (and {len(other) - 1} more)" if len(other) > 1 else ""
         message = f"{other[0]}{more} has a {kinds[other[0]]}, {first} has a {kinds[first]}"
-        reader.fault("E243", message, nodes[other[0]], "Blocks are all polygons of one section, or all meshes.")
+        reader.fault("E112", message, nodes[other[0]], "Blocks are all polygons of one section, or all meshes.")
 
 
 def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput | None:
@@ -257,7 +257,7 @@ def _something_moves(reader: Reader, group: Node | None, fixed: Mapping[str, boo
         return
     if all(fixed.values()):
         advice = "Leave fixed out of those that may move."
-        reader.fault("E246", "every block is fixed: nothing can move", group, advice)
+        reader.fault("E245", "every block is fixed: nothing can move", group, advice)
     elif not any(fixed.values()):
         advice = "Add fixed: true to the block that is bedrock: base: {polygon: [...], fixed: true}."
         reader.fault("E245", "no block is fixed: nothing holds the others", group, advice)
@@ -283,7 +283,7 @@ def _weight(
 
 
 def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, tuple[tuple[str, str, str], ...]]:
-    """The strength of every interface: the default, and those of the pairs that are named; E247 to E249, E176."""
+    """The strength of every interface: the default, and those of the pairs that are named; E151, E176, E247."""
     group, strengths = reader.at("interfaces"), reader.at("strength")
     named = {key: node for key, node in group.items() if node.text is not None} if group is not None else {}
     default = named.pop("default", None)
@@ -297,7 +297,7 @@ def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, 
     else:
         names = [name for name, _ in strengths.items()]
         message = f"interfaces.default is missing, and there are {len(names)} strengths"
-        reader.fault("E249", message, group or strengths, f"Add default: {' or '.join(names[:4])}.")
+        reader.fault("E176", message, group or strengths, f"Add default: {' or '.join(names[:4])}.")
     before = len(reader.faults)
     assigned = strength_names(reader, users)
     if not has_default or len(pairs) < len(named):  # a strength that none of the others has may be meant there
@@ -307,7 +307,7 @@ def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, 
 
 
 def _pairs(reader: Reader, keys: Sequence[tuple[str, Node]], nodes: Mapping[str, Node]) -> dict[tuple[str, str], Node]:
-    """Keys such as B1/B2 as pairs of blocks: E247 what is none, E248 the same twice."""
+    """Keys such as B1/B2 as pairs of blocks: E247 what is none, E151 the same twice."""
     pairs: dict[tuple[str, str], Node] = {}
     seen: dict[frozenset[str], str] = {}
 
@@ -326,7 +326,7 @@ def _pairs(reader: Reader, keys: Sequence[tuple[str, Node]], nodes: Mapping[str,
             wrong(node, f"{key}: a block has no interface with itself", "Name two blocks.")
         elif frozenset(names) in seen:
             message = f"{key} is the same interface as {seen[frozenset(names)]}"
-            reader.faults.append(Fault("E248", message, str(node.key_place), "Leave one of them out."))
+            reader.faults.append(Fault("E151", message, str(node.key_place), "Leave one of them out."))
         else:
             pairs[names[0], names[1]] = node
         seen.setdefault(frozenset(names), key)
@@ -365,7 +365,7 @@ def cut(design: BlocksDesign) -> AssemblyScene:
             if not at.any():
                 unmet.append(f"{first}/{second}")
     if unmet:
-        notices.append(Notice("W335", f"interfaces are named between blocks that do not touch: {_some(unmet)}"))
+        notices.append(Notice("W334", f"interfaces are named between blocks that do not touch: {_some(unmet)}"))
     scene = replace(
         scene, assembly=replace(scene.assembly, patches=replace(patches, joint=joint)), joints=kinds,
         strengths=tuple(strength for _, strength in design.strengths), pressures=frozen(pressures),
@@ -387,7 +387,7 @@ def _section(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Asse
     notices = list(_fit(names, cut, "m", "m²"))
     if cut.point_contacts:
         text = f"{cut.point_contacts} pairs of blocks touch at a corner only, which carries nothing"
-        notices.append(Notice("W342", text))
+        notices.append(Notice("W334", text))
     return AssemblyScene(
         cut.assembly, names, (), (), np.zeros(0), np.zeros(0),
         dict(zip(names, cut.outlines, strict=True)),
@@ -417,15 +417,13 @@ def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Assem
     _refuse_overlaps(names, cut.overlaps.pairs, cut.overlaps.amounts, cut.assembly.volumes, "m³")
     _refuse_floating(names, fixed, cut.assembly.patches, cut.gaps)
     notices = list(_fit(names, cut, "m²", "m³"))
-    if len(cut.turned):
-        notices.append(Notice("W343", f"meshes that were inside out have been turned: {_listed(names, cut.turned)}"))
     several = np.flatnonzero(cut.shells > 1)
     if len(several):
         text = f"files that hold several closed surfaces, taken as one rigid block each: {_listed(names, several)}"
-        notices.append(Notice("W344", text))
+        notices.append(Notice("W334", text))
     if len(cut.unchecked):
         pairs = [f"{names[a]}/{names[b]}" for a, b in cut.unchecked.tolist()]
-        notices.append(Notice("W345", f"whether these blocks overlap could not be computed: {_some(pairs)}"))
+        notices.append(Notice("W334", f"whether these blocks overlap could not be computed: {_some(pairs)}"))
     return AssemblyScene(
         cut.assembly, names, (), (), np.zeros(0), np.zeros(0), {},
         {**_tolerance(cut.tolerance), "contact_area_m2": cut.contact_area}, (), tuple(notices),
@@ -478,7 +476,7 @@ def _fit(names: Sequence[str], cut: "SectionCut | SolidCut", along: str, amount:
             f"{names[a]}/{names[b]} {size:.2g} {amount}"
             for (a, b), size in zip(overlaps.pairs.tolist(), overlaps.amounts.tolist(), strict=True)
         ]
-        yield Notice("W333", f"{len(apart_or_over)} pairs of blocks overlap a little: {_some(apart_or_over)}")
+        yield Notice("W334", f"{len(apart_or_over)} pairs of blocks overlap a little: {_some(apart_or_over)}")
     if len(gaps):
         apart_or_over = [
             f"{names[a]} and {names[b]} are {1e3 * apart:.3g} mm apart over {size:.3g} {along}"
@@ -493,7 +491,7 @@ def _fit(names: Sequence[str], cut: "SectionCut | SolidCut", along: str, amount:
             text = f"with {times} the contact tolerance ({within}) contacts are {change}: {blocks}"
             yield Notice("W334", text)
     if len(cut.untouching):
-        yield Notice("W346", f"blocks that touch no other: {_listed(names, cut.untouching)}")
+        yield Notice("W334", f"blocks that touch no other: {_listed(names, cut.untouching)}")
 
 
 def _listed(names: Sequence[str], which: Ints) -> str:

@@ -26,15 +26,12 @@ from slopekit.kinds.elastic_scene import (
     ELASTIC,
     RIGID,
     ElasticScene,
-    elastic_stiffness,
     rock_of,
     scene_of_many,
     scene_of_one,
 )
 from slopekit.kinds.protocol import Kind
 from slopekit.kinds.single_block.one_block import Cut
-from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.preie.system.contact import CloughDuncan
 from slopekit.result import Result
 
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
@@ -51,7 +48,7 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     Raises
     ------
     DesignError
-        E140 without scikit-fem, E288 to E291 for what cannot be had.
+        E140 without scikit-fem, E125 and E288 for what cannot be had.
     """
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)
@@ -70,7 +67,7 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     else:
         pairs = f"{int(rest.opened(scene.model).sum())} of {len(rest.parted)} node pairs pulled open"
         how = f"in {search.steps} steps, {pairs}" if search.spent else f"({pairs})"
-        said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
+        said = Notice("W450", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
     _, rigid = _at_rest(scene, scene.model.rigid(), factor)
     limit, spent = scene.rigid_limit, False
@@ -90,7 +87,7 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     notes = [*result.warnings, *_notices(result, answer)]
     if factor < factors[0] and limit is not None:
         known = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
-        notes.append(Notice("W501", f"elastic blocks {known}: their limit may lie between, below the {limit:.4f} under "
+        notes.append(Notice("W455", f"elastic blocks {known}: their limit may lie between, below the {limit:.4f} under "
                             f"ELASTIC, which is without what is open at the first: rely on {factor:.4g}"))  # fmt: skip
     if not stands and limit is None:
         notes.append(_no_limit(spent, between))
@@ -116,7 +113,7 @@ def _no_limit(spent: bool, between: tuple[float, float] | None) -> Notice:
     if spent:
         ends = "" if between is None else f"; it lies between {between[0]:.4f} and {between[1]:.4f}"
         return Notice("W360", f"{without} it was not settled within the effort of one analysis{ends}")
-    return Notice("W371", f"{without} none was found, and not for want of work: the rigid blocks may tip or fall then")
+    return Notice("W308", f"{without} none was found, and not for want of work: the rigid blocks may tip or fall then")
 
 
 def _timed(result: Result, began: float) -> dict[str, float]:
@@ -125,23 +122,13 @@ def _timed(result: Result, began: float) -> dict[str, float]:
 
 
 def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
-    if result.openings:
-        yield Notice("W452", "moments open joints: the elastic limit is to be compared with the rigid one on its "
-                     f"pairs, {_number(answer.rigid_limit)}")  # fmt: skip
     lowest, highest = result.fos.lowest, result.fos.highest
     wide = lowest is not None and (highest is None or highest > lowest * (1.0 + _LOCKED))
     if answer.block is not None and wide:
         far = "far above it" if highest is None else f"{highest:.3f}"
         span = f"{lowest:.3f} .. {far}"
         message = f"the limit under ELASTIC is that of the rigid path, other load paths and locked-in stresses: {span}"
-        yield Notice("W485", f"{message}; rely on the lowest")
-    if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
-        shear = elastic_stiffness(result.design, result.findings is not None).tangential
-        yield Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³")
-
-
-def _number(value: float | None) -> str:
-    return "none" if value is None else f"{value:.4f}"
+        yield Notice("W455", f"{message}; rely on the lowest")
 
 
 # -- at rest ----------------------------------------------------------------------------------------------------------

@@ -98,11 +98,11 @@ def rock_of(design: Design) -> tuple[Rock, tuple[str, ...]]:
 
 
 def _meshed(mesh: Any, edge: float, name: str) -> Any:
-    """A mesh with no edge longer than `edge`; E290 where that are too many elements."""
+    """A mesh with no edge longer than `edge`; E125 where that are too many elements."""
     cells = mesh.t.shape[1] * (2.0 ** len(mesh.p)) ** _times(mesh, edge)
     if cells > _MOST_CELLS:
         message = f"edges of {edge:.4g} m make {cells:.3g} finite elements of {name}, at most {_MOST_CELLS} are taken"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
     return split_evenly(mesh, edge)
 
 
@@ -124,7 +124,7 @@ def _refuse(why: str, advice: str = "Leave --elastic out.") -> DesignError:
 
 def _no_bedrock(why: str) -> DesignError:
     message = f"no elastic bedrock of this design: {why}"
-    return DesignError([Fault("E291", message, "analysis.elastic.bedrock", "Leave it rigid.")])
+    return DesignError([Fault("E288", message, "analysis.elastic.bedrock", "Leave it rigid.")])
 
 
 def _bedrock(made: Cut, rock: Rock, edge: float, points: Floats, axes: Floats, in_section: bool) -> Bedrock:
@@ -145,7 +145,7 @@ def _bedrock(made: Cut, rock: Rock, edge: float, points: Floats, axes: Floats, i
     mesh = graded(box.mesh, own[:, [0, 2]] if in_section else own, edge, _MOST_CELLS)
     if mesh.t.shape[1] > _MOST_CELLS:
         message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements of the bedrock"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
     return bedrock(box, mesh, rock, own, axes @ turn.T)
 
 
@@ -182,7 +182,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     scene = made.scene_at(min(max(refine, 0), _MOST_REFINED))
     if len(scene.pairs) > _MOST_PAIRS:
         message = f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
     elements, model = Elements(_meshed(mesh, edge, "the block"), rock), scene.model
     axes = local_axes(scene.pairs.normals)
     give = flexibility(elements, scene.pairs.points, axes, model.flat_rows, model.length_scale)
@@ -241,7 +241,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     moving = int((~assembly.fixed).sum())
     if moving > _MOST_BLOCKS:
         message = f"{moving} blocks move, elastic ones are at most {_MOST_BLOCKS}"
-        raise DesignError([Fault("E289", message, "--elastic", "Leave --elastic out, or make the slope smaller.")])
+        raise DesignError([Fault("E125", message, "--elastic", "Leave --elastic out, or make the slope smaller.")])
     bodies = _bodies(scene)
     meshes = {block: bodies(block) for block in np.flatnonzero(~assembly.fixed).tolist()}
     halved = _HALVED["section"] if assembly.in_section else _HALVED["space"] * (moving <= _FEW)
@@ -260,7 +260,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     pairs = whole.joint_pairs.stop
     if pairs > _MOST_OF_MANY:
         message = f"{pairs} node pairs between elastic blocks, at most {_MOST_OF_MANY} are taken"
-        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or fewer blocks.")])
+        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or fewer blocks.")])
     rows, bolt_rows = _rows(whole, pairs)
     contact = whole.pair_contact[:pairs]
     patch = whole.patch[contact]
@@ -286,7 +286,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         cells += mesh.t.shape[1]
         if cells > _MOST_CELLS:
             message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements"
-            raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+            raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
         sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
         elements = Elements(mesh, rock, scene.thickness or 1.0)
         where, length = whole.points[own], whole.length_scale

@@ -36,11 +36,11 @@ class Uplift:
     ACTIONS: ClassVar[Mapping[str, Action]] = {"toe_kpa": "water", "heel_kpa": "water"}
 
     toe_kpa: float | None = number(
-        "toe", "pressure", default=None, least=0.0, code="E119", label="uplift at the toe", left_out="0",
+        "toe", "pressure", default=None, least=0.0, code="E118", label="uplift at the toe", left_out="0",
         axis="uplift at the toe", doc="where the plane daylights in the face",
     )  # fmt: skip
     heel_kpa: float | None = number(
-        "heel", "pressure", default=None, least=0.0, code="E119", label="uplift at the heel", left_out="0",
+        "heel", "pressure", default=None, least=0.0, code="E118", label="uplift at the heel", left_out="0",
         axis="uplift at the heel", doc="at the back end of the plane; linear between",
     )  # fmt: skip
     fill: float | None = number(
@@ -71,7 +71,7 @@ class FootingDesign(Design):
 
     load_kn: float = number("footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward")
     load_at_m: float | None = number(
-        "footing.at", "length", default=None, least=0.0, code="E119", words=("middle",), example="middle",
+        "footing.at", "length", default=None, least=0.0, code="E118", words=("middle",), example="middle",
         label="place of the load", taken="at_m", left_out="middle",
         doc="from the face; `middle`: over the middle of the plane",
     )  # fmt: skip
@@ -80,7 +80,7 @@ class FootingDesign(Design):
     )
     length_m: float = number("weak_plane.length", "length", above=0.0, code="E116", example="7.07 m")
     pairs: int = count(
-        "weak_plane.pairs", 3, 2001, default=9, is_odd=True, code="E199",
+        "weak_plane.pairs", 3, 2001, default=9, is_odd=True, code="E137",
         advice="Simpson's rule takes two pairs an element and one more.",
     )  # fmt: skip
     strength: Strength
@@ -128,7 +128,7 @@ def read_footing(reader: Reader) -> FootingDesign:
     Raises
     ------
     DesignError
-        With every fault found; E199 for a number of node pairs that the rule does not take.
+        With every fault found; E137 for a number of node pairs that the rule does not take.
     """
     own = reader.fields(FootingDesign)
     user = "weak_plane", reader.at("weak_plane.strength"), reader.at("weak_plane") or reader.root
@@ -151,10 +151,10 @@ def _uplift(reader: Reader) -> Uplift | None:
     said = [key for key in ("toe", "heel") if node.get(key) is not None]
     if node.get("fill") is not None and said:
         message = f"uplift has fill and {' and '.join(said)}: they exclude each other"
-        reader.fault("E198", message, node.get(said[0]), "Keep one of them.")
+        reader.fault("E112", message, node.get(said[0]), "Keep one of them.")
     elif node.get("fill") is None and not said:
         advice = "Write uplift: {toe: 20 kPa, heel: 5 kPa} or {fill: 100 %}."
-        reader.fault("E395", "uplift says no pressure", node, advice)
+        reader.fault("E118", "uplift says no pressure", node, advice)
     return None if own["drain"] is None else Uplift(**own)
 
 

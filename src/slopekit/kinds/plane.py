@@ -13,7 +13,6 @@ from slopekit.core import sheet
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError, MisfitError, Notice
 from slopekit.core.orientation import Line, Plane
-from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
@@ -64,14 +63,14 @@ _OUT = 1e-9
 class VerticalCrack:
     """A vertical tension crack of a plane failure: depth or distance behind the crest, and the water in it; m."""
 
-    depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E121", example="4.35 m",
+    depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E120", example="4.35 m",
                                    left_out="by the distance")  # fmt: skip
     distance_m: float | None = number("distance", "length", default=None, axis="distance of the crack",
                                       left_out="by the depth", words=("worst",),
                                       doc="behind the crest; below 0 in the face; both where they agree; `worst`: "
                                       "where the closed form is lowest")  # fmt: skip
     water_m: float | None = number(
-        "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures=("pressure",),
+        "water", "length", default=None, least=0.0, code="E118", label="water in the crack", or_measures=("pressure",),
         doc="depth of it (or `dry`, `full`, `50 %` of the pressure of a full crack; a mean pressure, `5 kPa`); "
         "triangular there, falling to nothing at the toe",
     )  # fmt: skip
@@ -131,11 +130,11 @@ def read_plane(reader: Reader) -> PlaneDesign:
     ground, table = read_ground_water(reader)
     water = table or _water_of_plane(reader, names, said if fills else None, crack is not None)
     if said is not None and (reader.at("water") is not None if fills else water != Water()):
-        reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
+        reader.fault("E112", "crack.water and water both say how full it is", said, "Keep one of them.")
     common = read_common(reader)
     searched = node is not None and (distance := node.get("distance")) is not None and distance.text == WORST
     if searched and node is not None and node.get("depth") is not None:
-        reader.fault("E198", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
+        reader.fault("E112", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
     design: PlaneDesign = reader.made(
         PlaneDesign, own, common, ground, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
         strength=strengths[0] if strengths else None, water=water,
@@ -480,11 +479,6 @@ def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
 
 def _notices(design: PlaneDesign) -> Iterator[Notice]:
     yield from design.ground_notices(0.0, design.height_m)
-    for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
-        apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
-        if apart > _OUT and plane.dip_deg > 0.0:
-            message = f"{name} strikes {shown(round(apart, 1))}° from the face: taken as parallel to it"
-            yield Notice("W321", message)
     share = _in_section(design)
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (

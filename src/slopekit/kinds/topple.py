@@ -76,7 +76,7 @@ class ToppleDesign(NamedDesign):
     )  # fmt: skip
 
     dip_deg: float = number(
-        "columns.dip", "angle", above=0.0, below=90.0, code="E139", example="60", label="dip of the columns",
+        "columns.dip", "angle", above=0.0, below=90.0, code="E101", example="60", label="dip of the columns",
         advice="Columns dip into the slope; their base falls out of it, square to them.",
     )  # fmt: skip
     width_m: float = number(
@@ -88,7 +88,7 @@ class ToppleDesign(NamedDesign):
         doc="from the toe upward, square to the base",
     )  # fmt: skip
     base_step_m: float = number(
-        "columns.base_step", "length", default=0.0, least=0.0, code="E241",
+        "columns.base_step", "length", default=0.0, least=0.0, code="E240",
         says="it lies from 0 to less than the lowest column",
         doc="how much each base lies above that of the column below, square to it",
     )  # fmt: skip
@@ -147,7 +147,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
     Raises
     ------
     DesignError
-        With every fault found: E139 a dip, E240 a size, E241 a step that cannot be, E448 to E452 a slope that makes no
+        With every fault found: E101 a dip, E240 a size or step that cannot be, E448 and E450 a slope that makes no
         columns, and those of every assembly.
     """
     node = reader.at("columns")
@@ -157,7 +157,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
     shortest = min(heights, default=None)
     if step is not None and shortest is not None and step >= shortest:
         limits = f"from 0 to less than the lowest column ({shown(shortest)} m)"
-        reader.fault("E241", f"base_step is {shown(step)}, it lies {limits}", below)
+        reader.fault("E240", f"base_step is {shown(step)}, it lies {limits}", below)
     most = max(MOST_BLOCKS // max(len(heights), 1), 1)
     rows = own["rows"] or 1
     if rows > most:
@@ -191,7 +191,7 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
         reader.fault("E448", message, angle, "Keep one of them.")
     for key in ("height", "face") if slope is not None else ():
         if reader.at(f"slope.{key}") is None:
-            reader.fault("E449", f"slope.{key} is missing: the columns are made from height and face", slope)
+            reader.fault("E448", f"slope.{key} is missing: the columns are made from height and face", slope)
     dip, width = own["dip_deg"], own["width_m"]
     if len(reader.faults) > before or dip is None or width is None:
         return {}
@@ -217,15 +217,15 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
         reader.fault("E450", message, reader.at("slope.face"), "No column stands above such a base.")
     elif upper >= whole:
         message = f"the upper slope dips {shown(upper)}°, no less than the base of the columns ({whole:.4g}°)"
-        reader.fault("E451", f"{message}: they never end", reader.at("slope.upper"))
+        reader.fault("E450", f"{message}: they never end", reader.at("slope.upper"))
     elif too_many_columns(own["slope_height_m"], face, upper, base, width, stepped, MOST_BLOCKS):
         message = f"the slope takes more than {MOST_BLOCKS} columns of {shown(width)} m"
-        reader.fault("E452", message, reader.at("columns.width"), "Give wider columns.")
+        reader.fault("E450", message, reader.at("columns.width"), "Give wider columns.")
     else:
         attributes["heights_m"] = slope_heights(own["slope_height_m"], face, upper, base, width, stepped)
         if not attributes["heights_m"]:
             message = f"no column of {shown(width)} m stands higher than its step on this slope"
-            reader.fault("E452", message, reader.at("columns.width"), "Give narrower columns, or a smaller step.")
+            reader.fault("E450", message, reader.at("columns.width"), "Give narrower columns, or a smaller step.")
     return attributes
 
 
@@ -378,7 +378,7 @@ def _loads(design: ToppleDesign) -> Floats | None:
 
 def _notices(_: ToppleDesign, __: AssemblyScene, ___: Failure, closed: ClosedForm) -> Iterator[Notice]:
     if closed.why_not:
-        yield Notice("W340", closed.why_not)
+        yield Notice("W310", closed.why_not)
 
 
 def _slope(design: ToppleDesign, _: Result) -> Section:

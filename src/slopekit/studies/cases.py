@@ -290,22 +290,22 @@ def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "
     Raises
     ------
     DesignError
-        E475 for a name that is none of them, E476 where there are no cases, E341 where they are damaged.
+        E197 for a name that is none of them, E313 where there are no cases, E340 where they are damaged.
     """
     called, cases = name or "the document", document.get("cases")
     if document.get("study") != "cases":
         if case is not None:
             message = f"{called} has no load cases, {case} is none"
-            raise DesignError([Fault("E476", message, f"--case {case}", "Leave --case out.")])
+            raise DesignError([Fault("E313", message, f"--case {case}", "Leave --case out.")])
         return {"": document}
     if not isinstance(cases, Mapping) or not cases:
-        raise DesignError([Fault("E341", f"{called} has lost its load cases", name)])
+        raise DesignError([Fault("E340", f"{called} has lost its load cases", name)])
     if case is None:
         return {str(own): below for own, below in cases.items()}
     if case not in cases:
         near = get_close_matches(case, [str(own) for own in cases], n=1)
         advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, cases))}."
-        raise DesignError([Fault("E475", f"{case} is no load case of {called}", f"--case {case}", advice)])
+        raise DesignError([Fault("E197", f"{case} is no load case of {called}", f"--case {case}", advice)])
     return {case: cases[case]}
 
 

@@ -17,12 +17,13 @@ from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import also_falls_short, cut, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
+from slopekit.notices import new_notices
 from slopekit.studies.running import Record
 
 Method = Literal["closed_form", "pre_ie"]
 Methods = Literal["both", "closed-form", "pre-ie"]
 _BUG = "E599"
-_BAD_INPUT = ("E211", "E212", "E250", "E251", "E252", "E253", "E254")  # of bolts and forces: blocks there are
+_BAD_INPUT = ("E211", "E212", "E250", "E252", "E253")  # of bolts and forces: blocks there are
 _OF_BOLTS = ("E211", "E212")  # a bolt misses the block, or ends within it
 _WITHOUT_FORCE = "bolts that miss the block, or end within it, give no force there"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
@@ -147,7 +148,7 @@ class Evaluation:
 
     `pre_ie` False asks the closed form alone, where there is one. `keeps_bolts` says that bolts stay where they are as
     values change, as in a slope that turns out otherwise: those that miss the block then, or end within it, give no
-    force (W381), where else they would be a fault. Values of the bolts themselves are taken as they are.
+    force (W311), where else they would be a fault. Values of the bolts themselves are taken as they are.
     """
 
     design: Design
@@ -159,7 +160,7 @@ class Evaluation:
         if self.keeps_bolts and values and point.code in _OF_BOLTS:
             point = point_of(self.design, values, self.pre_ie, holding_bolts)
             if point.factors is not None:
-                notes = (Notice("W381", _WITHOUT_FORCE), *point.factors.notes)
+                notes = (Notice("W311", _WITHOUT_FORCE), *point.factors.notes)
                 point = replace(point, factors=replace(point.factors, notes=notes))
         return point.to_record()
 
@@ -216,10 +217,10 @@ def said_at(
     >>> [str(notice) for notice in said_at([Point(None, "E203", "no"), there], "at c = {}".format)]
     ['W310 1 of 2 points, at c = 1: so']
     """
-    said, known = dict[str, list[tuple[int, str]]](), {notice.code for notice in besides}
+    said, known = dict[str, list[tuple[int, str]]](), tuple(besides)
     for k, point in enumerate(points):
-        notes = () if point.factors is None else point.factors.notes
-        for code in dict.fromkeys(note.code for note in notes if note.code not in known):
+        notes = new_notices(() if point.factors is None else point.factors.notes, known)
+        for code in dict.fromkeys(note.code for note in notes):
             text = "; ".join(note.message for note in notes if note.code == code)
             said.setdefault(code, []).append((k, text))
     for code, places in said.items():
@@ -277,7 +278,7 @@ def other_history(design: Design, values: Mapping[str, object], where: str) -> I
 
 
 def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]:
-    """W508: acceptance rules on numbers that a study does not find.
+    """W332: acceptance rules on numbers that a study does not find.
 
     Parameters
     ----------
@@ -285,7 +286,7 @@ def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]
     """
     others = [str(rule) for rule in design.rules if rule.name not in judged]
     text = f"acceptance also asks for {', '.join(others)}: not looked at here, run judges it"
-    return (Notice("W508", text),) if others else ()
+    return (Notice("W332", text),) if others else ()
 
 
 def checked_target(fos: float, advice: str) -> None:

@@ -143,7 +143,7 @@ def checked_crew(jobs: object = 1, scheduler: str | None = None, executor: Execu
     Raises
     ------
     DesignError
-        E300 for a number of jobs that is none, or for more than one kind of workers.
+        E313 for a number of jobs that is none, or for more than one kind of workers.
 
     >>> checked_crew("2")
     Crew(jobs=2, scheduler=None, executor=None)
@@ -151,12 +151,12 @@ def checked_crew(jobs: object = 1, scheduler: str | None = None, executor: Execu
     text = str(jobs).strip()
     if not text.isdigit() or not 1 <= int(text) <= _MOST_JOBS:
         message = f"--jobs is {text}, a whole number from 1 to {_MOST_JOBS} is needed"
-        raise DesignError([Fault("E300", message, "", "As many as there are cores is a good choice.")])
+        raise DesignError([Fault("E313", message, "", "As many as there are cores is a good choice.")])
     if scheduler is not None and int(text) > 1:
-        raise DesignError([Fault("E300", "--jobs and --scheduler exclude each other", "", "Keep one of them.")])
+        raise DesignError([Fault("E313", "--jobs and --scheduler exclude each other", "", "Keep one of them.")])
     if scheduler is not None and "://" not in scheduler:
         message = f"{scheduler} is not the address of a scheduler"
-        raise DesignError([Fault("E300", message, "", "Write --scheduler tcp://host:8786.")])
+        raise DesignError([Fault("E313", message, "", "Write --scheduler tcp://host:8786.")])
     return Crew(int(text), scheduler, executor)
 
 
@@ -185,7 +185,7 @@ def run_all(
     Interrupted
         Ctrl-C: E304, with what is done in the journal.
     DesignError
-        E301 no connection to the scheduler, E305 Dask is not installed, E306 workers with another slopekit, E464 a
+        E301 no connection to the scheduler or workers with another slopekit, E140 Dask is not installed, E464 a
         script without a main guard.
     SolverError
         E303 workers die again and again.
@@ -374,7 +374,7 @@ def _dask(address: str) -> Iterator[Executor]:
         from distributed import Client
     except ImportError:
         raise DesignError(
-            [Fault("E305", "--scheduler needs Dask, which is not installed", "", "pip install 'slopekit[dask]'")]
+            [Fault("E140", "--scheduler needs Dask, which is not installed", "", "pip install 'slopekit[dask]'")]
         ) from None
     try:
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)
@@ -393,7 +393,7 @@ def _dask(address: str) -> Iterator[Executor]:
         wrong = sorted({str(answer) for answer in answers if answer != __version__ and not isinstance(answer, OSError)})
         if wrong:
             message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
-            raise DesignError([Fault("E306", message, "", "Install the same slopekit on every worker.")])
+            raise DesignError([Fault("E301", message, "", "Install the same slopekit on every worker.")])
         yield _Cluster(client)
 
 

@@ -81,7 +81,7 @@ def range_of(values: Floats, own: int) -> dict[str, float | int]:
 def strengths_of_joints(
     joints: JointList, given: Mapping[str, Any], slope: WedgeDesign | None, option: Callable[[str], str]
 ) -> tuple[list[tuple[Floats, int]], list[Fault]]:
-    """Cohesion and friction of every joint (n,), how many have their own, and the faults E332 of those without.
+    """Cohesion and friction of every joint (n,), how many have their own, and the faults E143 of those without.
 
     Parameters
     ----------
@@ -100,14 +100,14 @@ def strengths_of_joints(
 
 
 def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[WedgeDesign, Faults]:
-    """The slope and loads of a survey, read as a wedge whose joints mean nothing, and the faults E339.
+    """The slope and loads of a survey, read as a wedge whose joints mean nothing, and the faults E109.
 
     These are of two values where the joints are no J1 and J2.
 
     Raises
     ------
     DesignError
-        Those of a wedge, with E339.
+        Those of a wedge, with E109.
     """
     from slopekit.kinds.wedge.design import wedge_design
 
@@ -118,7 +118,7 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
         if any(part != parts[0] for part in parts):
             message = f"{key} has two values: the joints of a list are no J1 and J2"
             advice = "Give one value for all; columns c and phi of the list give each joint its own."
-            faults.append(Fault("E339", message, f"{option(key)} {shown(value)}", advice))
+            faults.append(Fault("E109", message, f"{option(key)} {shown(value)}", advice))
             own[key] = None
     try:
         return wedge_design(own, option), faults
@@ -129,7 +129,7 @@ def slope_of(given: Mapping[str, Any], option: Callable[[str], str]) -> tuple[We
 
 def codes_of(notices: Sequence[Notice]) -> list[str]:
     """The codes of notices that a line of a study ends with: those that ask for something, each once."""
-    return list(dict.fromkeys(notice.code for notice in notices if not notice.is_harmless))
+    return list(dict.fromkeys(notice.code for notice in notices))
 
 
 def check_seed(faults: Faults, seed: object) -> None:

@@ -11,7 +11,7 @@ from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
-from slopekit.core.explanations import explanations, weight_of
+from slopekit.core.explanations import explanations
 from slopekit.design.fields import every_field
 from slopekit.design.registry import KINDS, record_of
 
@@ -49,7 +49,7 @@ def messages_page() -> str:
 
 def _marked(code: str) -> str:
     """The long text, its signs kept from Markdown."""
-    return re.sub(r"([*<])", r"\\\1", explanations()[code] + weight_of(code))
+    return re.sub(r"([*<])", r"\\\1", explanations()[code])
 
 
 def _first_lines() -> Mapping[str, list[str]]:

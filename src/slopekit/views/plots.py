@@ -233,9 +233,9 @@ def draw(
     Raises
     ------
     DesignError
-        E106 an option that is no number, E140 without the extra, E342 no such picture, E343 the document has no data
-        for it, E344 it is damaged, E345 not a format, E346 no window, E347 an option of other pictures, E273 nothing to
-        draw, E129 not writable. What goes wrong in drawing a whole document is ours, and goes through.
+        E106 an option that is no number, E140 without the extra, E197 no such picture, E273 nothing to draw,
+        E340 the document is damaged, E141 not a format, E140 no window, E313 an option of other pictures, E129 not
+        writable. What goes wrong in drawing a whole document is ours, and goes through.
     """
     options = options or PlotOptions()
     named, name = bool(name), name or "the document"
@@ -263,7 +263,7 @@ def draw(
             raise
         message = f"{name} cannot be drawn as {what} ({said})"
         advice = "Was it changed, or written by an older slopekit? Make it again."
-        raise DesignError([Fault("E344", message, "", advice)]) from error
+        raise DesignError([Fault("E340", message, "", advice)]) from error
     except DesignError as error:  # where it stands is the document
         where = name if named else ""
         faults = [Fault(fault.code, fault.message, fault.where or where, fault.advice) for fault in error.faults]
@@ -291,24 +291,24 @@ def _damage(document: Document, what: str, error: Exception) -> str:
 
 
 def check(document: Document, what: str, path: Path | None, options: PlotOptions, name: str) -> None:
-    """Refuse what cannot be drawn before anything is loaded: E106, E342, E343, E345, E347."""
+    """Refuse what cannot be drawn before anything is loaded: E106, E197, E273, E141, E313."""
     given = offers(document)
     can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."
     if what not in EVERY:
         near = get_close_matches(what.lower(), EVERY, n=1, cutoff=0.7)
         advice = (f"Did you mean {near[0]}? " if near else "") + can
-        raise DesignError([Fault("E342", f"{what} is not a picture", what, advice)])
+        raise DesignError([Fault("E197", f"{what} is not a picture", what, advice)])
     scene = SCENES.get(what)
     many = scene is not None and "assembly" in scene.needs and document.get("assembly") is None
     if what not in given and (many or scene is None or not isinstance(document.get("scene"), Mapping)):
         wants = CHARTS[what].wants if scene is None else "result.json: slopekit run design.yaml -o DIR"
         if many:
             wants = "result.json of many blocks: bench, blocks, topple"
-        raise DesignError([Fault("E343", f"{name} has no data for {what}", "", f"{can} {what} wants {wants}")])
+        raise DesignError([Fault("E273", f"{name} has no data for {what}", "", f"{can} {what} wants {wants}")])
     formats = SCENE_FORMATS if what in SCENES else FORMATS
     if path is not None and not options.show and path.suffix.lower() not in formats:
         message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"
-        raise DesignError([Fault("E345", message, str(path), f"Known: {', '.join(formats)}.")])
+        raise DesignError([Fault("E141", message, str(path), f"Known: {', '.join(formats)}.")])
     numbers = {"--explode": options.explode, "--magnify": options.magnify, "--step": options.step}
     for option, value in numbers.items():
         if value is None:
@@ -329,10 +329,10 @@ def check(document: Document, what: str, path: Path | None, options: PlotOptions
             whose = [word for word, one in SCENES.items() if option in one.options]
             of = f" It is of {' and '.join(whose)}." if whose else ""
             message = f"{option} says nothing of this {what}"
-            raise DesignError([Fault("E347", message, option, f"Leave it out.{of}")])
+            raise DesignError([Fault("E313", message, option, f"Leave it out.{of}")])
     if options.test is not None and options.test not in TESTS:
         advice = f"Known: {', '.join(TESTS)}."
-        raise DesignError([Fault("E347", f"{options.test} is not a test", f"--test {options.test}", advice)])
+        raise DesignError([Fault("E313", f"{options.test} is not a test", f"--test {options.test}", advice)])
 
 
 def _window(figure: Any) -> None:
@@ -360,7 +360,7 @@ def read_document(path: Path) -> Document:
     Raises
     ------
     DesignError
-        E147 to E149 for the file, E340 not JSON, E341 not slopekit's.
+        E147 to E149 for the file, E340 no JSON of slopekit's.
     """
     import json
 
@@ -434,16 +434,16 @@ def _begin(file: Path) -> bytes:
 
 
 def checked_document(document: Any, name: str) -> Document:
-    """A document if slopekit has written it, else E341."""
+    """A document if slopekit has written it, else E340."""
     if not isinstance(document, Mapping) or "slopekit" not in document:
         message = f"{name} is not of slopekit: it has no key slopekit"
-        raise DesignError([Fault("E341", message, name, "Give a file that slopekit wrote with -o or --json.")])
+        raise DesignError([Fault("E340", message, name, "Give a file that slopekit wrote with -o or --json.")])
     if "errors" in document and "kind" not in document:
         codes = [str(fault.get("code")) for fault in document["errors"] if isinstance(fault, Mapping)]
         message = f"{name} holds the faults of a run that failed ({', '.join(codes)}), no result"
-        raise DesignError([Fault("E341", message, name, "Repair its input, and run it again.")])
+        raise DesignError([Fault("E340", message, name, "Repair its input, and run it again.")])
     if not isinstance(document.get("kind", ""), str) or ("version" in document and "kind" not in document):
-        raise DesignError([Fault("E341", f"{name} is no result of slopekit", name)])
+        raise DesignError([Fault("E340", f"{name} is no result of slopekit", name)])
     return document
 
 

@@ -18,7 +18,7 @@ def load_document(path: str | os.PathLike[str]) -> Document:
     Raises
     ------
     DesignError
-        E147 to E149 and E159 for the file, E150 to E158 for its YAML: every fault that could be found.
+        E147 to E149 and E159 for the file, E150 and E151 for its YAML: every fault that could be found.
     """
     document, faults = read_document(path)
     if faults:
@@ -38,7 +38,7 @@ def read_document(
     Raises
     ------
     DesignError
-        Where there is no tree; E160 to E163 for the overrides.
+        Where there is no tree; E151, E160 and E405 for the overrides.
     """
     file = Path(path)
     document, faults = read_text(decoded(read_bytes(path), file.name), file.name, file)
@@ -65,18 +65,18 @@ def read_text(text: str, name: str, path: Path | None = None) -> tuple[Document,
     start = source.place(0, 0)
     if top is None:
         fail(
-            "E156",
+            "E150",
             f"{name} is empty",
             str(path or name),
             "slopekit templates show wedge prints a design to start from.",
         )
     root = builder.build(top, "", start)
     if root.value is None and not builder.faults:
-        fail("E156", f"{name} holds no design", str(start), "slopekit templates show wedge prints a design.")
+        fail("E150", f"{name} holds no design", str(start), "slopekit templates show wedge prints a design.")
     if not root.is_mapping and not builder.faults:
         shown = "a list" if isinstance(root.value, list) else f"the text {cut(repr(root.value))}"
         advice = "A design starts with keys: slopekit: 1, then kind: wedge."
-        fail("E157", f"{name} holds {shown}, not keys with values", str(root.place), advice)
+        fail("E150", f"{name} holds {shown}, not keys with values", str(root.place), advice)
     root, faults = with_canonical_keys(root)
     document = Document(root, name, path, allows_outside=bool(os.environ.get(ALLOW_OUTSIDE)))
     return document, [*builder.faults, *faults]

@@ -136,7 +136,7 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     Raises
     ------
     DesignError
-        E174 another version, E175 an unknown kind, and what structure, names and values are wrong.
+        E174 another version or an unknown kind, and what structure, names and values are wrong.
     """
     root = document.root
     kind = kind_named(_kind(root))
@@ -209,10 +209,10 @@ def _kind(root: Node) -> str:
         where = str(node.place if node else root.place)
         many = node is not None and (node.is_mapping or isinstance(node.value, list))
         message = "kind is one word, not a list or keys" if many else "kind is missing: it says what the design is"
-        raise DesignError([Fault("E175", message, where, f"Known: {known}.")])
+        raise DesignError([Fault("E174", message, where, f"Known: {known}.")])
     if node.text not in KINDS:
         advice = did_you_mean(node.text.lower(), KINDS, f"Known: {known}.")
-        raise DesignError([Fault("E175", f"{node.text} is not a kind of design", str(node.place), advice)])
+        raise DesignError([Fault("E174", f"{node.text} is not a kind of design", str(node.place), advice)])
     return node.text
 
 

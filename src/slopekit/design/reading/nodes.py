@@ -168,7 +168,7 @@ def document_from(mapping: Mapping[str, Any], name: str = "design") -> Document:
     Raises
     ------
     DesignError
-        E163 for a value that no design file could hold, E154 for a mapping that contains itself.
+        E405 for a value that no design file could hold, E150 for a mapping that contains itself.
 
     >>> print(document_from({"strength": {"weak": {"phi": 25}}}).root.get("strength").get("weak").get("phi").place)
     design: strength.weak.phi = 25
@@ -176,7 +176,7 @@ def document_from(mapping: Mapping[str, Any], name: str = "design") -> Document:
     faults: list[Fault] = []
     root = from_python(mapping, "", lambda path, value: _python_place(name, path, value), faults)
     if not root.is_mapping and not faults:
-        faults.append(Fault("E157", f"{name} is {type(mapping).__name__}, not keys with values", name))
+        faults.append(Fault("E150", f"{name} is {type(mapping).__name__}, not keys with values", name))
     if faults:
         raise DesignError(faults)
     return Document(root, name)
@@ -188,7 +188,7 @@ def from_python(
     place = place_of(path, value)
     made: Value = None
     if id(value) in above:
-        faults.append(Fault("E154", f"{path or 'the design'} contains itself", str(place)))
+        faults.append(Fault("E150", f"{path or 'the design'} contains itself", str(place)))
     elif len(above) > MAX_DEPTH:
         fail_large(place, deep=True)
     elif hasattr(value, "tolist") and hasattr(value, "dtype"):
@@ -212,7 +212,7 @@ def from_python(
         if made is None or no_text(made):
             shown = f"of the type {type(value).__name__}" if made is None else repr(made)
             advice = "Give numbers, texts, lists and dicts."
-            faults.append(Fault("E163", f"{path or 'the value'} is {shown}, no design holds that", str(place), advice))
+            faults.append(Fault("E405", f"{path or 'the value'} is {shown}, no design holds that", str(place), advice))
     return Node(made, place, path, place)
 
 

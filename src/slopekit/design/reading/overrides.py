@@ -61,7 +61,7 @@ def with_overrides(document: Document, overrides: Sequence[tuple[str, object]]) 
     Raises
     ------
     DesignError
-        E151 a path set twice, E160 not a path or broken YAML, E161 a path through a value, E162 no such list item.
+        E151 a path set twice, E160 no path, broken YAML, a path through a value, or no such list item.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> design = document_from({"water": {"mode": "full"}, "support": {"bolts": [{"force": "200 kN"}]}})
@@ -232,13 +232,13 @@ def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> N
     if is_distribution(node) and orientation_kind(node) is not None and parts[0] in sum(ANGLES.values(), ()):
         message = f"{node.path} is a distribution, it has no {parts[0]} of its own"
         mean, whole = _written(f"{node.path}.mean", place), _written(node.path, place)
-        fail("E161", message, str(place), f"Set its mean: {mean}, or the whole orientation: {whole}")
+        fail("E160", message, str(place), f"Set its mean: {mean}, or the whole orientation: {whole}")
     if isinstance(node.value, list):
         return replace(node, value=_replaced_item(node, node.value, parts, new, place))
     node = spread(node)
     if isinstance(node.value, str):
         message = f"{node.path} is the value {cut(node.value)}, it has no {parts[0]}"
-        fail("E161", message, str(place), f"Set it as a whole: {_written(node.path, place)}")
+        fail("E160", message, str(place), f"Set it as a whole: {_written(node.path, place)}")
     entries = dict(node.items())
     key = parts[0]
     if len(parts) == 1:
@@ -259,17 +259,17 @@ def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> N
 def _replaced_item(node: Node, items: list[Node], parts: list[str], new: Node | None, place: Place) -> list[Node]:
     if not re.fullmatch(r"[0-9]{1,9}", parts[0]):
         message = f"{node.path} is a list, {parts[0]} is no number of an item"
-        fail("E162", message, str(place), f"Its items are {node.path}.0 to {node.path}.{max(len(items) - 1, 0)}.")
+        fail("E160", message, str(place), f"Its items are {node.path}.0 to {node.path}.{max(len(items) - 1, 0)}.")
     index = int(parts[0])
     if index >= len(items):
         items_are = f"Its items are {node.path}.0 to {node.path}.{len(items) - 1}." if items else "It is empty."
-        fail("E162", f"{node.path} has {len(items)} items, there is no item {index}", str(place), items_are)
+        fail("E160", f"{node.path} has {len(items)} items, there is no item {index}", str(place), items_are)
     copy = list(items)
     if len(parts) > 1:
         copy[index] = _replaced(items[index], parts[1:], new, place)
     elif new is None:
         advice = f"Set the whole list: {_written(node.path, place)}"
-        fail("E162", f"{node.path}.{index} cannot be taken out of its list", str(place), advice)
+        fail("E160", f"{node.path}.{index} cannot be taken out of its list", str(place), advice)
     else:
         copy[index] = new
     return copy

@@ -52,7 +52,7 @@ class Reader:
         self.document, self.root, self.record, self.other_values = document, document.root, record, other_values
         self.kind = record.__name__.removesuffix("Design").lower()
         self.wrong = tuple(wrong)
-        self.misshapen = frozenset(fault.where for fault in wrong if fault.code in ("E144", "E145", "E164"))
+        self.misshapen = frozenset(fault.where for fault in wrong if fault.code in ("E144", "E109"))
         self.faults = Faults()
         self.variables: dict[str, Variable] = {}
         self.left_out: list[str] = []

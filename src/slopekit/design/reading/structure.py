@@ -91,8 +91,8 @@ def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, 
     Returns
     -------
     list of Fault
-        E142 unknown key, E143 missing key, E144 wrong shape, E145 nothing written, E146 a name that cannot be one,
-        E164 a list that is too short or too long; E149 behind the last where there are too many to go on.
+        E142 unknown key, E143 missing key, E144 wrong shape or nothing written, E146 a name that cannot be one,
+        E109 a list that is too short or too long; E149 behind the last where there are too many to go on.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> spec = KeyGroup({"height": Leaf(number=True, example="64.89 m")}, required=("height",))
@@ -199,7 +199,7 @@ class _Checker:
             self.check(below, spec.of)
         if len(node.items()) < spec.at_least:
             message = f"{node.path} has {_count(len(node.items()))}, at least {spec.at_least} needed"
-            self.fault("E164", message, node, _example(node, spec))
+            self.fault("E109", message, node, _example(node, spec))
 
     def list_of(self, node: Node, spec: ListOf) -> None:
         for below in node.elements:
@@ -212,7 +212,7 @@ class _Checker:
         given, least, most = len(node.elements), spec.at_least, spec.at_most
         if given < least or (most is not None and given > most):
             needed = f"{least}" if least == most else f"at least {least}" if given < least else f"at most {most}"
-            self.fault("E164", f"{node.path} has {_count(given)}, {needed} needed", node, _example(node, spec))
+            self.fault("E109", f"{node.path} has {_count(given)}, {needed} needed", node, _example(node, spec))
 
     def any_of(self, node: Node, spec: AnyOf) -> None:
         fitting = [one for one in spec.of if _fits(node, one)] if node.value is not None else []
@@ -241,7 +241,7 @@ class _Checker:
 
     def empty(self, node: Node, spec: Spec) -> None:
         needed = _needed(spec)
-        self.fault("E145", f"{node.path or 'the design'} is empty, {needed} is needed", node, _example(node, spec))
+        self.fault("E144", f"{node.path or 'the design'} is empty, {needed} is needed", node, _example(node, spec))
 
     def wrong_shape(self, node: Node, spec: Spec) -> None:
         advice = _example(node, spec)

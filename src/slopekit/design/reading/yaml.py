@@ -183,7 +183,7 @@ def _broken(error: Any, source: SourceLines) -> Fault:
     if error.context == "expected a single document in the stream":
         place = source.place(mark.line, mark.column)
         message = f"a second design starts in line {place.line}, a file holds one"
-        return Fault("E155", message, str(place), "Put each design in a file of its own.")
+        return Fault("E150", message, str(place), "Put each design in a file of its own.")
     if re.search("unexpected end of stream|could not find expected ':'", problem) and error.context_mark:
         mark = error.context_mark
     words, advice = printable(problem), ""
@@ -213,11 +213,11 @@ class TreeBuilder:
         place = self.place(item.start_mark.line, item.start_mark.column)
         if id(item) in self.above:
             message = f"*{item.anchor} stands inside &{item.anchor}: {path or 'the file'} contains itself"
-            raise DesignError([*self.faults, Fault("E154", message, str(self.inside or place))])
+            raise DesignError([*self.faults, Fault("E150", message, str(self.inside or place))])
         self.repeated += id(item) in self.seen
         if self.repeated > _MAX_REPEATED:
             message = f"the aliases (*name) write out more than {_MAX_REPEATED} values"
-            raise DesignError([*self.faults, Fault("E154", message, str(self.inside or place))])
+            raise DesignError([*self.faults, Fault("E150", message, str(self.inside or place))])
         if len(self.above) >= MAX_DEPTH:
             fail_large(self.inside or place, deep=True)
         self.seen.add(id(item))
@@ -226,7 +226,7 @@ class TreeBuilder:
             short = tag.replace("tag:yaml.org,2002:", "!!")
             message = f"{path or 'the file'} has the tag {cut(printable(short))}, a design has none"
             self.faults.append(
-                Fault("E153", message, str(place), "Leave it out; put text that starts with ! in quotes.")
+                Fault("E150", message, str(place), "Leave it out; put text that starts with ! in quotes.")
             )
         self.above.append(id(item))
         value: Value
@@ -259,12 +259,12 @@ class TreeBuilder:
             if not isinstance(key.value, str) or (not key.style and key.value in NULLS) or no_text(key.value):
                 shown = "empty" if isinstance(key.value, str) else "a list or has keys of its own"
                 advice = "A key is a name, then a colon and a space: phi: 20."
-                self.faults.append(Fault("E158", f"a key {_under(path)}is {shown}", str(place), advice))
+                self.faults.append(Fault("E150", f"a key {_under(path)}is {shown}", str(place), advice))
                 continue
             name = key.value
             if name == "<<" and not key.style:
                 message = f"<< {_under(path)}is a merge key of YAML 1.1, slopekit reads YAML 1.2"
-                self.faults.append(Fault("E152", message, str(place), "Write the keys out."))
+                self.faults.append(Fault("E150", message, str(place), "Write the keys out."))
                 continue
             if name in entries:
                 lines = f"{entries[name].key_place.line} and {place.line}"

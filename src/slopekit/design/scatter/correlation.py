@@ -29,9 +29,8 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
     Returns
     -------
     pairs of coordinates with their coefficient (two orientations give two pairs), and faults: E105 to E108 for a
-    coefficient, E144 no mapping, E167 a key that is no pair, E168 an unknown name, E180 a coefficient beyond -1 to 1,
-    E181 a pair twice, E182 a value with itself, E183 coefficients that contradict each other, E283 an orientation with
-    a number.
+    coefficient, E144 no mapping, E151 a pair twice, E167 a key that is no pair, a coefficient beyond -1 to 1, a value
+    with itself, or an orientation with a number, E168 an unknown name, E183 coefficients that contradict each other.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> node = document_from({"J1.phi/J2.phi": 0.8}).root
@@ -55,7 +54,7 @@ def check_correlation(node: Node, names: Mapping[str, Named]) -> tuple[tuple[Pai
         twice = next((keys[frozenset(pair)] for pair in coordinates if frozenset(pair) in keys), None)
         if twice is not None:
             message = f"{'/'.join(parts)} is the same pair as {twice}"
-            faults.append(Fault("E181", message, where, "Leave one of them out."))
+            faults.append(Fault("E151", message, where, "Leave one of them out."))
         faults += unknown
         value = _coefficient(given, key, faults)
         if value is not None and twice is None:
@@ -76,13 +75,13 @@ def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str, faults:
             f"{a} is correlated with itself, that is always 1" if a == b else f"{a} and {b} are one value, {shown}"
         )
         advice = "Leave it out." if a == b else "Leave it out, or give each its own: two strengths, two planes."
-        faults.append(Fault("E182", message, where, advice))
+        faults.append(Fault("E167", message, where, advice))
         return []
     if isinstance(one, str) and isinstance(other, str):
         if any(isinstance(own.distribution, Fisher) and {one, other} == {*own.angles} for own in _orientations(names)):
             message = f"{a} and {b} are of one Fisher distribution, which scatters alike to all sides"
             advice = "To correlate them write plane: {dip: {dist: …}, dip_direction: {dist: …}}."
-            faults.append(Fault("E283", message, where, advice))
+            faults.append(Fault("E167", message, where, advice))
             return []
         return [(one, other)]
     if isinstance(one, Variable) and isinstance(other, Variable):
@@ -92,13 +91,13 @@ def _coordinates(a: str, b: str, names: Mapping[str, Named], where: str, faults:
         if not angle_pairs:
             message = f"of {a} and {b} no angle scatters in both"
             advice = f"There are: {', '.join((*one.coordinates, *other.coordinates))}."
-            faults.append(Fault("E283", message, where, advice))
+            faults.append(Fault("E167", message, where, advice))
         return angle_pairs
     whole, plain, turned = (a, b, one) if isinstance(one, Variable) else (b, a, other)
     assert isinstance(turned, Variable)
     choice = " or ".join(f"{whole}.{angle.rpartition('.')[2]}/{plain}" for angle in turned.coordinates)
     message = f"{whole} is an orientation, {plain} is not: {a}/{b} does not say which angle"
-    faults.append(Fault("E283", message, where, f"Write {choice}."))
+    faults.append(Fault("E167", message, where, f"Write {choice}."))
     return []
 
 
@@ -110,7 +109,7 @@ def _coefficient(node: Node, key: str, faults: Faults) -> float | None:
     value = faults.of(number_of, node, "ratio", f"correlation {key}")
     if value is not None and not -1.0 <= value <= 1.0:
         message = f"correlation {key} is {number(value)}, it lies between -1 and 1"
-        faults.append(Fault("E180", message, str(node.key_place)))
+        faults.append(Fault("E167", message, str(node.key_place)))
         return None
     return value
 

@@ -163,9 +163,8 @@ def read_distribution(node: Node, kind: str, name: str, period: float | None = N
     Raises
     ------
     DesignError
-        E105 to E108 for a parameter, E165 unknown distribution, E184 parameter missing, E185 parameter that it does
-        not have, E186 sd below 0, E187 min not below max, E188 centre outside its bounds, E189 lognormal with a mean
-        not above 0, E166 fisher for a number.
+        E105 to E108 for a parameter, E165 a distribution or parameter that it does not have, or lacks, or fisher for
+        a number, E186 sd below 0, min not below max, a centre outside its bounds, a lognormal mean not above 0.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> node = document_from({"c": {"dist": "uniform", "min": "10 kPa", "max": "0.03 MPa"}}).root.get("c")
@@ -175,7 +174,7 @@ def read_distribution(node: Node, kind: str, name: str, period: float | None = N
     dist = _dist(node, name)
     if dist == "fisher":
         advice = f"A number takes {_EXAMPLES['normal']}."
-        raise DesignError([Fault("E166", f"{name} is a number, fisher is for orientations", str(node.place), advice)])
+        raise DesignError([Fault("E165", f"{name} is a number, fisher is for orientations", str(node.place), advice)])
     faults = Faults(_wrong_parameters(node, dist, name))
     values: dict[str, float] = {}
     for key in sum(PARAMETERS[dist], ()):
@@ -211,7 +210,7 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
     Raises
     ------
     DesignError
-        E101 to E105 for the mean, E165, E184 and E185 as for numbers, E166 another distribution or k not above 0.
+        E101 to E105 for the mean, E165 as for numbers, another distribution, or k not above 0.
 
     >>> from slopekit.design.reading.nodes import document_from
     >>> node = document_from({"plane": {"dist": "fisher", "mean": "45/115", "k": 100}}).root.get("plane")
@@ -221,7 +220,7 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
     dist = _dist(node, name)
     if dist != "fisher":
         advice = f"An orientation takes {_EXAMPLES['fisher']}."
-        raise DesignError([Fault("E166", f"{name} is an orientation, {dist} is for numbers", str(node.place), advice)])
+        raise DesignError([Fault("E165", f"{name} is an orientation, {dist} is for numbers", str(node.place), advice)])
     faults = Faults(_wrong_parameters(node, dist, name))
     mean: Plane | Line | None = None
     k: float | None = None
@@ -234,7 +233,7 @@ def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fi
         k = faults.of(number_of, concentration, "ratio", f"k of {name}")
         if k is not None and k <= 0.0:
             advice = "Joint sets have 10 (scattered) to 500 (tight)."
-            faults.append(Fault("E166", f"k of {name} is {number(k)}, it must be more than 0", where, advice))
+            faults.append(Fault("E165", f"k of {name} is {number(k)}, it must be more than 0", where, advice))
     if faults or mean is None or k is None:
         raise DesignError(faults)
     return Fisher(mean, k)
@@ -289,11 +288,11 @@ def _wrong_parameters(node: Node, dist: str, name: str) -> Iterator[Fault]:
         advice = did_you_mean(key, (*needed, *further), f"Write {_EXAMPLES[dist]}.")
         if dist == "normal" and key == "mode":
             advice = f"A mode belongs to {_EXAMPLES['triangular']}."
-        yield Fault("E185", f"{dist} has no {key} ({name})", str(given.key_place), advice)
+        yield Fault("E165", f"{dist} has no {key} ({name})", str(given.key_place), advice)
     for key in needed:
         if node.get(key) is None:
             message = f"{key} of {name} is missing, {dist} needs {', '.join(needed)}"
-            yield Fault("E184", message, str(node.place), f"Write {_EXAMPLES[dist]}.")
+            yield Fault("E165", message, str(node.place), f"Write {_EXAMPLES[dist]}.")
 
 
 def _impossible(node: Node, dist: str, values: Mapping[str, float], name: str) -> list[Fault]:
@@ -308,7 +307,7 @@ def _impossible(node: Node, dist: str, values: Mapping[str, float], name: str) -
     if values.get("sd", 0.0) < 0.0:
         fault("E186", "sd", f"sd of {name} is {number(values['sd'])}, a standard deviation is never negative")
     if low is not None and high is not None and low >= high:
-        fault("E187", "min", f"min of {name} is {number(low)}, it must be less than max, {number(high)}")
+        fault("E186", "min", f"min of {name} is {number(low)}, it must be less than max, {number(high)}")
     else:
         for key in ("mean", "mode"):
             centre = values.get(key)
@@ -316,10 +315,10 @@ def _impossible(node: Node, dist: str, values: Mapping[str, float], name: str) -
                 continue
             bound, side = ("max", high) if high is not None and centre > high else ("min", low)
             message = f"{key} of {name} is {number(centre)}, {'beyond' if bound == 'max' else 'below'} its {bound}"
-            fault("E188", key, f"{message}, {number(side or 0.0)}", f"Move the {key} or the {bound}.")
+            fault("E186", key, f"{message}, {number(side or 0.0)}", f"Move the {key} or the {bound}.")
     if dist == "lognormal" and values.get("mean", 1.0) <= 0.0:
         message = f"mean of {name} is {number(values['mean'])}, a lognormal value is always more than 0"
-        fault("E189", "mean", message, "Give the mean of the value itself, not of its logarithm.")
+        fault("E186", "mean", message, "Give the mean of the value itself, not of its logarithm.")
     return faults
 
 
@@ -335,7 +334,7 @@ def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
     if of == "plane":
         is_face = {"face", "upper"} & {*node.path.split(".")[-2:]}
         return (parse_face if is_face else parse_plane)(_value(node), name, where)
-    return line_of_words(_value(node), name, "E166", where)
+    return line_of_words(_value(node), name, "E165", where)
 
 
 def number_of(node: Node, kind: str, name: str) -> float:

@@ -127,9 +127,9 @@ def read_joints(
     ------
     DesignError
         E101 to E108 and E113 to E115 for the values, E140 a workbook without openpyxl, E147 to E149 and E159 for the
-        file, E173 quantities, E190 no joints, E191 columns missing, unknown or twice, E192 a strike without its
-        convention, or two formats, E193 a row that does not fit, or too many to be skipped, E428 a size: every bad row
-        of the file, those of one kind together.
+        file, E190 no joints, E191 columns missing, unknown or twice, E192 a strike without its
+        convention, or two formats, E193 a row, quantity or size that does not fit, or too many to be skipped: every bad
+        row of the file, those of one kind together.
     """
     table = table_of(Path(path).name, read_bytes(path, MOST_BYTES, _TOO_LARGE))
     return _Reader(table, convention, skip_bad, option, sizes, columns).survey()
@@ -593,7 +593,7 @@ class _Reader:
         value = float(text) if _NUMBER.match(text) and "°" not in text else -1.0
         if value < 0.0:
             heading = self.columns["quantity"].heading
-            self.fault("E173", f"{heading} of {self.table.noun} {line} is {text!r}, it is a number from 0", line)
+            self.fault("E193", f"{heading} of {self.table.noun} {line} is {text!r}, it is a number from 0", line)
             return None
         return value
 
@@ -635,7 +635,7 @@ class _Reader:
         what = f"{key} of {name}"
         value = self.faults.of(quantity, text, "length", what, self.where(line))
         if value is not None and key != "position" and value <= 0.0:
-            self.fault("E428", f"{what} is {number(value)} m, it must be more than 0", line, "Leave the cell empty.")
+            self.fault("E193", f"{what} is {number(value)} m, it must be more than 0", line, "Leave the cell empty.")
             return None
         return value
 
@@ -644,7 +644,7 @@ class _Reader:
         text = self.cell("ends", cells)
         if text and text not in ("0", "1", "2"):
             message = f"ends of {name} is {text!r}, of a trace 0, 1 or 2 ends are seen"
-            self.fault("E428", message, line, "Leave the cell empty where it is not known.")
+            self.fault("E193", message, line, "Leave the cell empty where it is not known.")
             return None
         return int(text) if text else None
 

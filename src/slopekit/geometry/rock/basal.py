@@ -107,13 +107,13 @@ def cut_basal_wedge(rock: BasalRockMass) -> Block:
     ------
     GeometryError
         E441 nothing lies above the basal joint, E443 no closed block, E442 the block has no part of the face, E440 the
-        basal joint does not bound it, E444 J1 or J2 does not, E207 the crack does not, E232 the block cannot leave.
+        basal joint does not bound it, E440 J1 or J2 does not, E207 the crack does not, E232 the block cannot leave.
     """
     for plane, name in ((J1, "J1"), (J2, "J2")):
         sine = cross(rock.outward[plane], rock.outward[BASAL])
         if math.sqrt(float(sine @ sine)) < SAME_DIRECTION:
             message = f"{name} is parallel to the basal joint: they cannot both bound a block"
-            raise GeometryError([Fault("E444", message, "", "Give the basal joint another orientation.")])
+            raise GeometryError([Fault("E440", message, "", "Give the basal joint another orientation.")])
     corners = _corners(rock)
     try:
         block = half_spaces_cut(rock.outward, rock.offsets, corners) if len(corners) else None
@@ -138,7 +138,7 @@ def cut_basal_wedge(rock: BasalRockMass) -> Block:
     for plane, name in ((J1, "J1"), (J2, "J2")):
         if plane in missing:
             message = f"{name} does not bound the block above the basal joint: it is cut off before"
-            raise GeometryError([Fault("E444", message, "", "Give the basal joint another dip direction or height.")])
+            raise GeometryError([Fault("E440", message, "", "Give the basal joint another dip direction or height.")])
     if CRACK in missing:
         message = "the crack does not bound the block above the basal joint"
         advice = "It passes behind the block, or in front of it: leave it out or move it."

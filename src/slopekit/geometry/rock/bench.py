@@ -56,8 +56,8 @@ def bench_body(face: Floats, upper: Floats, height: float, length: float, depth:
     Raises
     ------
     GeometryError
-        E221 the face overhangs or is nearly flat, E222 the upper slope makes no crest with it or falls below the
-        toe, E223 a length that is not positive.
+        E221 the face overhangs or is nearly flat, E209 the upper slope makes no crest with it or falls below the
+        toe, E221 a length that is not positive.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def bench_body(face: Floats, upper: Floats, height: float, length: float, depth:
     [30.0, 20.0, 10.0]
     """
     faults = [
-        Fault("E223", f"the {name} of the bench is {value:.6g} m: it has no volume")
+        Fault("E221", f"the {name} of the bench is {value:.6g} m: it has no volume")
         for name, value in (("height", height), ("length", length), ("depth", depth))
         if not 0.0 < value < math.inf
     ]
@@ -98,7 +98,7 @@ def bench_body(face: Floats, upper: Floats, height: float, length: float, depth:
                 message = (
                     f"the upper slope falls to {top[2]:.4g} m at the {BODY_FACES[end]} ({name}), not above the toe"
                 )
-                raise GeometryError([Fault("E222", message, "", "Take a shorter or less deep bench.")])
+                raise GeometryError([Fault("E209", message, "", "Take a shorter or less deep bench.")])
     return ConvexBody(
         frozen(normals), frozen(offsets), np.array([False, False, True, True, True, True]), frozen(corners)
     )
@@ -107,10 +107,10 @@ def bench_body(face: Floats, upper: Floats, height: float, length: float, depth:
 def _check_upper(face_dip: float, outward: Floats, upper: Floats) -> None:
     """Refuse an upper slope that is upright or, toward the face's dip direction, as steep as the face."""
     if upper[2] < math.sin(math.radians(SAME_DIP_DEG)):
-        raise GeometryError([Fault("E222", "the upper slope stands upright or overhangs: it is no upper slope")])
+        raise GeometryError([Fault("E209", "the upper slope stands upright or overhangs: it is no upper slope")])
     apparent = math.degrees(math.atan2(float(upper @ outward), upper[2]))
     if apparent > face_dip - SAME_DIP_DEG:
         message = (
             f"the upper slope falls at {apparent:.4g}° toward the face, which dips {face_dip:.4g}°: they make no crest"
         )
-        raise GeometryError([Fault("E222", message, "", "The upper slope has to be flatter than the face.")])
+        raise GeometryError([Fault("E209", message, "", "The upper slope has to be flatter than the face.")])

@@ -30,7 +30,7 @@ def column_outlines(dip_deg: float, width: float, heights: Floats, base_step: fl
     Raises
     ------
     GeometryError
-        E231 no columns, a dip out of range, or a width or height that is not more than 0.
+        E227 no columns, a dip out of range, or a width or height that is not more than 0.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def column_assembly(
     Raises
     ------
     GeometryError
-        E231, see `column_outlines`.
+        E227, see `column_outlines`.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def column_assembly(
     """
     frame = _frame(dip_deg, width, heights, base_step)
     if not thickness > 0.0 or rows < 1:
-        raise GeometryError([Fault("E231", f"the columns are {thickness:.6g} m thick in {rows} rows")])
+        raise GeometryError([Fault("E227", f"the columns are {thickness:.6g} m thick in {rows} rows")])
     height = np.asarray(heights, dtype=np.float64)
     count = len(height)
     foot, low = _feet(count, width, base_step)
@@ -177,11 +177,11 @@ def _frame(dip_deg: float, width: float, heights: Floats, base_step: float) -> F
     height = np.asarray(heights, dtype=np.float64)
     faults = []
     if height.ndim != 1 or len(height) == 0 or not ((height > 0.0) & np.isfinite(height)).all():
-        faults.append(Fault("E231", "columns need a list of heights, each more than 0"))
+        faults.append(Fault("E227", "columns need a list of heights, each more than 0"))
     if not 0.0 < dip_deg <= 90.0:
-        faults.append(Fault("E231", f"the columns dip {dip_deg:.6g}°, their dip lies above 0 and up to 90"))
+        faults.append(Fault("E227", f"the columns dip {dip_deg:.6g}°, their dip lies above 0 and up to 90"))
     if not (0.0 < width < math.inf and math.isfinite(base_step)):
-        faults.append(Fault("E231", f"the columns are {width:.6g} m wide on steps of {base_step:.6g} m"))
+        faults.append(Fault("E227", f"the columns are {width:.6g} m wide on steps of {base_step:.6g} m"))
     if faults:
         raise GeometryError(faults)
     sine, cosine = math.cos(math.radians(dip_deg)), math.sin(math.radians(dip_deg))

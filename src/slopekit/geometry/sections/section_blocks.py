@@ -88,17 +88,17 @@ def clean_outlines(polygons: Sequence[Floats], tolerance: float | None, names: S
     Raises
     ------
     GeometryError
-        E228 an outline has fewer than three corners, or a corner that is no number; E230 the tolerance is not more than
+        E227 an outline has fewer than three corners, or a corner that is no number; E230 the tolerance is not more than
         0, or no smaller than a tenth of a block.
     """
     arrays = [np.asarray(polygon, dtype=np.float64) for polygon in polygons]
     faults = [
-        Fault("E228", f"the outline of {name} is no list of three corners x, z or more, all of them numbers")
+        Fault("E227", f"the outline of {name} is no list of three corners x, z or more, all of them numbers")
         for name, array in zip(names, arrays, strict=True)
         if array.ndim != 2 or array.shape[1:] != (2,) or len(array) < 3 or not np.isfinite(array).all()
     ]
     if not arrays:
-        faults.append(Fault("E228", "there are no blocks"))
+        faults.append(Fault("E227", "there are no blocks"))
     refuse(faults)
     corners = np.concatenate(arrays)
     start = np.concatenate([[0], np.cumsum([len(array) for array in arrays])])
@@ -114,7 +114,7 @@ def clean_outlines(polygons: Sequence[Floats], tolerance: float | None, names: S
     corners, start = _cleaned(corners, start, max(OUTLINE_CLEAN * tolerance, rounding / 8.0))
     refuse(
         [
-            Fault("E228", f"the outline of {names[k]} encloses no area")
+            Fault("E227", f"the outline of {names[k]} encloses no area")
             for k in np.flatnonzero(np.diff(start) < 3).tolist()
         ]
     )
@@ -127,7 +127,7 @@ def check_outlines(outlines: Outlines, tolerance: float, crossing: Ints, names: 
     Raises
     ------
     GeometryError
-        E227, E228, E230.
+        E227, E230.
     """
     crosses = np.zeros(len(outlines), dtype=bool)
     crosses[crossing] = True
@@ -139,7 +139,7 @@ def check_outlines(outlines: Outlines, tolerance: float, crossing: Ints, names: 
     ]
     small = f"Up to {tolerance * tolerance:.3g} m² count as none: the contact tolerance is {tolerance:.3g} m."
     faults += [
-        Fault("E228", f"the outline of {names[block]} encloses no area", "", small)
+        Fault("E227", f"the outline of {names[block]} encloses no area", "", small)
         for block in np.flatnonzero(empty).tolist()
     ]
     refuse(faults + size_faults(np.where(crosses | empty, np.inf, np.sqrt(outlines.areas)), tolerance, names))
@@ -256,7 +256,7 @@ def section_assembly(
     Raises
     ------
     GeometryError
-        E227 an outline crosses itself, E228 it encloses no area, E230 the tolerance is as large as a block.
+        E227 an outline crosses itself or encloses no area, E230 the tolerance is as large as a block.
 
     Examples
     --------

@@ -213,7 +213,7 @@ def sheet_solid(vertices: Floats, triangles: Ints, top: float) -> Cutter:
     Raises
     ------
     GeometryError
-        E217 the sheet stands upright or folds over itself.
+        E216 the sheet stands upright or folds over itself.
     """
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
@@ -223,7 +223,7 @@ def sheet_solid(vertices: Floats, triangles: Ints, top: float) -> Cutter:
     if (rises > -UPRIGHT).any():
         message = f"{int((rises > -UPRIGHT).sum())} facets of the slip surface stand upright or fold over"
         advice = "A sheet must lie over its plan once. A mesh that should be closed has holes: close them."
-        raise GeometryError([Fault("E217", message, "", advice)])
+        raise GeometryError([Fault("E216", message, "", advice)])
     count = len(vertices)
     lid = vertices * [1.0, 1.0, 0.0] + [0.0, 0.0, top]
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])

@@ -72,16 +72,16 @@ def clean_solids(
     Raises
     ------
     GeometryError
-        E228 a mesh is empty or encloses no volume; E229 it is not closed, or some of its triangles are turned inward;
+        E227 a mesh is empty or encloses no volume; E216 it is not closed, or some of its triangles are turned inward;
         E230 the tolerance is not more than 0, or no smaller than a tenth of a block.
     """
     faults = [
-        Fault("E228", f"the mesh of {name} has no triangles of three vertices, all of them numbers")
+        Fault("E227", f"the mesh of {name} has no triangles of three vertices, all of them numbers")
         for name, (points, corners) in zip(names, meshes, strict=True)
         if np.ndim(points) != 2 or len(corners) == 0 or not np.isfinite(points).all()
     ]
     if not meshes:
-        faults.append(Fault("E228", "there are no blocks"))
+        faults.append(Fault("E227", "there are no blocks"))
     refuse(faults)
     count = len(meshes)
     vertices = np.concatenate([np.asarray(points, dtype=np.float64) for points, _ in meshes])
@@ -102,7 +102,7 @@ def clean_solids(
     size = np.cbrt(np.abs(volumes))
     tolerance = contact_tolerance(tolerance, size, rounding)
     empty = np.flatnonzero(size <= tolerance).tolist()
-    refuse([Fault("E228", f"the mesh of {names[k]} encloses no volume") for k in empty])
+    refuse([Fault("E227", f"the mesh of {names[k]} encloses no volume") for k in empty])
     refuse(size_faults(size, tolerance, names))
     moment = np.stack([np.bincount(block, m, minlength=count) for m in (part[:, None] * (a + b + c)).T / 4.0], axis=1)
     inside_out = volumes < 0.0
@@ -206,11 +206,11 @@ def _open(triangles: Ints, block: Ints, count: int, names: Sequence[str]) -> lis
         if bad.any():
             edges = np.bincount(owner[bad[which]], 1.0 / times[which[bad[which]]], minlength=len(names))
             faults += [
-                Fault("E229", f"the mesh of {names[k]} {what}: {round(float(edges[k]))} {why}")
+                Fault("E216", f"the mesh of {names[k]} {what}: {round(float(edges[k]))} {why}")
                 for k in np.flatnonzero(edges).tolist()
             ]
     missing = np.setdiff1d(np.arange(len(names)), block).tolist()
-    return faults + [Fault("E228", f"the mesh of {names[k]} encloses no volume") for k in missing]
+    return faults + [Fault("E227", f"the mesh of {names[k]} encloses no volume") for k in missing]
 
 
 def _partners(triangles: Ints, count: int) -> tuple[Ints, Ints]:

@@ -69,7 +69,7 @@ def mesh_assembly(
     Raises
     ------
     GeometryError
-        E228 a mesh encloses no volume, E229 it is not closed or some of its triangles are turned inward, E230 the
+        E227 a mesh encloses no volume, E216 it is not closed or some of its triangles are turned inward, E230 the
         tolerance is as large as a block.
     """
     called = list(names) if names is not None else [f"block {k + 1}" for k in range(len(meshes))]

@@ -23,7 +23,7 @@ _MOST_NAMED = 6  # surcharges that the sheet prints
 _SECTION_TRENDS = (90.0, 270.0)
 _TREND_TOLERANCE = 1e-6
 _OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of toward: 270/00
-_PRESSURE = Field("pressures", "pressure", 0.0, code="E119")
+_PRESSURE = Field("pressures", "pressure", 0.0, code="E118")
 
 
 def water_by(*pressures: Field) -> Any:
@@ -95,7 +95,7 @@ class NamedDesign(AssemblyDesign):
     UNSAID: ClassVar[tuple[str, ...]] = ("surcharges_kpa",)
 
     surcharges_kpa: tuple[tuple[str, float], ...] = number_field(
-        "loads.surcharge", "pressure", default=(), least=0.0, code="E458", many="names", axis="surcharge",
+        "loads.surcharge", "pressure", default=(), least=0.0, code="E123", many="names", axis="surcharge",
         says="a surcharge presses: it is never negative", example="{B1: 20 kPa}", left_out="none",
         doc="by block: downward per plan area, on what of it looks up and touches no other",
     )  # fmt: skip
@@ -109,7 +109,7 @@ class NamedDesign(AssemblyDesign):
 
 
 def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tuple[str, float]]:
-    """Surcharges by the names of blocks; E460 on a block that is not there or fixed.
+    """Surcharges by the names of blocks; E250 on a block that is not there or fixed.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tupl
                 f"a surcharge stands on {name}, {'which is fixed' if name in blocks else 'there is no such block'}"
             )
             moving = [one for one, moves in blocks.items() if moves]
-            reader.fault("E460", message, below, reader.nearest(name, moving))
+            reader.fault("E250", message, below, reader.nearest(name, moving))
         elif below.value is not None and (value := reader.number(field, below, f"surcharge on {name}")):
             yield name, value
 
@@ -134,7 +134,7 @@ def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
 
 
 def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
-    """Mean water pressures as the file names them; E179 for water said in another way, E119 below 0."""
+    """Mean water pressures as the file names them; E118 for water in another form or below 0."""
     node = reader.at("water")
     if node is None or node.value is None:
         return []
@@ -145,10 +145,10 @@ def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
     other = node if not node.is_mapping else node.get(said[0]) if said and said[0] != "pressures" else None
     if other is not None and (other.name == "fill" or other.text not in ("dry", None)):
         message = f"water is {other.text}: in a {reader.kind} design it is dry, or given by its pressures"
-        reader.fault("E179", message, other, f"Write water: {{pressures: {example}}}.")
+        reader.fault("E118", message, other, f"Write water: {{pressures: {example}}}.")
     if len(said) > 1:
         message = f"water has {' and '.join(said)}: they exclude each other"
-        reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
+        reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
     given = node.get("pressures")
     mean_pressures = []
     for name, below in given.items() if given is not None else ():
@@ -227,7 +227,7 @@ def _on_blocks(
 
 
 def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] | None) -> str | None:
-    """The block of a load: the one it names, or the only one that moves; E250, E251."""
+    """The block of a load: the one it names, or the only one that moves; E250."""
     named = node.get("block")
     moving = [name for name, moves in (blocks or {}).items() if moves]
     if named is not None and named.text is not None:
@@ -241,8 +241,8 @@ def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] 
     at = "head" if what == "bolt" else "at"
     if blocks is None and node.get(at) is None:
         message = f"a {what} does not say where it acts: the bench has many blocks"
-        reader.fault("E251", message, node, f"Add {at}: a point in its block (or block: its name).")
+        reader.fault("E250", message, node, f"Add {at}: a point in its block (or block: its name).")
     elif blocks is not None and moving:
         advice = f"Add block: {moving[0]}." if node.is_mapping else f"Write {{force: …, block: {moving[0]}}}."
-        reader.fault("E251", f"a {what} names no block, and {len(moving)} can move", node, advice)
+        reader.fault("E250", f"a {what} names no block, and {len(moving)} can move", node, advice)
     return None

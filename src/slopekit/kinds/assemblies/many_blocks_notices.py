@@ -8,7 +8,7 @@ from slopekit.core.errors import Notice
 from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
-from slopekit.kinds.words import many_times, mass_in_words, size_number
+from slopekit.kinds.words import mass_in_words, size_number
 from slopekit.notices import (
     SQUARE,
     LostCohesion,
@@ -25,7 +25,6 @@ from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.tolerances import PASSES_SETTLED
 
 _ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
-_FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _SMALL = 0.01  # of the volume that can move: the factor of less says little of the slope
 _BOULDER_M3 = 1.0  # a piece that may be left to its neighbours; a larger one is a failure of its own
 _FEW = 3  # mechanisms, of which one is mostly larger
@@ -56,15 +55,15 @@ def notices_of(
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
     if limit.rounding and first.fos:
         where = "at" if limit.basis is Basis.PEAK else "just before"
-        yield Notice("W502", f"all blocks rest {where} the factor but for a rounding of the law of their joints: "
+        yield Notice("W317", f"all blocks rest {where} the factor but for a rounding of the law of their joints: "
                      "forces balance within strength, and what joints give, open and slip fits them but for "
                      f"{limit.rounding * 100.0:.1g} % of the elastic energy")  # fmt: skip
     if limit.loads_last and first.fos:
-        yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
+        yield Notice("W317", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
     if limit.begun and first.fos and limit.static_bound:
         last = "led to no limit state" if limit.fit_on is None else f"fit on at F = {limit.fit_on:.4f}"
-        yield Notice("W482", "with all loads on at once the blocks come to rest at "
+        yield Notice("W317", "with all loads on at once the blocks come to rest at "
                      f"{limit.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
                      f"twice; those that came on after the weight {last}")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
@@ -73,19 +72,6 @@ def notices_of(
         yield _unsettled(limit)
     elif limit.outcome is Outcome.NOT_CONVERGED:
         yield _given_up(limit)
-    bound = ravelling.static_bound
-    if first.fos and bound is None and ravelling.locked:
-        yield Notice("W309", "there is no static bound: with joints free to dilate the blocks would be locked at any "
-                     "friction, and methods that take normality (limit analysis by linear or cone programs) find no "
-                     "failure; the limit is held against no upper bound")  # fmt: skip
-    elif first.fos and bound is None:
-        yield Notice("W309", "no static bound was found: its search gave up, or the blocks are too many for it; the "
-                     "limit is held against no upper bound")  # fmt: skip
-    if first.fos and bound and bound > _FAR_ABOVE * first.fos:
-        times = many_times(bound / first.fos)
-        more = f"{times} as much" if times else f"{(bound / first.fos - 1.0) * 100.0:.0f} % more"
-        yield Notice("W341", f"with joints free to dilate the blocks would stand {more}: methods that take "
-                     "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     yield from lost_cohesion_notices(lost_cohesion(ravelling.failures[0]), "factor of safety")
 
 
@@ -167,7 +153,7 @@ def _given_up(limit: BlocksLimit) -> Notice:
             fit = f"just all fit on with the strength divided by {low:.4g}"
         why = f"the loads beside weight and water, coming on last, {fit}, and no rest under all of them was found there"
     above = "" if limit.static_bound is None else f"; the static bound is {limit.static_bound:.4g}"
-    return Notice("W371", f"the search for the limit of these blocks gave up: {why}{above}")
+    return Notice("W308", f"the search for the limit of these blocks gave up: {why}{above}")
 
 
 def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
@@ -198,7 +184,7 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
     bonds, tip = "without the cohesion that is lost, ", ""
     if not (limit.bond == 0.0).any():
         bonds, tip = "", " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
-    return Notice("W363", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
+    return Notice("W362", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
                   f"{tip}: no factor of safety is given{exist}")  # fmt: skip
 
 

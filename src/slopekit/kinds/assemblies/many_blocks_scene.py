@@ -82,13 +82,13 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
     Raises
     ------
     GeometryError
-        E256 where none of the blocks can move.
+        E225 where none of the blocks can move.
     DesignError
-        E250, E251 for loads on blocks that are not there, E212 for passive bolts that end in their own block.
+        E250 for loads on blocks that are not there, E212 for passive bolts that end in their own block.
     """
     if scene.assembly.fixed.all():
         message = f"none of the {len(scene.assembly)} blocks can move: each reaches bedrock's side of the model"
-        raise GeometryError([Fault("E256", message, "", advice)])
+        raise GeometryError([Fault("E225", message, "", advice)])
     given = design.seismic
     trend = toward_deg if given.trend_deg is None else given.trend_deg
     seismic = given.coefficient * Line(trend, 0.0).vector() if given.coefficient else np.zeros(3)

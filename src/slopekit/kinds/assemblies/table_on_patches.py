@@ -91,7 +91,7 @@ def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
 
 
 def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterator[Notice]:
-    """W499 where a table stands above faces of moving blocks that touch nothing: it presses on contacts alone.
+    """W419 where a table stands above faces of moving blocks that touch nothing: it presses on contacts alone.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def _open_water(water: Pressure, scene: AssemblyScene, means: Floats) -> Iterato
             worst, left = block, over
     if worst >= 0:
         push = left * float(assembly.volumes[worst])
-        yield Notice("W499", f"the water table stands above faces of {scene.names[worst]} that touch nothing, where "
+        yield Notice("W419", f"the water table stands above faces of {scene.names[worst]} that touch nothing, where "
                      f"{push:.4g} kN of water would press: a table presses on contacts alone, open water is a pond",
                      )  # fmt: skip
 

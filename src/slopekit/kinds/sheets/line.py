@@ -33,7 +33,7 @@ def line_of(result: Result) -> str:
     ):
         parts.append(f"{also.NAME} {also.factor:.3f}")
     parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
-    said = {one.code: one.code for one in result.warnings if not one.is_harmless}
+    said = {one.code: one.code for one in result.warnings}
     if INVENTED in said:
         said[INVENTED] += f" ({', '.join(result.design.invented)})"
     return "  ".join([*parts, *said.values()])

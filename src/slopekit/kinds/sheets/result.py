@@ -87,6 +87,8 @@ def _factors(result: Result) -> Iterator[Factor]:
     yield Factor(fos.closed_form, closed, shared.verdict(result) if is_compared else "")
     if fos.static_bound is not None:
         yield Factor(fos.static_bound, shared.UPPER_BOUND)
+    elif fos.limit is not None and not result.static_bound_proved:
+        yield Factor(None, "upper bound: not found")
     if fos.all_pairs_failed is not None:
         yield Factor(fos.all_pairs_failed, "all pairs failed (the paper's criterion; depends on the stiffness)")
 
@@ -133,7 +135,8 @@ def _movement(result: Result) -> list[str]:
     """Displacement at full strength on elastic joints."""
     state = result.at_factor_one
     if state is None:
-        return []
+        stands = result.fos.limit is not None and result.fos.limit > 1.0
+        return ["no displacement at F = 1: no equilibrium was found on elastic joints"] if stands else []
     failed, pairs = state.failed_pairs, result.model.node_pairs
     yielding = f"{failed} of {pairs} node pairs yield" if failed else "no yielding"
     return [

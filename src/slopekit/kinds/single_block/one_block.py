@@ -289,11 +289,10 @@ def limit_alone(_: Design, made: Cut, clock: Clock) -> Solved:
 
 def facts_of(words: Words, made: Cut, solved: Solved, status: str, closed: ClosedForm) -> Facts:
     """What was found, for the notices to judge."""
-    rest, shaking = solved.at_rest, made.loads.parts["seismic"]
+    shaking = made.loads.parts["seismic"]
     return Facts(
         status, solved.analysis, solved.scene.pairs, solved.scene.model,
-        solved.bound is not None or not solved.limit.factor, solved.found.change, rest is not None and not rest.stands,
-        closed.why_not, words.block, shaking if shaking.any() else None,
+        solved.found.change, closed.why_not, words.block, shaking if shaking.any() else None,
     )  # fmt: skip
 
 

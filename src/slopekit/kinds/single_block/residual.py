@@ -27,6 +27,6 @@ def _notices(result: Result, left: ResidualFactors, factors: Factors) -> list[No
                            "joints open or carry then; is the residual strength that of these joints?"))  # fmt: skip
     if result.met_by_peak_only:
         number = f"is {left.limit:.4g}" if left.limit is not None else f"does not exist ({factors.status})"
-        said.append(Notice("W418", f"acceptance is met by the peak strength only: the residual factor {number}; once "
+        said.append(Notice("W417", f"acceptance is met by the peak strength only: the residual factor {number}; once "
                            "the joints have slipped, the rule is broken"))  # fmt: skip
     return said

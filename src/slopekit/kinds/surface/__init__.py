@@ -75,16 +75,12 @@ _TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not t
 
 @dataclass(frozen=True, slots=True)
 class _Mass:
-    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to.
-
-    `turned`: names of mesh files that were inside out.
-    """
+    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to."""
 
     mass: SlidingMass
     pairs: NodePairs
     origin: Floats
     grain: float
-    turned: tuple[str, ...]
 
 
 def analyse_surface(design: SurfaceDesign) -> Result:
@@ -179,15 +175,14 @@ def _turns(velocity: Floats) -> bool:
 
 def _cut(design: SurfaceDesign) -> _Mass:
     slip = design.slip
-    turned: list[str] = []
     ground_mesh = slip_mesh = None
     if design.ground_mesh is not None:
-        ground_mesh = _read(design.ground_mesh, turned)
+        ground_mesh = _read(design.ground_mesh)
         if not ground_mesh[2]:
             name = design.ground_mesh.name
             raise GeometryError([Fault("E216", f"the mesh {name} of the slope is not closed", "", CLOSE_IT)])
     if slip.mesh is not None:
-        slip_mesh = _read(slip.mesh, turned)
+        slip_mesh = _read(slip.mesh)
     if slip_mesh is None:
         origin = np.array(slip.centre_m)
         radii = np.array(slip.radii_m)
@@ -220,7 +215,7 @@ def _cut(design: SurfaceDesign) -> _Mass:
     if design.profile_m is not None:
         _refuse_elsewhere(mass.vertices[:, 0] + origin[0], [x for x, _ in design.profile_m])
     grain = max(_grain(mesh[0]) for mesh in (ground_mesh, slip_mesh) if mesh) if ground_mesh or slip_mesh else 0.0
-    return _Mass(mass, pairs, origin, grain, tuple(turned))
+    return _Mass(mass, pairs, origin, grain)
 
 
 def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
@@ -233,13 +228,10 @@ def _refuse_elsewhere(across: Floats, profile: Sequence[float]) -> None:
         raise GeometryError([Fault("E551", message, "", advice)])
 
 
-def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:
-    """Vertices, triangles and whether they close; one that is inside out is turned, and its name kept."""
-    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where, file.up)
-    triangles = outward(vertices, given) if closed else given
-    if (triangles != given).any():
-        turned.append(file.name)
-    return vertices, triangles, closed
+def _read(file: MeshFile) -> tuple[Floats, Ints, bool]:
+    """Return vertices, triangles and whether they close; a mesh that is inside out is turned."""
+    vertices, triangles, closed = read_mesh(Path(file.path), file.name, file.where, file.up)
+    return vertices, outward(vertices, triangles) if closed else triangles, closed
 
 
 def _grain(vertices: Floats) -> float:
@@ -411,13 +403,13 @@ def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, 
         below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
                  if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
         if rule.is_on_factor and rule.met(limit) and below:
-            yield Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not")
+            yield Notice("W324", f"the limit meets {rule}, {', '.join(below)} would not")
 
 
 def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> Iterator[Notice]:
     if design.slip.normals == "facet":
         message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
-        yield Notice("W326", message)
+        yield Notice("W325", message)
     elif left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
         yield Notice("W325", message)
@@ -433,9 +425,7 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
         beyond = max(min(ends) - low - float(cut.origin[0]), high + float(cut.origin[0]) - max(ends))
         if beyond > 1e-6 * (high - low):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
-            yield Notice("W331", message)
-    if cut.turned:
-        yield Notice("W343", f"meshes that were inside out have been turned: {', '.join(cut.turned)}")
+            yield Notice("W322", message)
     if cut.mass.pieces:
         message = (
             f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
@@ -445,13 +435,9 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
     lowest = float(cut.mass.vertices[:, 2].min() + cut.origin[2])
     if design.pond_m is not None and design.pond_m <= lowest:
         yield Notice("W419", f"the pond stands at {shown(design.pond_m)} m, below the mass: it wets nothing")
-    if float(np.abs(cut.origin).max()) > _FAR_M:
-        message = "map coordinates: computed about the slip surface and put back, no digits lost"
-        if cut.grain:
-            message = (
-                f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
-            )
-        yield Notice("W305", message)
+    if cut.grain and float(np.abs(cut.origin).max()) > _FAR_M:
+        message = f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
+        yield Notice("W322", message)
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------

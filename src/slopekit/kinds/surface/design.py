@@ -47,7 +47,7 @@ class Slip:
             "length",
             0.0,
             above=True,
-            code="E171",
+            code="E116",
             axis="radius of the slip surface",
             left_out="required by sphere, cylinder",
             doc="of a sphere or a cylinder",
@@ -58,7 +58,7 @@ class Slip:
             0.0,
             above=True,
             default=1.0,
-            code="E171",
+            code="E116",
             label="length of the slip surface",
             doc="of a cylinder",
         ),
@@ -77,7 +77,7 @@ class Slip:
         example="[40, 0, 40]", left_out="required", doc="[x, y, z]; of a cylinder also [x, z]",
     )  # fmt: skip
     radii_m: tuple[float, float, float] = number(
-        "radii", "length", default=(0.0, 0.0, 0.0), above=0.0, code="E171", many="list", at_least=3, at_most=3,
+        "radii", "length", default=(0.0, 0.0, 0.0), above=0.0, code="E116", many="list", at_least=3, at_most=3,
         scatters=False, example="[40, 28, 40]", label="radius", left_out="required by an ellipsoid",
         doc="of an ellipsoid",
     )  # fmt: skip
@@ -92,7 +92,7 @@ class Slip:
         "length",
         default=None,
         above=0.0,
-        code="E171",
+        code="E116",
         scatters=False,
         role="setting",
         left_out="by the size",
@@ -128,7 +128,7 @@ class SurfaceDesign(Design):
 
     profile_m: Points | None = text(
         "slope.profile", default=None, coordinates=2, left_out="one of the two",
-        doc="[x, z] from one side to the other; level beyond its ends (W331)",
+        doc="[x, z] from one side to the other; level beyond its ends (W322)",
         forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[60, 0], [40, 0], [0, 40], [-20, 40]]"),),
         example="[[60, 0], [40, 0], [0, 40], [-20, 40]]",
     )  # fmt: skip
@@ -185,14 +185,14 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     depth = reader.at("water.depth")
     if profile is None and depth is not None and wet.get("table_depth_m") is not None:
         message = "the water table lies below the ground, and the ground is a mesh"
-        reader.fault("E462", message, depth, "Give its points or a plane.")
+        reader.fault("E454", message, depth, "Give its points or a plane.")
     elif profile is not None and depth is not None and wet.get("table_depth_m") is not None and overhangs(profile):
         message = "the water table lies below the ground, and the profile overhangs: there are two grounds over one x"
-        reader.fault("E462", message, depth, "Give its points or a plane.")
+        reader.fault("E454", message, depth, "Give its points or a plane.")
     water, at = (table, None) if table is not None else read_water(reader, ["slip"])
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
-        reader.fault("E119", message, at, "Write water: {pressures: 5 kPa}.")
+        reader.fault("E118", message, at, "Write water: {pressures: 5 kPa}.")
     if water.mode == "pressures":
         if at is not None and len(at.elements) > 1:
             reader.fault("E109", f"{len(at.elements)} water pressures given, there is one slip surface", at)
@@ -235,7 +235,7 @@ def _profile(reader: Reader, node: Node | None) -> Points | None:
 
 
 def _slip(reader: Reader, node: Node | None, mesh: MeshFile | None) -> Slip | None:
-    """The slip surface; E170 an unknown shape, E171 what its size says."""
+    """The slip surface; E170 an unknown shape, E116 what its size says."""
     if node is None or not node.is_mapping:
         return None
     own = fields_of(Slip)

@@ -42,7 +42,6 @@ from slopekit.result import Result, Words
 
 _NEARLY_PARALLEL_DEG = 5.0
 _OUTCOMES = (*OUTCOMES, "E486", "E487")  # the last two by limits of size
-_FAR_M = 1e4  # coordinates beyond this are a map's
 _PRESSURES = ("pressure1", "pressure2", "pressure3", "pressure5")
 
 
@@ -307,11 +306,9 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
                          "it, not from the toe of the slope")  # fmt: skip
     if design.crack and water.mode == "pressures" and len(water.pressures_kpa) <= joints and water.crack_fill is None:
         only = "J1 and J2 only (a third" if joints == 2 else "the joints only (a fourth"
-        yield Notice("W319", f"the crack is dry: pressures were given for {only} is the crack's)")
+        yield Notice("W419", f"the crack is dry: pressures were given for {only} is the crack's)")
     if water.mode == "dry" and water.crack_fill:
-        yield Notice("W319", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
-    if max(abs(coordinate) for coordinate in design.origin_m) > _FAR_M:
-        yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
+        yield Notice("W419", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
 
 
 def _without_basal(design: WedgeDesign) -> WithoutBasal | None:

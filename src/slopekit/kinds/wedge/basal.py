@@ -171,7 +171,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     assert basal is not None
     if basal.height_m < 0.0:
         height, meant = number(basal.height_m), number(-basal.height_m)
-        yield Notice("W411", f"a socket wedge: basal.height is {height} m, so it lies under J1 and J2, below the point "
+        yield Notice("W410", f"a socket wedge: basal.height is {height} m, so it lies under J1 and J2, below the point "
                      "where they and the face meet; what lies above them is not looked at (is "
                      f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
@@ -187,12 +187,12 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     if basal.plane.dip_deg > 0.0 and math.cos(apart) < -_ACROSS:
         turned = Plane(basal.plane.dip_deg, (basal.plane.dip_direction_deg + 180.0) % 360.0)
         yield Notice(
-            "W424",
+            "W410",
             f"the basal joint ({basal.plane}) dips into the slope: the block does not slide out on it, it would have "
             f"to climb; is {turned} meant?",
         )
     if basal.plane.dip_deg == 0.0:
-        yield Notice("W412", "the basal joint is level: on it alone nothing drives the block but other loads")
+        yield Notice("W410", "the basal joint is level: on it alone nothing drives the block but other loads")
 
 
 def without_basal(design: WedgeDesign) -> WithoutBasal | None:

@@ -31,7 +31,7 @@ def pushes(block: Block, joints: Sequence[int], crack: int, depth: float, unit_w
     Raises
     ------
     GeometryError
-        E207 the crack is not so deep, E391 a joint has a corner inside the rock away from the crack, or the crack has
+        E207 the crack is not so deep, E456 a joint has a corner inside the rock away from the crack, or the crack has
         no edge on the slope.
     """
     if not depth:
@@ -44,7 +44,7 @@ def pushes(block: Block, joints: Sequence[int], crack: int, depth: float, unit_w
     ])  # fmt: skip
     if not free.any():
         message = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
-        raise MisfitError([Fault("E391", message, "", "Give the mean pressures: water: {pressures: ...}.")])
+        raise MisfitError([Fault("E456", message, "", "Give the mean pressures: water: {pressures: ...}.")])
     lowest = float(polygon[:, 2].min())
     holds = float(polygon[free, 2].min()) - lowest
     if depth > holds * (1.0 + _BRIM):
@@ -72,7 +72,7 @@ def _on_joint(
     ]
     if any(inside):
         message = "the joints meet inside the rock, away from the crack: how high its water stands there is not told"
-        raise MisfitError([Fault("E391", message, "", "Give the mean pressures: water: {pressures: ...}.")])
+        raise MisfitError([Fault("E456", message, "", "Give the mean pressures: water: {pressures: ...}.")])
     heads = np.where(at_crack, level - polygon[:, 2], 0.0)
     if at_crack.sum() != 2 or float(heads.max()) <= 0.0:
         return None

@@ -34,7 +34,7 @@ from slopekit.design.sections import given_water, read_common, read_strength, re
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
-_DEPTH_OF_WATER = Field("water", "length", 0.0, code="E119", label="water in the crack")
+_DEPTH_OF_WATER = Field("water", "length", 0.0, code="E118", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
@@ -60,7 +60,7 @@ class Crack:
     )
 
     plane: Plane = orientation("plane", axis="the crack", example="80/180")
-    distance_m: float = number("distance", "length", above=0.0, code="E121", label="crack distance", example="5 m",
+    distance_m: float = number("distance", "length", above=0.0, code="E120", label="crack distance", example="5 m",
                                 words=("worst",), doc="from the crest along J1's trace; `worst`: where the closed form "
                                 "is lowest")  # fmt: skip
 
@@ -75,7 +75,7 @@ class Basal:
 
     plane: Plane = orientation("plane", label="the basal joint", axis="the basal joint", example="20/180")
     height_m: float = number(
-        "height", "length", least=-1e7, most=1e7, code="E445", label="height of the basal joint", example="5 m",
+        "height", "length", least=-1e7, most=1e7, code="E447", label="height of the basal joint", example="5 m",
         axis="height of the basal joint", role="quantity", says="it lies between {least} and {most} m",
         doc="vertical, from where J1, J2 and the face meet to where it meets J1's trace on the face; below 0 the block "
         "lies under that point (a socket wedge)",
@@ -87,31 +87,31 @@ class SizeLimits:
     """How large a wedge may be, m and m³; None, or no joints, without a limit. See `kinds.wedge.limits`."""
 
     trace_length_m: tuple[float | None, ...] = number(
-        "trace_length", "length", default=(), above=0.0, code="E488", label="trace length", each=True,
+        "trace_length", "length", default=(), above=0.0, code="E116", label="trace length", each=True,
         left_out="no limit", doc="the longer trace of a joint, on face or upper slope: one for both, or by name",
     )  # fmt: skip
     persistence_m: tuple[float | None, ...] = number(
-        "persistence", "length", default=(), above=0.0, code="E488", label="persistence", each=True,
+        "persistence", "length", default=(), above=0.0, code="E116", label="persistence", each=True,
         left_out="no limit", doc="the longest edge of a joint in the wedge, alike",
     )  # fmt: skip
     slope_length_m: float | None = number(
-        "slope_length", "length", default=None, above=0.0, code="E488", label="slope length", left_out="no limit",
+        "slope_length", "length", default=None, above=0.0, code="E116", label="slope length", left_out="no limit",
         axis="slope length", doc="of the wedge along the crest",
     )  # fmt: skip
     bench_width_m: float | None = number(
-        "bench_width", "length", default=None, above=0.0, code="E488", label="bench width", left_out="no limit",
+        "bench_width", "length", default=None, above=0.0, code="E116", label="bench width", left_out="no limit",
         axis="bench width", doc="how far behind the crest the wedge reaches, horizontally and square to it",
     )  # fmt: skip
     max_volume_m3: float | None = number(
-        "max_volume", "volume", default=None, above=0.0, code="E488", label="max volume", left_out="no limit",
+        "max_volume", "volume", default=None, above=0.0, code="E116", label="max volume", left_out="no limit",
         axis="largest volume",
     )  # fmt: skip
     min_volume_m3: float | None = number(
-        "min_volume", "volume", default=None, above=0.0, code="E488", label="min volume", left_out="no limit",
+        "min_volume", "volume", default=None, above=0.0, code="E116", label="min volume", left_out="no limit",
         axis="smallest volume", doc="a smaller wedge counts as none (E487)",
     )  # fmt: skip
     by: str = text(
-        "by", default="scale", words=("scale", "filter"), code="E491", left_out="scale", example="scale",
+        "by", default="scale", words=("scale", "filter"), code="E126", left_out="scale", example="scale",
         doc="`scale`: a larger wedge is made smaller, same shape, at the crest; `filter`: it counts as none (E486)",
     )  # fmt: skip
 
@@ -264,7 +264,7 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
         return None, []
     if "basal" in names:
         message = "a joint is called basal, which is the name of the joint under the wedge"
-        reader.fault("E446", message, reader.at("joints"), "Give it another name.")
+        reader.fault("E146", message, reader.at("joints"), "Give it another name.")
     elif not node.is_mapping:
         message = f"basal is {node.text}, it is a group of keys"
         reader.fault("E447", message, node, "Write basal: {plane: 20/180, height: 5 m}.")
@@ -279,13 +279,13 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
 
 
 def _limits(reader: Reader, names: Sequence[str], also: Sequence[str]) -> SizeLimits | None:
-    """Limits of size: E488 a limit that is none, E489 of no joint, E490 beside what bounds the wedge, E491 a word."""
+    """Limits of size: E116 a limit that is none, E197 of no joint, E112 beside what bounds the wedge, E126 a word."""
     node = reader.at("limits")
     if node is None or not node.is_mapping or not node.items():
         return None
     if also:
         message = f"limits of size and {' and '.join(also)}: a wedge that keeps its shape cannot have both"
-        reader.fault("E490", message, node, "Leave limits out: the height, basal joint and crack bound the wedge.")
+        reader.fault("E112", message, node, "Leave limits out: the height, basal joint and crack bound the wedge.")
     own = reader.fields(SizeLimits, node)
     fields = fields_of(SizeLimits)
     for key in ("trace_length_m", "persistence_m"):
@@ -293,7 +293,7 @@ def _limits(reader: Reader, names: Sequence[str], also: Sequence[str]) -> SizeLi
     least, most = own["min_volume_m3"], own["max_volume_m3"]
     if least is not None and most is not None and least > most:
         message = f"min_volume is {shown(least)} m³, more than max_volume {shown(most)} m³: nothing would be left"
-        reader.fault("E488", message, node.get("min_volume"))
+        reader.fault("E116", message, node.get("min_volume"))
     return SizeLimits(**own)
 
 
@@ -305,7 +305,7 @@ def _of_joints(reader: Reader, field: Field, node: Node | None, names: Sequence[
         given: dict[str, float | None] = {}
         for name, below in node.items():
             if name not in names:
-                reader.fault("E489", f"{field.in_words} of {name}: there is no such joint", below,
+                reader.fault("E197", f"{field.in_words} of {name}: there is no such joint", below,
                              reader.nearest(name, names))  # fmt: skip
             elif below.value is not None:
                 given[name] = reader.number(field, below, f"{field.in_words} of {name}")
@@ -313,7 +313,7 @@ def _of_joints(reader: Reader, field: Field, node: Node | None, names: Sequence[
     if isinstance(node.value, list):
         if len(node.elements) > len(names):
             message = f"{len(node.elements)} values of {field.in_words}, there are {len(names)} joints"
-            reader.fault("E489", message, node)
+            reader.fault("E197", message, node)
             return ()
         each = [reader.number(field, below, f"{field.in_words} of {name}")
                 for name, below in zip(names, node.elements, strict=False)]  # fmt: skip
@@ -362,7 +362,7 @@ def crack_of_words(value: object, where: str) -> Crack:
         orientation = parse_plane(given["plane"], "crack", where)
     with faults.kept():
         if str(given["distance"]).strip() != WORST:
-            away = words.above_zero(given["distance"], "length", "crack distance", "E121", where)
+            away = words.above_zero(given["distance"], "length", "crack distance", "E120", where)
     faults.refuse()
     return Crack(orientation, away)
 
@@ -374,13 +374,13 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Wate
     if table is not None:
         if node is not None:
             reader.fault(
-                "E198", "the crack's water and a water table both say how full it is", node, "Keep one of them."
+                "E112", "the crack's water and a water table both say how full it is", node, "Keep one of them."
             )
         return table
     if node is None or node.value is None or _is_depth(reader, node):
         joint_water, at = read_water(reader, order, has_crack, has_basal)
         if node is not None and node.value is not None and joint_water != Water():
-            reader.fault("E198", f"the crack's water is {node.text}, which wets the joints, and water says another "
+            reader.fault("E112", f"the crack's water is {node.text}, which wets the joints, and water says another "
                          "thing", at, "Keep one of them.")  # fmt: skip
         return joint_water
     top = reader.at("water")
@@ -402,7 +402,7 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Wate
         each = joints * count if len(joints) == 1 else [*joints, 0.0]
         return read([*each[:count], value], node)
     advice = "Give the crack's water in one place; beside full joints it is a part of that: crack: {water: 50 %}."
-    reader.fault("E198", f"the crack's water is {node.text}, and water says another thing", node, advice)
+    reader.fault("E112", f"the crack's water is {node.text}, and water says another thing", node, advice)
     return Water()
 
 
@@ -455,7 +455,7 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
     for key in values:
         if key not in _KNOWN:
             advice = did_you_mean(key, _KNOWN, f"Known: {', '.join(_KNOWN)}.")
-            faults.append(Fault("E128", f"{key} is not an input of a wedge", key, advice))
+            faults.append(Fault("E142", f"{key} is not an input of a wedge", key, advice))
     for name, plane in zip(("J1", "J2"), _both_joints(values.get("dips"), option, faults), strict=False):
         put(f"joints.{name}.plane", node("dips", plane))
         put(f"joints.{name}.strength", node("dips", name))
@@ -506,7 +506,7 @@ def _check_mappings(
     if seismic is not None and seismic.get("k") is None:
         wrong.append(Fault("E143", "seismic.k is missing", places["seismic"], "Add k: 0.1"))
     if mappings.get("shear_stiffness") == {}:
-        wrong.append(Fault("E145", "shear_stiffness is empty, a value is needed", places["shear_stiffness"]))
+        wrong.append(Fault("E144", "shear_stiffness is empty, a value is needed", places["shear_stiffness"]))
     if wrong:
         raise DesignError(dict.fromkeys(wrong))
 
@@ -564,12 +564,12 @@ def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) 
     else:
         advice = 'Write bench_width=6m, in Python {"bench_width": 6}.'
         message = f"limits of size are {words.shown(value)}, each is a key and a value"
-        faults.append(Fault("E394", message, f"{option('limits')} {words.shown(value)}", advice))
+        faults.append(Fault("E142", message, f"{option('limits')} {words.shown(value)}", advice))
     known = [field.path for field in fields_of(SizeLimits).values()]
     for key in [key for key in limits if key not in known]:
         advice = did_you_mean(key, known, f"Known: {', '.join(known)}.")
         faults.append(
-            Fault("E394", f"{key} is no limit of size", f"{option('limits')} {key}={limits.pop(key)}", advice)
+            Fault("E142", f"{key} is no limit of size", f"{option('limits')} {key}={limits.pop(key)}", advice)
         )
     return limits
 

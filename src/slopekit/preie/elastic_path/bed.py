@@ -373,7 +373,7 @@ class Bed:
         Raises
         ------
         SolverError
-            E505 it is singular.
+            E599 it is singular.
         """
         self.factorisations += 1
         return self.stiffness.factored(local, DIAGONAL_SHIFT, symmetric)

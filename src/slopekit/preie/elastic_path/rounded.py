@@ -319,7 +319,7 @@ class RoundedPath:
         Raises
         ------
         SolverError
-            E505 they are singular.
+            E599 they are singular.
         """
         bed, slow = self.bed, math.exp(-work)
         give, shear_give = slow * self._give, slow * self._shear_give
@@ -356,7 +356,7 @@ class RoundedPath:
         by_reduction = solver(self._on_blocks(np.zeros_like(at.normal), by_strength * strength[:, None]))
         gained = float(bed.working @ by_reduction)
         if not gained:  # far off any curve, where forces overflow
-            raise SolverError([Fault("E505", "the work of the rounded path does not hang on its strength")])
+            raise SolverError([Fault("E599", "the work of the rounded path does not hang on its strength")])
         opened = at.gap * float(at.normal.mean()) > at.normal * float(at.gap.mean())
 
         def solve(residual: _Residual) -> _CurvePoint:

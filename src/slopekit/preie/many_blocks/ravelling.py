@@ -111,11 +111,6 @@ class Ravelling:
             return None
         return min((limit.static_bound for limit in limits if limit.static_bound is not None), default=None)
 
-    @property
-    def locked(self) -> bool:
-        """Whether there is none because joints that dilate would hold all blocks at any friction."""
-        return all(part.limit.locked for part in self.parts)
-
 
 def ravel(
     assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, count: int = 1, ranged: bool = True

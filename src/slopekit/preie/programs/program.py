@@ -285,7 +285,7 @@ class NewtonEquations:
         Raises
         ------
         SolverError
-            E505 they cannot be.
+            E599 they cannot be.
         """
         model, load = program.model, program.load
         scale = scaling(at.strength, at.slip)

@@ -86,7 +86,7 @@ class SparseStiffness:
         Raises
         ------
         SolverError
-            E504 the factors do not fit into memory; E505 K is singular, or not positive definite.
+            E504 the factors do not fit into memory; E599 K is singular, or not positive definite.
         WorkSpentError
             The work that is allowed is done (`solvers.work_limit`).
         """
@@ -107,7 +107,7 @@ class SparseStiffness:
         if solve is not None:
             return solve
         what = "not positive definite" if symmetric else "singular"
-        raise SolverError([Fault("E505", f"the stiffness of the assembly is {what}")])
+        raise SolverError([Fault("E599", f"the stiffness of the assembly is {what}")])
 
     def dense(self, stiffness: Floats) -> Floats:
         """K itself, (n u, n u), of a small model."""

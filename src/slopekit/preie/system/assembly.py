@@ -211,7 +211,7 @@ def build_assembly(
     Raises
     ------
     SolverError
-        E502 there is nothing to solve.
+        E599 there is nothing to solve.
     """
     moving = np.flatnonzero(~fixed)
     index = np.full(len(fixed) + 1, BEDROCK)
@@ -220,7 +220,7 @@ def build_assembly(
     kept = np.flatnonzero((plus >= 0) | (minus >= 0))
     force_scale = math.sqrt(float((forces[moving] ** 2).sum()) / max(len(moving), 1))
     if len(kept) == 0 or not force_scale > 0.0:
-        raise SolverError([Fault("E502", "the model has no node pairs or no load")])
+        raise SolverError([Fault("E599", "the model has no node pairs or no load")])
     plus, minus, normals = plus[kept], minus[kept], patches.normals[kept].copy()
     turned = plus < 0  # the plus side always moves
     plus[turned], minus[turned], normals[turned] = minus[turned], plus[turned], -normals[turned]

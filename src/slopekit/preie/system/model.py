@@ -146,19 +146,19 @@ def build_model(
     Raises
     ------
     SolverError
-        E502 there is nothing to solve, E503 normals that are no unit vectors.
+        E599 there is nothing to solve, or normals are no unit vectors.
     """
     # the sum of all loads' sizes, not the size of their sum: bolts may hold the block in balance
     force_scale = sum(math.sqrt(float(part @ part)) for part in loads.parts.values())
     if len(pairs) == 0 or not force_scale > 0.0:
-        raise SolverError([Fault("E502", "the model has no node pairs or no load")])
+        raise SolverError([Fault("E599", "the model has no node pairs or no load")])
     arms = pairs.points - centroid
     length = math.sqrt(float((arms * arms).sum()) / len(pairs))
     arms = arms / length
     axes = local_axes(pairs.normals)
     rows = np.concatenate([axes, cross(arms[:, None, :], axes)], axis=2)
     if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > PARALLEL:
-        raise SolverError([Fault("E503", "a rigid translation does not move the node pairs by its own length")])
+        raise SolverError([Fault("E599", "a rigid translation does not move the node pairs by its own length")])
     bolt_arms = (loads.passive_points - centroid) / length
     bolt_axes = np.concatenate([loads.passive_forces, cross(bolt_arms, loads.passive_forces)], axis=1)
     capacity = np.sqrt((loads.passive_forces**2).sum(axis=1))

@@ -66,7 +66,7 @@ def joints_of_sets(source: Any, seed: int, count: int = DRAWN) -> JointList:
     Raises
     ------
     DesignError
-        E418 no sets, E419 an unknown key, E420 a set without a plane, E421 values that cannot be, and what the reading
+        E190 no sets, E142 an unknown key, E143 a set without a plane, E281 values that cannot be, and what the reading
         of planes, numbers and distributions raises.
 
     >>> sets = {"sets": {"A": {"plane": "50/150", "spacing": 2, "scatter": 8}, "B": {"plane": "60/220", "spacing": 4}}}
@@ -83,7 +83,7 @@ def joints_of_sets(source: Any, seed: int, count: int = DRAWN) -> JointList:
             nodes.setdefault(own, []).append(node)
     if not nodes:
         advice = "slopekit sets survey.csv writes such a block; a survey itself is a .csv or .xlsx file."
-        raise DesignError([Fault("E418", f"{name} holds no joint sets under sets: or joints:", name, advice)])
+        raise DesignError([Fault("E190", f"{name} holds no joint sets under sets: or joints:", name, advice)])
     faults = Faults()
     planes: dict[str, Fisher | Angles | Plane] = {}
     values: dict[str, _Values] = {}
@@ -103,7 +103,7 @@ def _set(name: str, parts: list[Node]) -> tuple[Fisher | Angles | Plane, _Values
             if key not in _KEYS:
                 near = get_close_matches(key, _KEYS, n=1)
                 advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(_KEYS)}."
-                faults.append(Fault("E419", f"a joint set has no {key} ({name})", str(node.key_place), advice))
+                faults.append(Fault("E142", f"a joint set has no {key} ({name})", str(node.key_place), advice))
             given.setdefault(key, node)
     values: _Values = {}
     for key, (kind, least, most) in {**_NUMBERS, **_PARTS}.items():
@@ -111,7 +111,7 @@ def _set(name: str, parts: list[Node]) -> tuple[Fisher | Angles | Plane, _Values
             if key in given:
                 values[key] = number_or_scatter(given[key], kind, f"{key} of {name}", least, most, key in _NUMBERS)
     if "plane" not in given:
-        faults.append(Fault("E420", f"{name} has no plane", str(parts[0].place), "Write plane: 54/142."))
+        faults.append(Fault("E143", f"{name} has no plane", str(parts[0].place), "Write plane: 54/142."))
     plane = faults.of(lambda: _plane(given["plane"], name)) if "plane" in given else None
     if faults or plane is None:
         raise DesignError(faults)
@@ -144,14 +144,14 @@ def number_or_scatter(
         value = quantity(written, kind, name, where)
         if not least <= value <= most:
             message = f"{name} is {number(value)}, it lies between {number(least)} and {number(most)}"
-            raise DesignError([Fault("E421", message, where)])
+            raise DesignError([Fault("E281", message, where)])
         return value
     scatters = read_distribution(node, kind, name)
     beyond = sum(tails(scatters, least, most))
     cut = scatters.name in ("normal", "lognormal")
     if beyond > (MOST_BEYOND if cut else 0.0):
         message = f"{100.0 * beyond:.3g} % of {name} lies below {number(least)} or above {number(most)}"
-        raise DesignError([Fault("E421", message, where, "Make it narrower, or give it min and max.")])
+        raise DesignError([Fault("E281", message, where, "Make it narrower, or give it min and max.")])
     if not cut or not scatters.parameters["sd"]:
         return scatters
     known = scatters.parameters

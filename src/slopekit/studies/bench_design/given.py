@@ -178,7 +178,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     toe = given["toe"] or TOES[0]
     if toe not in TOES:
         faults.append(
-            Fault("E308", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
+            Fault("E126", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
         )
     drawn: dict[str, Distribution | None] = {}
     for key in ("c", "phi"):
@@ -194,7 +194,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     heights, dips, trials = read["height"], read["face"], numbers["n"]
     if heights and dips and trials and len(heights) * len(dips) * trials > MOST_IN_ALL:
         message = f"{len(heights)} heights x {len(dips)} faces x {number(trials)} trials are more than {MOST_IN_ALL:,}"
-        faults.append(Fault("E416", message, option("n"), "Ask for fewer benches at once, or for fewer trials."))
+        faults.append(Fault("E125", message, option("n"), "Ask for fewer benches at once, or for fewer trials."))
     faults.refuse()
     # no fault, so nothing is missing: what follows only tells the type checker
     assert listed is not None and slope is not None and heights and dips and toward is not None  # noqa: PT018
@@ -224,9 +224,9 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
 
 #: What is given in several values: its kind and limits, the code beyond them and what they are.
 _RANGED = {
-    "height": ("length", 1e-3, 1e4, "E410", "a bench is more than 0 m high"),
-    "face": ("angle", 1.0, 90.0, "E411", "the face of a bench dips from 1 to 90°"),
-    "berm": ("length", 0.0, 1e4, "E412", "a berm is 0 m wide or more"),
+    "height": ("length", 1e-3, 1e4, "E116", "a bench is more than 0 m high"),
+    "face": ("angle", 1.0, 90.0, "E101", "the face of a bench dips from 1 to 90°"),
+    "berm": ("length", 0.0, 1e4, "E116", "a berm is 0 m wide or more"),
 }
 
 
@@ -267,7 +267,7 @@ def _number(name: str, given: object, where: str) -> float | None:
     if name in _WHOLE and value != int(value):
         raise DesignError([Fault("E106", f"{where} is {number(value)}, a whole number is needed", f"{where} {given}")])
     if not low <= value <= high:
-        code = "E414" if kind == "length" else "E415" if kind == "angle" or name == "swell" else "E413"
+        code = "E116" if kind == "length" else "E307"
         message = f"{where} is {number(value)}, {what} lies between {number(low)} and {number(high)}"
         raise DesignError([Fault(code, message, f"{where} {given}")])
     return value
@@ -281,7 +281,7 @@ def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]
     trend = slope.seismic.trend_deg
     if trend is not None and trend % 360.0 != toward:
         message = f"the earthquake acts toward {number(trend)}, here it acts out of the face"
-        faults.append(Fault("E417", message, f"{option('seismic')} {given['seismic']}", "Give the coefficient alone."))
+        faults.append(Fault("E122", message, f"{option('seismic')} {given['seismic']}", "Give the coefficient alone."))
     faults.refuse()
     coefficient = slope.seismic.coefficient
     return replace(slope, seismic=Seismic(coefficient, toward if coefficient else None))

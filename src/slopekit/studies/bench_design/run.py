@@ -172,14 +172,14 @@ def bench_design(
     Raises
     ------
     DesignError
-        Every fault: of the list, of the loads as for a wedge, E332 a strength that a joint needs, E410 to E412 heights,
-        faces and berms, E413 to E415 other numbers, E416 too many, E417 an earthquake that acts elsewhere, E422 a
+        Every fault: of the list, of the loads as for a wedge, E143 a strength that a joint needs, E101 and E116
+        faces, heights and berms, E307 other numbers, E125 too many, E122 an earthquake that acts elsewhere, E165 a
         strength that scatters in no known way.
 
     Notes
     -----
     Columns `trace` and `spacing` of the list count before --trace and --spacing. In Python `joints` are what
-    `slopekit.combos` takes, or {"sets": {...}}: joints are drawn from sets then (E418 to E421).
+    `slopekit.combos` takes, or {"sets": {...}}: joints are drawn from sets then (E142, E143, E190, E281).
 
     With bench height H, face angle β and berm b the inter-ramp angle α has cot α = cot β + b / H. What fails breaks
     back behind the crest by x; a berm keeps its catch width w where b - x >= w. The reliability is the part of the

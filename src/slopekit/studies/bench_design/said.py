@@ -16,7 +16,7 @@ _FEW = 30  # joints: below it, a survey says little of its sets
 
 
 def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
-    """W432, W366, W373, W351, W390 to W397, W422, W423."""
+    """Yield what a reader must know of the survey, of the options and of what was not counted."""
     yield from asked.meant
     yield from left_out(asked.joints)
     n = len(asked.joints)
@@ -37,13 +37,13 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
     if not np.isfinite(asked.spacing_m).all():
         without = int((~np.isfinite(asked.spacing_m)).sum())
         message = f"{without} of {n} joints have no spacing: columns between them form and are not judged"
-        yield Notice("W392", message)
+        yield Notice("W391", message)
     if asked.every_m is None:
         message = (
             "how often joints meet along the bench is not known: one place is taken for each bench height; volumes per "
             "100 m go with it"
         )
-        yield Notice("W393", message)
+        yield Notice("W391", message)
     narrow = sorted({
         (berm.berm_m, berm.catch_width_m) for bench in benches for berm in bench.berms
         if berm.berm_m < berm.catch_width_m * (1.0 - 1e-12)
@@ -54,7 +54,7 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
             f"a berm of {number(first)} m is narrower than the catch width of {number(round(catch, 3))} m before "
             "anything fails: no place keeps it; a wider berm, or a catch width of your own (--catch)"
         )
-        yield Notice("W397", message)
+        yield Notice("W394", message)
     wider = [bench for bench in benches if any(bench.backbreak.most > berm.berm_m for berm in bench.berms)]
     if wider:
         worst = max(bench.backbreak.most for bench in wider)
@@ -75,10 +75,10 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
         return
     said = checked.said
     if said.unsafe:
-        yield Notice("W396", f"{said.unsafe} of the {said.samples} blocks that PRE-IE looked at fail by it and stand "
+        yield Notice("W353", f"{said.unsafe} of the {said.samples} blocks that PRE-IE looked at fail by it and stand "
                      "by the closed form: moments decide there")  # fmt: skip
     if said.settled < said.samples:
-        yield Notice("W351", f"PRE-IE gave no answer for {said.samples - said.settled} of the {said.samples} blocks it "
+        yield Notice("W350", f"PRE-IE gave no answer for {said.samples - said.settled} of the {said.samples} blocks it "
                      "was asked of: they confirm nothing")  # fmt: skip
 
 
@@ -99,7 +99,7 @@ def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
 
 
 def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
-    """W423, of traces that were measured: they run at least so far."""
+    """W391, of traces that were measured: they run at least so far."""
     measured = [joint for joint in asked.joints.joints if joint.trace_m is not None]
     hidden, unknown = (sum(test) for test in (
         [joint.ends is not None and joint.ends < 2 for joint in measured], [joint.ends is None for joint in measured]
@@ -109,14 +109,14 @@ def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
     parts = [f"{hidden} with a hidden end"] if hidden else []
     parts += [f"{unknown} without a word of their ends"] if unknown else []
     yield Notice(
-        "W423",
+        "W391",
         f"{len(measured)} traces are taken as whole as measured ({', '.join(parts)}): longer ones make more and larger "
         "blocks",
     )
 
 
 def of_columns(benches: Sequence[OfBench], sliding: Sequence[SlidingColumns]) -> Iterator[Notice]:
-    """W425, with the bench in which most of what slides is not counted."""
+    """W395, with the bench in which most of what slides is not counted."""
     slide, stand = sum(one.slide for one in sliding), sum(one.stand for one in sliding)
     if not slide:
         return
@@ -124,7 +124,7 @@ def of_columns(benches: Sequence[OfBench], sliding: Sequence[SlidingColumns]) ->
     counted, with_them = (100.0 * part / most.places for part in (most.failing, most.failing + most.uncounted))
     where = f"at {number(bench.height_m)} m and {number(bench.face_dip_deg)}°"
     yield Notice(
-        "W425",
+        "W395",
         f"{slide} of {stand} columns that stand against toppling slide on their base and do not count as failing "
         f"columns; {where} something fails at {counted:.1f} % of the places, with them at {with_them:.1f} %",
     )

@@ -35,7 +35,7 @@ def drawn_strength(key: str, given: Any, where: str) -> Distribution | None:
     Raises
     ------
     DesignError
-        E422 parameters of the short way, and what a file of sets raises for the same.
+        E165 parameters of the short way, and what a file of sets raises for the same.
 
     >>> drawn_strength("phi", "normal:30,3,20,40", "--phi").parameters
     {'mean': 30.0, 'sd': 3.0, 'min': 20.0, 'max': 40.0}
@@ -63,7 +63,7 @@ def _in_short(key: str, given: str, where: str) -> dict[str, str]:
         message = f"{given} is no distribution of a number"
         if needed and name != "fisher":
             message = f"{given} has {counted(len(parts), 'number')}, {name} takes {takes}"
-        raise DesignError([Fault("E422", message, f"{where} {given}", f"Write {where} {_EXAMPLE[key]}.")])
+        raise DesignError([Fault("E165", message, f"{where} {given}", f"Write {where} {_EXAMPLE[key]}.")])
     return {"dist": name, **dict(zip((*needed, *further), parts, strict=False))}
 
 
@@ -72,7 +72,7 @@ def _read(key: str, document: Document, where: str, given: Any) -> Distribution:
     try:
         if not isinstance(node, Node) or not is_distribution(node):
             message = f"{key} is a group of keys without dist"
-            raise DesignError([Fault("E422", message, "", f"Write {where} {_EXAMPLE[key]}.")])
+            raise DesignError([Fault("E165", message, "", f"Write {where} {_EXAMPLE[key]}.")])
         kind, least, most = STRENGTHS[key]
         distribution = number_or_scatter(node, kind, key, least, most, True)
     except DesignError as error:

@@ -194,7 +194,7 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
     slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
     sizes: SizeLimits | None = faults.of(partial(_limits, given, option))
     where = f"{option('fos')} {fos}"
-    target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
+    target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E307", where))
     top = faults.of(partial(_top, given["top"], option("top")))
     strengths: list[tuple[Floats, int]] = []
     if listed is not None:
@@ -232,15 +232,15 @@ def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimit
         value = given.get(key)
         if value is not None:
             name, where = key.replace("_", " "), f"{option(key)} {value}"
-            limits[key + unit] = faults.of(partial(words.above_zero, value, kind, name, "E334", where))
+            limits[key + unit] = faults.of(partial(words.above_zero, value, kind, name, "E116", where))
     least, most = limits.get("min_volume_m3"), limits.get("max_volume_m3")
     if least is not None and most is not None and least > most:
         message = f"min volume {number(least)} m³ is more than max volume {number(most)} m³: nothing would be left"
-        faults.append(Fault("E334", message, option("min_volume")))
+        faults.append(Fault("E116", message, option("min_volume")))
     by = "scale" if given.get("limit_by") is None else str(given["limit_by"]).strip().lower()
     if by not in ("scale", "filter"):
         advice = "scale makes larger wedges smaller, filter leaves them out."
-        faults.append(Fault("E491", f"limits of size go by {by!r}, it is scale or filter", option("limit_by"), advice))
+        faults.append(Fault("E126", f"limits of size go by {by!r}, it is scale or filter", option("limit_by"), advice))
     faults.refuse()
     each = {name: (limits.get(name),) * 2 for name in ("trace_length_m", "persistence_m")}
     return SizeLimits(**{**limits, **each}, by=by)
@@ -255,7 +255,7 @@ def _top(value: object, option: str) -> int | None:
     if top != int(top) or top < 0:
         advice = "It is how many of the worst pairs PRE-IE looks at; 0 leaves it out, all takes every removable one."
         raise DesignError(
-            [Fault("E335", f"top is {number(top)}, a whole number is needed", f"{option} {value}", advice)]
+            [Fault("E126", f"top is {number(top)}, a whole number is needed", f"{option} {value}", advice)]
         )
     return int(top)
 

@@ -189,7 +189,7 @@ class Combos(StudyOutcome):
         if self.joints.has_quantities:
             whole = f"{len(self.joints)} joints, {self.joints.quantities.sum():.6g} by quantity"
             message = f"quantities of {self.joints.name} ({whole}) count nothing here: each pair of joints stands once"
-            own.append(Notice("W374", message))
+            own.append(Notice("W373", message))
         governed = [pair for pair in self.worst if pair.moments_govern]
         if not governed:
             return tuple(own)
@@ -200,7 +200,7 @@ class Combos(StudyOutcome):
         rest = self.removable - len(self.worst)
         last = f"; the other {rest} removable pairs have the closed form alone, which knows no moments" if rest else ""
         message = f"moments govern {len(governed)} of the {len(self.worst)} pairs that PRE-IE looked at"
-        return (Notice("W365", ", ".join([message, *by]) + last), *own)
+        return (Notice("W353", ", ".join([message, *by]) + last), *own)
 
     def partners(self) -> tuple[tuple[str, int], ...]:
         """Joints by how many pairs below the target (else below 1) they take part in, most first."""
@@ -275,8 +275,8 @@ def combos(
     Raises
     ------
     DesignError
-        Every fault: of the list, of the slope as for a wedge, E332 a strength that a joint needs, E334 limits of size,
-        E335 top, E336 fos, E491 neither scale nor filter, E339 two values where pairs have no order.
+        Every fault: of the list, of the slope as for a wedge, E143 a strength that a joint needs, E116 limits of size,
+        E126 top, or neither scale nor filter, E307 fos, E109 two values where pairs have no order.
     GeometryError
         E209 the slope has no crest.
 

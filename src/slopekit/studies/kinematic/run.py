@@ -241,8 +241,8 @@ def kinematic(
     Raises
     ------
     DesignError
-        With every fault: of the list, E113, E115 for phi, E143 without a face, E312 and E333 for the faces, E337 for
-        the lateral limits, E307 the seed.
+        With every fault: of the list, E113, E115 for phi, E143 without a face, E312 for the faces, E307 for the
+        lateral limits and the seed.
 
     Notes
     -----
@@ -315,7 +315,7 @@ def _friction(value: object, where: str) -> float:
 
 def _limit(value: object, option: str) -> float:
     advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
-    return between(value, "angle", (0.0, 90.0), "E337", "the lateral limit", f"{option} {value}", advice, "°")
+    return between(value, "angle", (0.0, 90.0), "E307", "the lateral limit", f"{option} {value}", advice, "°")
 
 
 def _faces(given: Any, key: Key) -> tuple[float, ...]:
@@ -327,11 +327,11 @@ def _faces(given: Any, key: Key) -> tuple[float, ...]:
         count = given.rpartition(":")[2].strip()
         message = f"{key.path}: {given} could be steps of {count}, as it was at first, or {count} faces"
         listed = ",".join(number(dip) for dip in dips) if len(dips) <= _MOST_LISTED else "all of them, with commas"
-        raise DesignError([Fault("E333", message, where, f"Write {steps} for the steps, or {listed}.")])
+        raise DesignError([Fault("E312", message, where, f"Write {steps} for the steps, or {listed}.")])
     bad = [dip for dip in dips if not 0.0 < dip <= 90.0]
     if bad:
         message = f"a face of {number(bad[0])}° is none, a face dips more than 0 and up to 90"
-        raise DesignError([Fault("E333", message, where, f"Write {key.path}=45:90:+5 for steps of 5.")])
+        raise DesignError([Fault("E312", message, where, f"Write {key.path}=45:90:+5 for steps of 5.")])
     return dips
 
 
@@ -342,17 +342,17 @@ def _notices(joints: JointList, face: Plane, friction: Floats, measured: int, mo
             f"percentages count each joint of {joints.name} by its quantity ({len(joints)} joints, "
             f"{joints.quantities.sum():.6g} by quantity) and each line by the product of its two; counts are of rows"
         )
-        notices.append(Notice("W374", message))
+        notices.append(Notice("W373", message))
     if any(joint.cohesion_kpa for joint in joints.joints):
         message = "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
-        notices.append(Notice("W367", message))
+        notices.append(Notice("W366", message))
     if 0 < measured < len(joints) or (measured and float(np.ptp(friction)) > 0.0):
         message = (
             f"friction angles are the joints' own for {measured} of {len(joints)}, from "
             f"{number(float(friction.min()))} to {number(float(friction.max()))}°: lines take the lower of their two "
             "joints, oblique toppling the highest of all; a stereonet has no one circle for them"
         )
-        notices.append(Notice("W368", message))
+        notices.append(Notice("W373", message))
     if face.dip_deg <= float(friction.min()):
         message = f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it"
         notices.append(Notice("W369", message))

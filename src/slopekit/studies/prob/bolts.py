@@ -124,11 +124,11 @@ def without_force(design: Design, holds: Bools, forms: Bools) -> WithoutForce | 
 
 
 def notices_of_bolts(lost: WithoutForce | None) -> Iterator[Notice]:
-    """What a reader must know of bolts that give no force: W381."""
+    """What a reader must know of bolts that give no force: W311."""
     if lost is None or not lost.samples:
         return
     yield Notice(
-        "W381",
+        "W311",
         f"bolts give no force in {lost.samples} of {counted(lost.of, 'sample')} that form a block (up to {lost.most} "
         f"of {lost.bolts}): there they miss it, or end within it. Heads stand on each sample's own face",
     )

@@ -85,7 +85,7 @@ def cracked(design: Design, samples: Samples) -> Cracked | None:
 
 
 def checked_alone(design: Design, count: int) -> None:
-    """Refuse many samples whose crack is looked for in each by itself: E424.
+    """Refuse many samples whose crack is looked for in each by itself: E125.
 
     Where the mean values cut no block the design has no such crack to show: its file says that one is looked for.
     """
@@ -97,7 +97,7 @@ def checked_alone(design: Design, count: int) -> None:
     message = f"{why} worst cracks are found sample by sample: at most {_MOST_ALONE}, here {count}"
     give = f"{way}, or give" if way else "Give"
     advice = f"{give} the distance that slopekit run finds, or fewer samples: -n {_MOST_ALONE}."
-    raise DesignError([Fault("E424", message, PLACE, advice)])
+    raise DesignError([Fault("E125", message, PLACE, advice)])
 
 
 def _why_alone(design: Design) -> tuple[str, str]:

@@ -154,9 +154,9 @@ class SurveySource:
 
 
 def unknown_way(draw: str) -> list[Fault]:
-    """E431 of a way to draw from a survey that there is not."""
+    """E126 of a way to draw from a survey that there is not."""
     message = f"{draw} is not a way to draw from a survey"
-    return [] if draw in _WAYS else [Fault("E431", message, "--draw", "Known: joints, sets.")]
+    return [] if draw in _WAYS else [Fault("E126", message, "--draw", "Known: joints, sets.")]
 
 
 def surveyed(
@@ -167,8 +167,8 @@ def surveyed(
     Raises
     ------
     DesignError
-        E430 not a wedge with joints of its own, E431 a way to draw, or samples that are not Monte Carlo, E432 a rank
-        correlation with the orientation of a joint, E433 sets where there are none; those of the list.
+        E288 not a wedge with joints of its own, E126 a way to draw, or samples that are not Monte Carlo, E167 a rank
+        correlation with the orientation of a joint, E190 sets where there are none; those of the list.
     """
     faults = Faults()
     drawn = kind_of(design).drawn_planes
@@ -178,16 +178,16 @@ def surveyed(
         message = f"a survey gives a wedge its two joints, this is a {design.kind}"
         message += " whose joints are of a list" if drawn is not None else ""
         faults.append(
-            Fault("E430", message, option, "Write joints: {J1: {plane: 45/115}, ...}: their planes are drawn.")
+            Fault("E288", message, option, "Write joints: {J1: {plane: 45/115}, ...}: their planes are drawn.")
         )
     faults += unknown_way(draw)
     if method != "monte-carlo":
-        faults.append(Fault("E431", f"joints of a survey are drawn by monte-carlo, not by {method}", "--method"))
+        faults.append(Fault("E126", f"joints of a survey are drawn by monte-carlo, not by {method}", "--method"))
     paths: tuple[str, ...] = () if drawn is None else drawn(design)
     for one, other, _ in design.correlation:
         if _is_of(one, paths) or _is_of(other, paths):
             message = f"{one} and {other} are correlated, the planes come from a survey"
-            faults.append(Fault("E432", message, "correlation", "Leave this correlation out."))
+            faults.append(Fault("E167", message, "correlation", "Leave this correlation out."))
     faults.refuse()
     listed = joint_list(survey, None, False, 2, "", most=MOST_JOINTS)
     joint_sets: tuple[FoundSet, ...] = ()
@@ -195,7 +195,7 @@ def surveyed(
         joint_sets = sets(survey, seed=seed).sets
         if not joint_sets or sum(len(one.members) for one in joint_sets) < 2:
             message = f"{listed.name} has no sets to draw from"
-            raise DesignError([Fault("E433", message, option, "Draw its joints: --draw joints.")])
+            raise DesignError([Fault("E190", message, option, "Draw its joints: --draw joints.")])
     centre = Fisher(Plane(45.0, 180.0), _PLACEHOLDER_K)
     where = f"{listed.name} {draw} {listed.rows()!r} {listed.quantities.tolist()!r}"
     own = tuple(Variable(path, centre, where) for path in paths)

@@ -331,7 +331,7 @@ def _probability(
 def notices_of(
     target: float, judged: Judged, samples: Samples, share: Share, confirmation: Confirmation | None
 ) -> Iterator[Notice]:
-    """What a reader must know: W350 to W354."""
+    """Yield what a reader must know: W350, W353 and W507."""
     impossible = int(judged.among("E1", IMPOSSIBLE).sum())
     if impossible:
         yield Notice("W350", f"{impossible} of {len(samples.values)} samples have a value that no design can have, "
@@ -339,7 +339,7 @@ def notices_of(
     unsolved = int(judged.unjudged.sum())
     if unsolved:
         said = "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
-        yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
+        yield Notice("W350", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
                      f"or a bolt that misses the block or is too short): {said}")  # fmt: skip
     what, only = judged.also
     if only:
@@ -347,7 +347,7 @@ def notices_of(
                      "is analysed does not, or forms no block: they count as failures, as acceptance of a run is not "
                      "met")  # fmt: skip
     if share.count < _RARE and share.of:
-        yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
+        yield Notice("W350", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
     if confirmation is None:
         governed = sum(point.factors is not None and point.factors.moments_govern for point in judged.points)
         if governed:
@@ -359,7 +359,7 @@ def notices_of(
     open_ones = confirmation.samples - confirmation.settled
     if open_ones:
         codes = ", ".join(dict.fromkeys(point.code or "not_converged" for point in confirmation.unsettled))
-        yield Notice("W351", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} samples it was "
+        yield Notice("W350", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} samples it was "
                      f"asked of ({codes}): they confirm nothing; the upper limit with PRE-IE's judgement takes "
                      "them for failures")  # fmt: skip
     if confirmation.governed:
@@ -369,5 +369,5 @@ def notices_of(
             "closed form is too high; --by pre-ie asks PRE-IE of every sample",
         )
     if confirmation.unsafe:
-        yield Notice("W354", f"{confirmation.unsafe} of {confirmation.samples} samples fail by PRE-IE and stand by "
+        yield Notice("W353", f"{confirmation.unsafe} of {confirmation.samples} samples fail by PRE-IE and stand by "
                      "the closed form: judge by PRE-IE")  # fmt: skip

@@ -26,7 +26,7 @@ from slopekit.design.fields import field_in
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
-from slopekit.notices import not_as_given
+from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Point, lower_of, other_history, point_of
 from slopekit.studies.prob.bolts import (
@@ -189,11 +189,8 @@ class Probability(StudyOutcome):
     @cached_property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: of the samples, and what a run says of the design at its means."""
-        said = {notice.code for notice in self.of_samples}
-        notes = () if self.means.factors is None else self.means.factors.notes
-        at_means = (
-            Notice(note.code, f"of the design at its means: {note.message}") for note in notes if note.code not in said
-        )
+        notes = new_notices(() if self.means.factors is None else self.means.factors.notes, self.of_samples)
+        at_means = (Notice(note.code, f"of the design at its means: {note.message}") for note in notes)
         peak = () if self.given.source is None else peak_only(self.given, "samples are judged by factors")
         return (*self.of_samples, *at_means, *self._other_history(), *peak)
 
@@ -390,7 +387,7 @@ def prob(
     Raises
     ------
     DesignError
-        E302 nothing scatters, E307 a number out of range, E308 a word that is none of those known, E424 a worst
+        E302 nothing scatters, E307 a number out of range, E126 a word that is none of those known, E125 a worst
         crack of many samples that is looked for in each by itself, and those of `run_all`.
 
     Notes
@@ -418,7 +415,7 @@ def prob(
     if design.partial is not None:
         message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
-        raise DesignError([Fault("E483", message, "analysis.partial_factors", advice)])
+        raise DesignError([Fault("E313", message, "analysis.partial_factors", advice)])
     given, source = design, None
     if survey is not None:
         design, source = surveyed(design, survey, draw, method, seed, desk.named("survey"))
@@ -515,12 +512,12 @@ def _asked(
         advice = "Write one: phi: {dist: normal, mean: 20, sd: 2}."
         faults.append(Fault("E302", "nothing in this design scatters: no number is a distribution", "", advice))
     if method not in METHODS:
-        faults.append(Fault("E308", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."))
+        faults.append(Fault("E126", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."))
     if by not in (None, "closed-form", "pre-ie"):
-        faults.append(Fault("E308", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
+        faults.append(Fault("E126", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
     known = kind_of(design).closed_form is not None
     if by == "closed-form" and not known:
-        faults.append(Fault("E308", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
+        faults.append(Fault("E126", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
     may_dilate = dilates(design) or any(variable.path.endswith(".dilation") for variable in design.variables)
     chosen: By = "pre-ie" if by == "pre-ie" or not known or (by is None and may_dilate) else "closed-form"
     most = _MOST if chosen == "closed-form" else _MOST_BY_PRE_IE

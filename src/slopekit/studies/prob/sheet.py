@@ -26,8 +26,8 @@ _ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
 NO_BLOCK = {
     "E201": "joints parallel", "E203": "steeper than the face: does not daylight",
     "E204": "plunges into the slope or not at all: does not daylight", "E205": "flatter than the upper slope",
-    "E440": "basal joint misses the wedge", "E441": "no rock above the basal joint",
-    "E442": "basal joint does not daylight", "E443": "basal joint closes no block", "E444": "a joint bounds no block",
+    "E440": "a joint does not bound the block", "E441": "no rock above the basal joint",
+    "E442": "basal joint does not daylight", "E443": "basal joint closes no block",
     "E232": "held by its shape: it cannot leave",
     "E206": "a joint parallel to the face", "E207": "crack outside the block", "E208": "no volume",
     "E209": "face and upper slope make no crest", "E211": "a bolt misses the block", "E212": "a bolt is too short",

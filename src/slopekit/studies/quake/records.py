@@ -126,19 +126,19 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
     Raises
     ------
     DesignError
-        E511 the unit, E513 no numbers, E514 times that do not rise or are not in seconds, E516 too few samples or
-        nothing but zeros, E519 an acceleration that none has.
+        E511 the unit, or an acceleration that none has, E512 no numbers, too few samples or nothing but zeros, E514
+        times that do not rise or are not in seconds.
     """
     t, a = np.asarray(times_s, dtype=np.float64).ravel(), np.asarray(accelerations, dtype=np.float64).ravel()
     if len(t) != len(a):
         raise _refused(name, "E512", f"{len(t)} times and {len(a)} accelerations")
     if not (np.isfinite(t).all() and np.isfinite(a).all()):
         at = int(np.flatnonzero(~(np.isfinite(t) & np.isfinite(a)))[0])
-        raise _refused(name, "E513", f"sample {at + 1} is not a finite number")
+        raise _refused(name, "E512", f"sample {at + 1} is not a finite number")
     a = a * _factor_of(unit, name)
     if len(a) < 2 or not a.any():
         what = counted(len(a), "sample") if len(a) < 2 else "nothing but zeros"
-        raise DesignError([Fault("E516", f"{name} has {what}: no record of an earthquake", name)])
+        raise DesignError([Fault("E512", f"{name} has {what}: no record of an earthquake", name)])
     steps = np.diff(t)
     falls = np.flatnonzero(steps < 0.0 if is_pulse else steps <= 0.0)
     if len(falls):
@@ -153,7 +153,7 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
             f"In cm/s² it would be {number(float(f'{largest * GRAVITY / _UNITS[unit] * 0.01 / GRAVITY:.3g}'))} g."
         )
         message = f"the peak is {largest:.4g} g as {unit}, more than any earthquake's (up to {_LARGEST_G:g} g)"
-        raise _refused(name, "E519", message, advice=in_other if unit in ("g", "m/s2") else "")
+        raise _refused(name, "E511", message, advice=in_other if unit in ("g", "m/s2") else "")
     record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
     return record if is_pulse else replace(record, notices=tuple(_said_of(record)))
 
@@ -175,7 +175,7 @@ def _refused(name: str, code: str, what: str, line: int | None = None, advice: s
 
 
 def _said_of(record: Record) -> Iterator[Notice]:
-    """W460 uneven steps, W461 the baseline."""
+    """Yield W460 of uneven steps and of the baseline."""
     steps = np.diff(record.times_s)
     usual = float(np.median(steps))
     uneven = int((np.abs(steps - usual) > _UNEVEN * usual).sum())
@@ -187,7 +187,7 @@ def _said_of(record: Record) -> Iterator[Notice]:
     velocity = record.ground_velocity
     most, left = float(np.abs(velocity).max()), float(velocity[-1])
     if abs(left) > _DRIFTS * most:
-        yield Notice("W461", f"{record.name}: the ground moves at {left:.3g} m/s at its end "
+        yield Notice("W460", f"{record.name}: the ground moves at {left:.3g} m/s at its end "
                      f"({abs(left) / most:.0%} of its peak): baseline not corrected, or cut off")  # fmt: skip
 
 
@@ -205,7 +205,7 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     Raises
     ------
     DesignError
-        E147 to E149 for the files, E510 nothing there, E511 to E519 what is in them, E517 a pulse.
+        E147 to E149 for the files, E510 nothing there, E511, E512 and E514 what is in them, E517 a pulse.
     """
     if unit is not None:
         _factor_of(unit, "unit")
@@ -246,7 +246,7 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
         content = record.times_s.tobytes() + record.accelerations.tobytes()
         if (before := first.setdefault(content, record.name)) != record.name:
             said = f"{record.name} is {before} once more, sample by sample: it counts twice in medians and percentiles"
-            called[k] = replace(record, notices=(*record.notices, Notice("W490", said)))
+            called[k] = replace(record, notices=(*record.notices, Notice("W460", said)))
     return tuple(called)
 
 
@@ -272,18 +272,18 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     name = Path(path).name
     lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
     if not any(line.strip() for line in lines):
-        raise DesignError([Fault("E516", f"{name} is empty", str(path))])
+        raise DesignError([Fault("E512", f"{name} is empty", str(path))])
     if any(_step_in(line) for line in lines[:8]):
         return _with_coarse_steps_said(_at2(name, lines))
     if said := next((k for k, line in enumerate(lines[:8], 1) if _NOT_STEPS.search(line)), None):
         message = f"line {said} says no number of points and no time step that could be read"
         advice = f"It is {lines[said - 1].strip()[:60]!r}; NPTS= 4000, DT= .0050 SEC is needed."
-        raise _refused(name, "E515", message, said, advice)
+        raise _refused(name, "E512", message, said, advice)
     return _with_coarse_steps_said(_columns(name, lines, unit))
 
 
 def _with_coarse_steps_said(record: Record) -> Record:
-    """What a file holds, W497 where its steps are longer than those of records."""
+    """What a file holds, W460 where its steps are longer than those of records."""
     usual = float(np.median(np.diff(record.times_s)))
     if usual <= _COARSE:
         return record
@@ -291,7 +291,7 @@ def _with_coarse_steps_said(record: Record) -> Record:
         f"{record.name}: the time step is {usual:.6g} s, records have 0.05 s or less: times in ms, numbers of samples, "
         "or no record of an earthquake?"
     )
-    return replace(record, notices=(Notice("W497", message), *record.notices))
+    return replace(record, notices=(Notice("W460", message), *record.notices))
 
 
 def _text_of(content: bytes, name: str) -> str:
@@ -300,7 +300,7 @@ def _text_of(content: bytes, name: str) -> str:
             return content.decode("utf-32", errors="replace")
         if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
             return content.decode("utf-16", errors="replace")
-        raise DesignError([Fault("E513", f"{name} is no text: it holds bytes that no record has", name)])
+        raise DesignError([Fault("E512", f"{name} is no text: it holds bytes that no record has", name)])
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -323,7 +323,7 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
     head = next(k for k, line in enumerate(lines) if _step_in(line))
     count, step = _step_in(lines[head]) or (0, 0.0)
     if not (step > 0.0 and math.isfinite(step)):
-        raise _refused(name, "E515", f"DT is {step:g}, a time step above 0 is needed", head + 1)
+        raise _refused(name, "E512", f"DT is {step:g}, a time step above 0 is needed", head + 1)
     if other := _OTHER_DT.search(lines[head]):
         raise _refused(name, "E514", f"DT is in {other[1]}, in seconds it is needed", head + 1)
     said = " ".join(lines[:head])
@@ -334,14 +334,14 @@ def _at2(name: str, lines: Sequence[str]) -> Record:
         r"\bACCEL", said, re.IGNORECASE
     ):
         raise DesignError(
-            [Fault("E515", f"{name} is no record of acceleration", f"{name}:3", "Take the .AT2, not .VT2 or .DT2.")]
+            [Fault("E512", f"{name} is no record of acceleration", f"{name}:3", "Take the .AT2, not .VT2 or .DT2.")]
         )
     values: list[float] = []
     for k, line in enumerate(lines[head + 1 :], head + 2):
         values += [_value(word, name, k) for word in _words_of(line)]
     if len(values) != count:
         message = f"NPTS is {count}, {len(values)} values follow"
-        raise _refused(name, "E515", message, head + 1, "The file is cut off, or has been edited.")
+        raise _refused(name, "E512", message, head + 1, "The file is cut off, or has been edited.")
     unit = match[1].strip("().").lower()
     return record_of(name, step * np.arange(count), values, unit)
 
@@ -372,14 +372,14 @@ def _value(word: str, name: str, line: int) -> float:
 
 
 def _no_number(name: str, line: int, word: str) -> DesignError:
-    return _refused(name, "E513", f"line {line} holds {word[:40]!r}, a number is needed", line)
+    return _refused(name, "E512", f"line {line} holds {word[:40]!r}, a number is needed", line)
 
 
 def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     """Time and acceleration, in columns with a header or, where `unit` says the unit, without."""
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip() and line.strip()[0] not in "#%!*"]
     if not rows:
-        raise DesignError([Fault("E516", f"{name} has no samples", name)])
+        raise DesignError([Fault("E512", f"{name} has no samples", name)])
     later = [line for _, line in rows[len(rows) // 2 :]]  # samples, but for a line or two below them
     mark = next((mark for mark in (";", "\t", ",") if 2 * sum(mark in line for line in later) >= len(later)), None)
     commas = mark in (";", "\t") and any("," in line for line in later)
@@ -392,7 +392,7 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     first = next((k for k, (_, line) in enumerate(rows) if all(map(_is_number, cells(line)))), None)
     if first is None:
         line, text = rows[min(1, len(rows) - 1)]
-        raise _refused(name, "E513", f"no line holds numbers alone, line {line} is {text[:40]!r}", line)
+        raise _refused(name, "E512", f"no line holds numbers alone, line {line} is {text[:40]!r}", line)
     _not_a_sample(name, [(line, cells(text)) for line, text in rows[max(first - 1, 0) : first + 2]])
     width = len(cells(rows[first][1]))
     above = cells(rows[first - 1][1]) if first else []
@@ -432,7 +432,7 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
 
 
 def _not_a_sample(name: str, rows: Sequence[tuple[int, list[str]]]) -> None:
-    """Whether the line above the numbers is a head: E513 where its time is one step before theirs."""
+    """Whether the line above the numbers is a head: E512 where its time is one step before theirs."""
     if len(rows) < 3 or len({len(parts) for _, parts in rows}) > 1 or not all(map(_is_number, rows[2][1])):
         return
     line, above = rows[0]
@@ -486,7 +486,7 @@ def _are_a_motion(name: str, time: str, acceleration: str, line: int) -> None:
     Raises
     ------
     DesignError
-        E511 two units, E515.
+        E511 two units, E512.
     """
     if len(units := _units_in(acceleration)) > 1:
         message = f"the column {acceleration[:40]!r} names {' and '.join(sorted(units))}, one unit is needed"
@@ -496,7 +496,7 @@ def _are_a_motion(name: str, time: str, acceleration: str, line: int) -> None:
     ):  # fmt: skip
         if _plain(head) not in known and other.search(head):
             advice = "A record is time and acceleration of the ground, no spectrum, velocity or displacement."
-            raise _refused(name, "E515", f"the column {head[:40]!r} holds no {needed}", line, advice)
+            raise _refused(name, "E512", f"the column {head[:40]!r} holds no {needed}", line, advice)
 
 
 def _unit_of_head(head: str) -> str | None:

@@ -25,6 +25,7 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import also_falls_short, dilates, kind_of, notices_of_inputs, peak_only
+from slopekit.notices import new_notices
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
@@ -365,8 +366,8 @@ def quake(
     Raises
     ------
     DesignError
-        E510 to E519 for the records, E518 for a peak, E520 a slope that does not stand, E521 components that do not go
-        together, E522 a design that --six has no answer for, E523 a design without a seismic coefficient or a direction
+        E510 to E517 for the records, E307 for a peak, E520 a slope that does not stand, E313 components that do not go
+        together, E288 a design that --six has no answer for, E253 a design without a seismic coefficient or a direction
         of it, E524 a displacement of a kilometre, E280 a design without a file.
 
     Notes
@@ -393,7 +394,7 @@ def quake(
     began = time.perf_counter()
     if scale_pga is not None and not _PGA[0] <= scale_pga <= _PGA[1]:
         message = f"{desk.named('scale_pga')} is {number(scale_pga)} g, it lies between {_PGA[0]:g} and {_PGA[1]:g}"
-        raise DesignError([Fault("E518", message, "", "Peaks are in g: 0.3.")])
+        raise DesignError([Fault("E307", message, "", "Peaks are in g: 0.3.")])
     given = [records] if isinstance(records, str | Record) or not isinstance(records, Sequence) else list(records)
     taken = read_records(given, unit)
     taken = taken if scale_pga is None else tuple(record.scaled(scale_pga) for record in taken)
@@ -403,10 +404,10 @@ def quake(
     ]
     if not six and (across is not None or vertical is not None):
         message = f"{desk.named('across')} and {desk.named('vertical')} belong to {desk.named('six')}"
-        raise DesignError([Fault("E521", message, "", "Newmark's block knows the shaking along its slope alone.")])
+        raise DesignError([Fault("E313", message, "", "Newmark's block knows the shaking along its slope alone.")])
     if scale_pga is not None and (across is not None or vertical is not None):
         message = f"{desk.named('scale_pga')} would scale one of three components"
-        raise DesignError([Fault("E521", message, "", "Scale the records, all three, by the same number.")])
+        raise DesignError([Fault("E313", message, "", "Scale the records, all three, by the same number.")])
     static = static_design(design, toward, desk.named("toward"))
     check_stands(static)
     block = six_block(static, len(taken), others[0], others[1]) if six else None
@@ -496,55 +497,55 @@ _WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
 
 
 def _into(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[Notice]:
-    """W467 where the shaking pushes the block into the slope."""
+    """W328 where the shaking pushes the block into the slope."""
     if out is None:
         return []
     toward, away = (f"{number(trend or 0.0):0>3}" for trend in (static.seismic.trend_deg, out[0]))
-    return [Notice("W467", f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {away} "
+    return [Notice("W328", f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {away} "
                    f"pushes out of it, k_y is below {shown_k(out[1])}: --toward {away}")]  # fmt: skip
 
 
 def _off_section(static: Design) -> list[Notice]:
-    """W487 where a section is shaken another way than it lies."""
+    """W323 where a section is shaken another way than it lies."""
     in_section, trend = kind_of(static).in_section, static.seismic.trend_deg
     share = 1.0 if in_section is None else in_section(static)
     if trend is None or abs(share) > 1.0 - 1e-6:
         return []
     why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
     where = f"toward {number(trend):0>3} is off the section, which knows {share * 100:.4g} % of the shaking alone"
-    return [Notice("W487", f"{where}: {why}")]
+    return [Notice("W323", f"{where}: {why}")]
 
 
 def _of_six(six: InSix | None) -> list[Notice]:
     """What did not come to rest, and what hangs on the node pairs."""
     in_six = () if six is None else six.shaken
     hangs = [] if six is None or (six.change or 0.0) <= SETTLED else [
-        Notice("W471", f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by "
+        Notice("W312", f"the last refinement of the node pairs, to {six.pairs}, still moved what slides by "
                f"{six.percent} %: where joints open it hangs on them")
     ]  # fmt: skip
     said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
     return hangs + [
-        Notice("W466", f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {said[one.ended]}")
+        Notice("W464", f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {said[one.ended]}")
         for one in in_six if one.ended in said
     ]  # fmt: skip
 
 
 def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], outwards: bool) -> list[Notice]:
-    """What is to be known: of the records, of κ, of the methods; W467 says what is of shaking into the slope."""
+    """What is to be known: of the records, of κ, of the methods; W328 says what is of shaking into the slope."""
     notes = [notice for one in shaken for notice in one.record.notices]
     ours = yields[0]
     if ours.coefficient is not None and ours.factor is None:
         notes.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
                             "too small"))  # fmt: skip
     if ours.alone_at is not None:
-        notes.append(Notice("W468", f"the factor is that of {ours.factor_of} with all other blocks held, which moves "
+        notes.append(Notice("W462", f"the factor is that of {ours.factor_of} with all other blocks held, which moves "
                             f"at {shown_k(ours.alone_at)}: the motion of all of them did not settle"))  # fmt: skip
     if ours.first_factor is not None:
-        notes.append(Notice("W470", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
+        notes.append(Notice("W462", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
                             f"it and {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may "
                             "join in"))  # fmt: skip
     if ours.runs is not None:
-        notes.append(Notice("W469", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
+        notes.append(Notice("W462", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
                             f"state at rest, at {shown_k(ours.runs)} the blocks run"))  # fmt: skip
     notes += one_history(ours.not_compared, f"k_y {shown_k(ours.coefficient)}")
     notes += ours.notes
@@ -553,19 +554,18 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], 
         also = kind_of(static).without_basal(with_values(static, {KEY: k}))
         notes += also_falls_short(also, 1.0, f"at k = {shown_k(k)}")
     if ours.coefficient is None:
-        notes.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
+        notes.append(Notice("W462", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]
     if on:
         listed = ", ".join(on[:6]) + (", ..." if len(on) > 6 else "")
         notes.append(Notice("W464", f"the block still slides when the record ends ({listed}): what it slides on "
                             "without shaking is counted; a record cut off lacks what came after"))  # fmt: skip
     if len(yields) > 1 and ours.why_not.startswith("moments"):
-        notes.append(Notice("W465", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
+        notes.append(Notice("W353", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
                             f"which knows no moments, {shown_k(yields[1].coefficient)}"))  # fmt: skip
     elif ours.jumps:
-        notes.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
+        notes.append(Notice("W353", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
                             "gone"))  # fmt: skip
     notes += beyond_sense(KEY, ours.coefficient, ours.beyond) if outwards else ()
-    known = {note.code for note in notes}
-    notes += (note for note in notices_of_inputs(static, [KEY]) if note.code not in known)
+    notes += new_notices(notices_of_inputs(static, [KEY]), notes)
     return [*notes, *peak_only(static, "displacements one way are those")]

@@ -49,7 +49,7 @@ def line_of(quake: Quake) -> str:
     """The yield coefficient, the displacements, the check on one line."""
     k, factor = quake.coefficient, quake.factor
     parts = [f"k_y {shown_k(k)}", f"factor {factor:.3f}" if factor is not None else "no factor"]
-    mark = " (W465)" if quake.yields[0].jumps else ""
+    mark = " (W353)" if quake.yields[0].jumps else ""
     if quake.in_six is not None:
         parts.append(f"six degrees of freedom: {_moves(quake.leading)}")
         parts.append(f"one way: {_moves(quake.one_way)}{mark}")
@@ -62,7 +62,7 @@ def line_of(quake: Quake) -> str:
 def _moves(displacement: Displacement) -> str:
     """Median and largest displacement in words."""
     if displacement.median_m is None or displacement.largest_m is None:
-        return "no displacement, a step did not settle (W466)"
+        return "no displacement, a step did not settle (W464)"
     return f"median {_centimetres(displacement.median_m)} cm, most {_centimetres(displacement.largest_m)} cm"
 
 
@@ -106,7 +106,7 @@ def _yield(quake: Quake, one: Yield) -> str:
 
 def _stands_for_none(quake: Quake) -> list[str]:
     """Where a joint opens at k_y."""
-    return ["W465: a joint opens at k_y, no displacement stands for what follows"] if quake.yields[0].jumps else []
+    return ["W353: a joint opens at k_y, no displacement stands for what follows"] if quake.yields[0].jumps else []
 
 
 def _agree(quake: Quake) -> list[str]:

@@ -143,14 +143,14 @@ def six_block(static: Design, records: int, across: Record | None, vertical: Rec
     Raises
     ------
     DesignError
-        E521 components that do not go together, E522 a design that has no such block.
+        E313 components that do not go together, E288 a design that has no such block.
     """
     if (across is not None or vertical is not None) and records != 1:
         message = f"--across and --vertical belong to one record, {records} are given"
-        raise DesignError([Fault("E521", message, "", "Run each earthquake by itself.")])
+        raise DesignError([Fault("E313", message, "", "Run each earthquake by itself.")])
     at_rest = _block_of(static)
     if across is not None and at_rest.block.translations == 2:
-        raise DesignError([Fault("E521", "a section does not move across itself: --across says nothing of it")])
+        raise DesignError([Fault("E313", "a section does not move across itself: --across says nothing of it")])
     return at_rest
 
 
@@ -288,7 +288,7 @@ def springs_in_words(static: Design) -> str:
 
 
 def _none(why: str) -> DesignError:
-    return DesignError([Fault("E522", f"--six has no answer for this design: {why}", "", "Leave --six out.")])
+    return DesignError([Fault("E288", f"--six has no answer for this design: {why}", "", "Leave --six out.")])
 
 
 def _in_space(record: Record, way: str, out: Shake, block: ShakenBlock, made: Cut) -> SixMotion:

@@ -91,7 +91,7 @@ def static_design(design: Design, toward: float | None, named: str = "toward") -
     Raises
     ------
     DesignError
-        E280 a design without a file, E122 a direction that is none, E523 a design that takes no shaking this way.
+        E280 a design without a file, E122 a direction that is none, E253 a design that takes no shaking this way.
     """
     values: dict[str, object] = {KEY: 0.0}
     if toward is not None and not 0.0 <= toward <= 360.0:
@@ -109,15 +109,15 @@ def static_design(design: Design, toward: float | None, named: str = "toward") -
 
 
 def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bool) -> Fault:
-    """E523: no seismic coefficient, no direction of it, or one that leaves the section."""
+    """E253: no seismic coefficient, no direction of it, or one that leaves the section."""
     if has_no_key:
         message = f"quake needs a design with a seismic coefficient: a {design.kind} has none"
         known = ", ".join(name for name in KINDS if "loads" not in record_of(name).WITHOUT)
-        return Fault("E523", message, "", f"Kinds with loads.seismic.k: {known}.")
+        return Fault("E253", message, "", f"Kinds with loads.seismic.k: {known}.")
     if toward is None:
         message = "quake needs the direction of the shaking: the blocks do not say which way they fall"
-        return Fault("E523", message, "", f"Give {named} 270 (or 090), or loads: {{seismic: {{toward: 270}}}}.")
-    return Fault("E523", f"{named} is {number(toward)}: a section is shaken toward 090 or 270", "",
+        return Fault("E253", message, "", f"Give {named} 270 (or 090), or loads: {{seismic: {{toward: 270}}}}.")
+    return Fault("E253", f"{named} is {number(toward)}: a section is shaken toward 090 or 270", "",
                  "x is east (090), -x west (270).")  # fmt: skip
 
 

@@ -239,8 +239,8 @@ def sets(
     Raises
     ------
     DesignError
-        With every fault: of the list (E428 its spacings and traces), E425 the number of sets, E426 the scanline, E427
-        the bias angle, E429 confidence or contours, E307 the seed.
+        With every fault: of the list (E193 its spacings and traces), E137 the number of sets, E104 the scanline, E307
+        the bias angle, confidence, contours or seed.
 
     Notes
     -----
@@ -268,7 +268,7 @@ def sets(
     )
     where = desk.named("scanline")
     line = None if scanline is None else faults.of(
-        lambda: line_of_words(scanline, "the scanline", "E426", f"{where} {scanline}")
+        lambda: line_of_words(scanline, "the scanline", "E104", f"{where} {scanline}")
     )  # fmt: skip
     angle = BIAS_ANGLE_DEG if bias_angle is None else faults.of(partial(_angle, bias_angle, desk.named("bias_angle")))
     if bias_angle is None and scanline is not None:
@@ -299,7 +299,7 @@ def sets(
         listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, contours, _plane(at), dense,
         _girdle(poles, each, tried), confidence, seed, tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
-    return _with_notices(outcome, ignore_sets)
+    return _with_notices(outcome)
 
 
 def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str], Ints, Floats]:
@@ -315,10 +315,10 @@ def _grouped(listed: JointList, tried: Sequence[Clusters]) -> tuple[Sequence[str
     return found, of, share
 
 
-def _with_notices(joint_sets: JointSets, ignored: bool) -> JointSets:
+def _with_notices(joint_sets: JointSets) -> JointSets:
     from slopekit.studies.sets.said import notices_of
 
-    return replace(joint_sets, warnings=(*left_out(joint_sets.joints), *notices_of(joint_sets, ignored)))
+    return replace(joint_sets, warnings=(*left_out(joint_sets.joints), *notices_of(joint_sets)))
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
@@ -326,17 +326,17 @@ def _with_notices(joint_sets: JointSets, ignored: bool) -> JointSets:
 
 def _angle(value: object, option: str) -> float:
     advice = "15 is usual: no joint weighs more than 1 / sin 15° = 3.9. 90 leaves the weights out."
-    return between(value, "angle", (1.0, 90.0), "E427", "the bias angle", f"{option} {value}", advice, "°")
+    return between(value, "angle", (1.0, 90.0), "E307", "the bias angle", f"{option} {value}", advice, "°")
 
 
 def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Workplace) -> None:
     if not 0.5 <= confidence < 1.0:
         option = desk.named("confidence")
         message = f"the confidence is {number(confidence)}, it lies from 0.5 to below 1"
-        faults.append(Fault("E429", message, option, "Write 95% or 0.95."))
+        faults.append(Fault("E307", message, option, "Write 95% or 0.95."))
     if contours not in CONTOURS:
         message = f"{contours} is not a way to count poles"
-        faults.append(Fault("E429", message, desk.named("contours"), f"Known: {', '.join(CONTOURS)}."))
+        faults.append(Fault("E307", message, desk.named("contours"), f"Known: {', '.join(CONTOURS)}."))
     check_seed(faults, seed)
 
 
@@ -346,7 +346,7 @@ def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Workpl
     option, most = desk.named("n"), min(MOST_SETS, len(joints))
     if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 1 <= n <= most:
         message = f"{counted(len(joints), 'joint')} cannot be divided into {n} sets, 1 to {most} are possible"
-        faults.append(Fault("E425", message, f"{option} {n}", "Leave it out: the joints say how many."))
+        faults.append(Fault("E137", message, f"{option} {n}", "Leave it out: the joints say how many."))
 
 
 # -- sets -------------------------------------------------------------------------------------------------------------

@@ -8,20 +8,15 @@ from slopekit.core.sheet import counted
 from slopekit.studies.sets.run import JointSets, is_close, too_few
 
 
-def notices_of(joint_sets: JointSets, ignored: bool) -> list[Notice]:
-    """W400 to W409, those that apply."""
+def notices_of(joint_sets: JointSets) -> list[Notice]:
+    """Return those of W401, W402 and W404 that apply."""
     said: list[Notice] = []
     joints, sets = joint_sets.joints, joint_sets.sets
     if not joint_sets.are_given:
         said += _of_number(joint_sets)
     elif joint_sets.asked is not None:
         message = f"the sets are those of the column set of {joints.name}: --sets {joint_sets.asked} is not used"
-        said.append(Notice("W405", f"{message}; --ignore-sets finds them anew"))
-    if ignored and joints.sets():
-        said.append(Notice("W405", f"the column set of {joints.name} is left out, as asked"))
-    if sets and joint_sets.without_set:
-        alone = counted(len(joint_sets.without_set), "joint")
-        said.append(Notice("W400", f"{alone} of {len(joints)} {_is(joint_sets)} of no set, and in no mean and no K"))
+        said.append(Notice("W404", f"{message}; --ignore-sets finds them anew"))
     few = [one for one in sets if too_few(one)]
     if few:
         names = ", ".join(f"{one.name} ({len(one.members)})" for one in few)
@@ -37,20 +32,20 @@ def notices_of(joint_sets: JointSets, ignored: bool) -> list[Notice]:
     odd = [one.name for one in sets if one.axes.is_elongated]
     if odd:
         message = f"the poles of {', '.join(odd)} scatter more one way than the other: Fisher's K is a mean of the two"
-        said.append(Notice("W403", f"{message}, dip and dip direction by themselves say more"))
+        said.append(Notice("W401", f"{message}, dip and dip direction by themselves say more"))
     if joint_sets.scanline is None and any(joint.position_m is not None for joint in joints.joints):
         message = f"positions of {joints.name} give no spacing without the scanline: --scanline TREND/PLUNGE"
-        said.append(Notice("W406", message))
+        said.append(Notice("W402", message))
     if joint_sets.scanline is not None and joints.has_quantities:
         message = f"quantities of {joints.name} count besides the weights of the scanline: leave one of them out"
-        said.append(Notice("W407", f"{message} if the quantities are such weights already"))
+        said.append(Notice("W402", f"{message} if the quantities are such weights already"))
     return said
 
 
 def _of_number(joint_sets: JointSets) -> list[Notice]:
     if joint_sets.girdle is not None:
         message = f"the poles lie along one great circle, about {joint_sets.girdle[0]}, as those of folded beds do"
-        return [Notice("W409", f"{message}: sets are pieces of it; divide the survey into domains first")]
+        return [Notice("W404", f"{message}: sets are pieces of it; divide the survey into domains first")]
     if joint_sets.asked is None:
         by = {len(one): one.bic for one in joint_sets.tried}
         chosen = min(by, key=lambda count: by[count])
@@ -58,7 +53,7 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
             message = (
                 f"the {counted(len(joint_sets.joints), 'joint')} of {joint_sets.joints.name} show no sets: no number of"
             )
-            return [Notice("W408", f"{message} sets is likelier than joints that lie anywhere; --sets N divides them")]
+            return [Notice("W404", f"{message} sets is likelier than joints that lie anywhere; --sets N divides them")]
         if near := is_close(by, chosen):
             others = " or ".join(map(str, near))
             message = f"{counted(chosen, 'set')} or {others}: the joints hardly tell which (BIC within 6)"
@@ -68,9 +63,5 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
             f"{joint_sets.asked} sets were asked for, {len(joint_sets.sets)} hold joints that are likelier "
             "theirs than not"
         )
-        return [Notice("W408", message)]
+        return [Notice("W404", message)]
     return []
-
-
-def _is(joint_sets: JointSets) -> str:
-    return "is" if len(joint_sets.without_set) == 1 else "are"

@@ -151,7 +151,7 @@ def _girdle(joint_sets: JointSets) -> list[Entry]:
     if joint_sets.girdle is None:
         return []
     axis, bic = joint_sets.girdle
-    return [f"all poles lie along one great circle, about the axis {axis} (BIC {bic:.1f}): see W409"]
+    return [f"all poles lie along one great circle, about the axis {axis} (BIC {bic:.1f}): see W404"]
 
 
 def _joints(joint_sets: JointSets) -> Table[int]:

@@ -122,7 +122,7 @@ def for_factor(
 
 
 def _at_peak(solution: Solution) -> tuple[Notice, ...]:
-    """W506: the target is met by the peak strength, and what is left at the value found on the residual strength."""
+    """W417: the target is met by the peak strength, and what is left at the value found on the residual strength."""
     answer = solution.answer
     if answer is None:
         return peak_only(solution.design, "factors are those")

@@ -73,7 +73,7 @@ def of_load(asked: FactorRequest, whole: bool, lower: bool) -> tuple[Answers, bo
 
 
 def _higher_without_cohesion(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
-    """W500: with less cohesion the same blocks stand a higher load.
+    """W477: with less cohesion the same blocks stand a higher load.
 
     A state at rest without some cohesion is one with it, too: in balance, within strength, open where it was open. But
     bonds that hold longer let go under more load, of other contacts, and what is left may carry less.
@@ -91,7 +91,7 @@ def _higher_without_cohesion(asked: FactorRequest, solved: SolvedValue) -> Itera
             highest = at.multiplier, without
     if highest is not None:
         named, stands = " and ".join(highest[1]), asked.key.shown(highest[0], 4)
-        yield Notice("W500", f"without the cohesion of {named} the blocks stand {asked.key.path} up to {stands}, with "
+        yield Notice("W477", f"without the cohesion of {named} the blocks stand {asked.key.path} up to {stands}, with "
                      f"it {asked.key.shown(solved.value, 4)}: bonds that hold longer break under more load, and less "
                      "is left; the lower of the two is the answer")  # fmt: skip
 

@@ -13,6 +13,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.kinds import factors_of, notices_of_inputs
+from slopekit.notices import new_notices
 from slopekit.studies.keys import Key
 from slopekit.studies.points import UNSETTLED, Method, Point, checked_target
 from slopekit.studies.protocol import StudyOutcome
@@ -359,22 +360,22 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358, W469, W476 to W478, W489, W491, cohesion, inputs."""
+    """Yield what is to be known beside the value: of moments, of other values, of the order of loads, of inputs."""
     key, target, answer = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
     if answer is not None and solution.moments_govern:
         than = f"the closed form, which knows no moments, has {key.shown(other.value)}" if other else "it has none"
-        yield Notice("W355", f"moments govern: use {key.shown(answer.value)}, PRE-IE's; {than}")
+        yield Notice("W353", f"moments govern: use {key.shown(answer.value)}, PRE-IE's; {than}")
     elif answer is not None and closed is not None and other is None:
-        yield Notice("W355", f"the closed form has no such value: {closed.reason.message if closed.reason else ''}")
+        yield Notice("W353", f"the closed form has no such value: {closed.reason.message if closed.reason else ''}")
     elif answer is None and other is not None:
         point = other.both
         why = "with moments there is no such value" if point.factors else f"there {point.code} {point.message}"
-        yield Notice("W355", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
+        yield Notice("W353", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
     yield from _of_paths(solution)
     if answer is not None:
-        yield from (note for note in answer.notes if note.code != "W303" or not solution.moments_govern)  # W355 says it
+        yield from answer.notes
     if len(solution.pre_ie.roots) > 1:
         further = [f"{key.shown(one.value)} ({one.status})" for one in solution.pre_ie.roots[1:]]
         others = ", ".join(further[:_MOST_LISTED]) + (", …" if len(further) > _MOST_LISTED else "")
@@ -385,29 +386,28 @@ def notices(solution: Solution) -> Iterator[Notice]:
     if answer is not None:
         for one in solution.pre_ie.others:
             what = "jumps across" if one.how == "jump" else "passes (where there is no factor)"
-            yield Notice("W358", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
+            yield Notice("W356", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
 
-    known = () if answer is None else {note.code for note in answer.notes}
-    yield from (note for note in notices_of_inputs(solution.design, [key.path]) if note.code not in known)
+    yield from new_notices(notices_of_inputs(solution.design, [key.path]), () if answer is None else answer.notes)
 
 
 def _of_paths(solution: Solution) -> Iterator[Notice]:
     """Of a load on many blocks: what it gives as it comes on last, and what as the strength is divided last."""
     key, target, answer = solution.key, solution.target, solution.answer
     if solution.spent:
-        yield Notice("W478", "the work that one answer may take was done before all was looked at")
+        yield Notice("W360", "the work that one answer may take was done before all was looked at")
     yield from beyond_sense(key.path, None if answer is None else answer.value, solution.load_last_beyond)
     if answer is None:
         return
     yield from one_history(answer.not_compared, key.shown(answer.value))
     last = "none" if answer.strength_last is None else shown(answer.strength_last)
     if answer.runs is not None:
-        yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(answer.value)} and "
+        yield Notice("W462", f"no limit state was found: the blocks were last at rest at {key.shown(answer.value)} and "
                              f"run at {key.shown(answer.runs)} as this load comes on last; with the strength divided "
                              f"last their factor there is {last}")  # fmt: skip
     elif answer.jumps:
-        yield Notice("W476", f"the factor jumps at {key.shown(answer.value)}: put back it is {last}, and just above it "
+        yield Notice("W356", f"the factor jumps at {key.shown(answer.value)}: put back it is {last}, and just above it "
                              f"is below {number(target)}, or none is found")  # fmt: skip
     if answer.load_last is not None and answer.load_last[0] != answer.value:
         value, runs = answer.load_last
@@ -426,19 +426,19 @@ def _of_paths(solution: Solution) -> Iterator[Notice]:
 
 
 def one_history(not_compared: str, value: str) -> Iterator[Notice]:
-    """W489 where the other of two histories of a load says nothing of a value."""
+    """W477 where the other of two histories of a load says nothing of a value."""
     if not_compared:
         text = f"the order of loads was not compared: {not_compared}; {value} is of one history alone"
-        yield Notice("W489", text)
+        yield Notice("W477", text)
 
 
 def beyond_sense(path: str, value: float | None, last: float | None) -> Iterator[Notice]:
-    """W491 where a seismic coefficient is more than earthquakes give: its value, or where the blocks fail at last."""
+    """W302 where a seismic coefficient is more than earthquakes give: its value, or where the blocks fail at last."""
     at = last if value is None else value
     if path == "loads.seismic.k" and at is not None and at > GREATEST_K:
         where = "the blocks fail" if value is None else "k"
         shown = f" at k {number(float(f'{at:.3g}'))} only, which" if value is None else f" {number(float(f'{at:.3g}'))}"
-        yield Notice("W491", f"{where}{shown} is beyond what nearly any earthquake gives (1 g): something else than "
+        yield Notice("W302", f"{where}{shown} is beyond what nearly any earthquake gives (1 g): something else than "
                              "shaking decides")  # fmt: skip
 
 
@@ -451,4 +451,4 @@ def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
             (a, _), (b, _) = root.bracket
             text = f"{key.shown(root.value)}, put back into {name}, misses {number(target)} by {miss:.1g}: "
             text += f"between {key.shown(a, 16)} and {key.shown(b, 16)} the factor is no smoother"
-            yield Notice("W357", text)
+            yield Notice("W356", text)

@@ -133,7 +133,7 @@ def chosen(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
     Raises
     ------
     DesignError
-        E272 for a name that is none of these.
+        E197 for a name that is none of these.
     """
     sources, cases = document()
     if only is None:
@@ -145,9 +145,9 @@ def chosen(only: str | Iterable[str] | None) -> tuple[ReferenceCase, ...]:
         if name not in known:
             near = get_close_matches(name, sorted(known), n=3, cutoff=0.4)
             advice = f"Did you mean {' or '.join(near)}?" if near else f"There are the sources {', '.join(sources)}."
-            faults.append(Fault("E272", f"{name} is no case, source or kind of the suite", f"only = {name}", advice))
+            faults.append(Fault("E197", f"{name} is no case, source or kind of the suite", f"only = {name}", advice))
     if faults or not names:
-        raise DesignError(faults or [Fault("E272", "no case is chosen", "only = ()", "Leave it out to run them all.")])
+        raise DesignError(faults or [Fault("E197", "no case is chosen", "only = ()", "Leave it out to run them all.")])
     return tuple(
         case for case in cases
         if {case.id, case.kind, case.source, *(one.source for one in case.references)} & set(names)

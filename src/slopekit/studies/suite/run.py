@@ -171,7 +171,7 @@ def suite(only: str | Iterable[str] | None = None, *, desk: Workplace = DESK) ->
     Raises
     ------
     DesignError
-        E272 for a name that is none of these.
+        E197 for a name that is none of these.
 
     >>> suite("6c_footing").counts["outside"]
     0

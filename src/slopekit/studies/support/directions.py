@@ -32,7 +32,7 @@ STEP_DEG = 5.0  # of trend and plunge as they are set out
 INTO_FACE_DEG = 5.0  # the practical optimum points into the face by at least that
 _SAMPLES = np.concatenate([[0.0], np.logspace(-4.0, 4.0, 33)])  # forces in parts of the loads, where none reaches
 NO_STRENGTH = Notice(
-    "E324", "the joints have no strength: a load can only balance the block, and passive bolts would hang it up alone"
+    "E322", "the joints have no strength: a load can only balance the block, and passive bolts would hang it up alone"
 )  # fmt: skip
 
 
@@ -349,7 +349,7 @@ class BoltDirections:
                 if not gained
                 else f"they pull no more than stops the movement along them: at best FoS {shown}"
             )
-            return Way(direction, None, math.inf, best, None, Notice("E323", why))
+            return Way(direction, None, math.inf, best, None, Notice("E322", why))
         if not gained:
             why = "force that way drives the block, or lifts it, as much as it holds it: it adds nothing"
         elif best_force >= _SAMPLES[-2] * size:

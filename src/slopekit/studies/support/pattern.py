@@ -20,7 +20,7 @@ _STARTS = np.array([(a, b) for a in (0.0, 0.25, 0.5, 0.75) for b in (0.0, 0.25, 
 _PLACES = 401  # along the face of a section that are looked at
 _CLEAR = 1e-9  # of the size of the block
 _NO_PLACE = Notice(
-    "E326", "no place on the face is left: bolts that way come out of a free face, anchored in nothing"
+    "E211", "no place on the face is left: bolts that way come out of a free face, anchored in nothing"
 )  # fmt: skip
 
 
@@ -70,7 +70,7 @@ def layout(site: Site, direction: Floats, force: float, capacity: float, spacing
     """Bolts of at most `capacity` that carry `force` along a direction (local axes), or why there are none."""
     if not float(site.inward @ direction) > 1e-6:
         message = "the force points out of the face: bolts with their heads on it pull the other way"
-        return Notice("E326", message)
+        return Notice("E211", message)
     if site.in_section:
         return _section_layout(site, direction, force, capacity, spacing)
     return _face_layout(site, direction, force, capacity, spacing)
@@ -225,7 +225,7 @@ def _section_layout(
     local = foot + shares[:, None] * (top - foot)
     sound, anchored = depths(site, local, direction)
     if not anchored.all():
-        return Notice("E326", "bolts that way come out of a free face from some of the rows")
+        return Notice("E211", "bolts that way come out of a free face from some of the rows")
     left_out = round((length - reach) / (reach / rows)) if reach < length * (1.0 - 3.0 * step) else 0
     none = np.zeros(rows, dtype=np.int64)
     return Layout(

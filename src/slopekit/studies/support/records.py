@@ -64,13 +64,13 @@ def read_options(
     Raises
     ------
     DesignError
-        E321 with every option that is not understood, and what `quantity` raises.
+        E307 with every option that is not understood, and what `quantity` raises.
     """
     faults = Faults()
 
     def positive(value: object, kind: str, name: str, key: str) -> float | None:
         where = f"{named(key)} {value}"
-        return None if value is None else faults.of(lambda: above_zero(value, kind, name, "E321", where))
+        return None if value is None else faults.of(lambda: above_zero(value, kind, name, "E307", where))
 
     target = positive(fos, "ratio", "the target factor of safety", "fos")
     capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "bolt_capacity")
@@ -79,14 +79,14 @@ def read_options(
     long = positive(length, "length", "the length of the bolts", "length")
     both = faults.of(lambda: _acts(acts, f"{named('acts')} {acts}"))
     line = toward if isinstance(toward, Line) or toward is None else faults.of(
-        lambda: line_of_words(toward, "the bolts", "E321", f"{named('toward')} {toward}")
+        lambda: line_of_words(toward, "the bolts", "E307", f"{named('toward')} {toward}")
     )  # fmt: skip
     limits = None if plunge is None else faults.of(lambda: _plunges(plunge, named("plunge")))
     if target is None and not faults:
-        faults.append(Fault("E321", "the target factor of safety is missing", named("fos"), "For example 1.5."))
+        faults.append(Fault("E307", "the target factor of safety is missing", named("fos"), "For example 1.5."))
     if faults or target is None or capacity is None or anchorage is None or both is None:
         where = f"{named('bolt_capacity')}, {named('bond')}"
-        raise DesignError(faults or [Fault("E321", "capacity and bond are needed", where)])
+        raise DesignError(faults or [Fault("E307", "capacity and bond are needed", where)])
     return SupportOptions(target, both, line, limits, capacity, apart, anchorage, long)
 
 
@@ -98,7 +98,7 @@ def _acts(value: object, where: str) -> tuple[Acts, ...]:
     if value == "passive":
         return ("passive",)
     advice = "Leave it out for both."
-    raise DesignError([Fault("E321", f"bolts are active or passive, not {value}", where, advice)])
+    raise DesignError([Fault("E307", f"bolts are active or passive, not {value}", where, advice)])
 
 
 def _plunges(value: object, option: str) -> tuple[float, float]:
@@ -106,11 +106,11 @@ def _plunges(value: object, option: str) -> tuple[float, float]:
     parts = re.split(r"\s*[,:]\s*", value.strip()) if isinstance(value, str) else value
     if not isinstance(parts, Sequence) or len(parts) != 2:
         advice = f"Write least,most: {option} -5,15; positive is downward into the rock."
-        raise DesignError([Fault("E321", f"limits of plunge are two numbers, not {value}", where, advice)])
+        raise DesignError([Fault("E307", f"limits of plunge are two numbers, not {value}", where, advice)])
     low, high = (quantity(part, "angle", "a limit of plunge", where) for part in parts)
     if not -90.0 <= low <= high <= 90.0:
         message = f"limits of plunge run from low to high between -90 and 90, not {number(low)} to {number(high)}"
-        raise DesignError([Fault("E321", message, where)])
+        raise DesignError([Fault("E307", message, where)])
     return low, high
 
 
@@ -173,7 +173,7 @@ class Pattern:
     @property
     def reached(self) -> bool:
         """Whether these bolts give the target: in number, length and strength."""
-        return self.force is not None and not any(notice.code in ("E326", "E327", "E328") for notice in self.notices)
+        return self.force is not None and not any(notice.code in ("E211", "E212", "E328") for notice in self.notices)
 
     @property
     def shortest_m(self) -> float | None:

@@ -95,7 +95,7 @@ def support(
     Raises
     ------
     DesignError
-        E320 for other kinds, E321 for what is not understood.
+        E288 for other kinds, E307 for what is not understood.
     GeometryError
         Where no block can be formed.
 
@@ -268,8 +268,8 @@ class _SupportSearch:
         if which == "practical":
             low, high = self.options.plunge or (0.0, 0.0)
             where = f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
-            return Notice("E323" if ways.passive else "E322", where)
-        return Notice("E324", "no force of any direction reaches the target")
+            return Notice("E322", where)
+        return Notice("E322", "no force of any direction reaches the target")
 
     # -- PRE-IE ---------------------------------------------------------------------------------------------
 
@@ -338,13 +338,13 @@ class _SupportSearch:
         apart = min([laid.across_m] + [laid.up_m] * (laid.rows > 1))
         if apart < _CLOSE_M and (len(laid) > 1 or site.in_section):
             message = f"bolts stand {apart:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
-            notices.append(Notice("W378", f"{message}; stronger bolts (--bolt-capacity) stand farther apart"))
+            notices.append(Notice("W311", f"{message}; stronger bolts (--bolt-capacity) stand farther apart"))
         taken = np.ceil(lengths * 10.0 - 1e-9) / 10.0
         if options.length is not None:
             taken = np.full(len(laid), options.length)
             short = int((taken < lengths * (1.0 - 1e-12)).sum())
             message = f"{short} of {len(laid)} bolts are too short at {options.length:g} m"
-            notices += [Notice("E327", f"{message}: the longest needs {lengths.max():.4g} m")] if short else []
+            notices += [Notice("E212", f"{message}: the longest needs {lengths.max():.4g} m")] if short else []
         force = each = per_m2 = None
         if root.force is not None:
             force = max(root.force, least)  # with heads PRE-IE needs no less than the forces alone

@@ -189,7 +189,7 @@ def site_of(design: Design) -> Site:
     Raises
     ------
     DesignError
-        E320 for other kinds, and for curved strength.
+        E288 for other kinds, and for curved strength.
     GeometryError
         Where no block can be formed.
     """
@@ -202,11 +202,11 @@ def site_of(design: Design) -> Site:
             else "Give the design a bolt, then sweep and solve change it: slopekit solve my.yaml "
             "support.bolts.0.force --fos 1.5"
         )
-        raise DesignError([Fault("E320", message, "", advice)])
+        raise DesignError([Fault("E288", message, "", advice)])
     if any(strength.law for strength in kind.strengths(design)):
         message = "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint"
         advice = "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
-        raise DesignError([Fault("E320", message, "", advice)])
+        raise DesignError([Fault("E288", message, "", advice)])
     made, asked = kind.cut(design), kind.closed_form
     assert made.hull is not None
     model, block = made.scene_at(0).model, made.block

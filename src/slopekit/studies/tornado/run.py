@@ -9,7 +9,7 @@
 
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
@@ -47,7 +47,7 @@ RULE = (
 _NORMAL_TAIL = 1.6448536269514722  # standard deviations
 _CONSTANTS = ("rock.gravity", "water.unit_weight")
 _NO_CHANGE = 1e-9
-_OF_ENDS = ("W310", "W321")  # of joints that dilate or strike otherwise: ends that only the study made so say nothing
+_OF_ENDS = "W310"  # the closed form is not compared: of ends that only the study made so it says nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,17 +138,14 @@ class Tornado(StudyOutcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         short = also_short(self.points, self._where, method, self.design.accepted_fos or 1.0)
-        said = (*short, *said_at(self.points, self._where, (*self.of_inputs, *self._of_ends())))
+        notes = () if self.base.factors is None else self.base.factors.notes
+        compared = all(note.code != _OF_ENDS for note in notes)
+        there = said_at(self.points, self._where, self.of_inputs)
+        said = (*short, *(note for note in there if not (compared and note.code == _OF_ENDS)))
         if not bare:
             return (*said, *self.of_inputs)
         ends = "end has" if len(bare) == 1 else "ends have"
         return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *said, *self.of_inputs)
-
-    def _of_ends(self) -> Iterator[Notice]:
-        """What is said of values that only the ends have: not of the design, and so of nobody's input."""
-        notes = () if self.base.factors is None else self.base.factors.notes
-        said = {notice.code for notice in notes}
-        return (Notice(code, "") for code in _OF_ENDS if code not in said)
 
     def _where(self, number: int) -> str:
         """The place of a point, in words."""

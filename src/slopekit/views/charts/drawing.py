@@ -67,8 +67,8 @@ def save(figure: Any, path: Path) -> None:
 
 
 def no_window(why: str) -> NoReturn:
-    """Raise E346: there is nowhere to show a picture, and why."""
-    raise DesignError([Fault("E346", f"no window can be opened: {why}", "--show", "Write a file: -o out.png.")])
+    """Raise E140: there is nowhere to show a picture, and why."""
+    raise DesignError([Fault("E140", f"no window can be opened: {why}", "--show", "Write a file: -o out.png.")])
 
 
 def nothing(why: str) -> NoReturn:

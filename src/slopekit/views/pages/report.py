@@ -95,7 +95,7 @@ def report_of(
     Raises
     ------
     DesignError
-        E140 without the extra, E371 neither result nor study, E372 one that is damaged, E376 a key of the project.
+        E140 without the extra, E340 no result or one that is damaged, E142 a key of the project.
     """
     given = [documents] if isinstance(documents, Mapping) else list(documents)
     several, called, short = _with_cases(given, names)
@@ -167,7 +167,7 @@ def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[
             raise
         message = f"their inputs cannot be compared ({type(error).__name__}: {error})"
         advice = "Was one changed, or written by another version? Make it again."
-        raise DesignError([Fault("E372", message, ", ".join(names), advice)]) from error
+        raise DesignError([Fault("E340", message, ", ".join(names), advice)]) from error
 
 
 class _Views:
@@ -183,7 +183,7 @@ class _Views:
             return 0
         if self.data and sum(map(len, self.data)) + len(view) > _HEAVIEST_VIEWS:
             said = f"the scene of {name} cannot be turned here: with it the views would weigh more than"
-            notices.append(Notice("W385", f"{said} {_HEAVIEST_VIEWS // 1000} kB; a page of its own has it"))
+            notices.append(Notice("W372", f"{said} {_HEAVIEST_VIEWS // 1000} kB; a page of its own has it"))
             return 0
         self.data.append(view)
         return len(self.data)
@@ -208,7 +208,7 @@ def _project(documents: Sequence[Mapping[str, Any]], given: Mapping[str, str]) -
     unknown = [key for key in given if key not in PROJECT]
     if unknown:
         advice = f"Known: {', '.join(PROJECT)}."
-        raise DesignError([Fault("E376", f"{key} is not a key of a project", "--project", advice) for key in unknown])
+        raise DesignError([Fault("E142", f"{key} is not a key of a project", "--project", advice) for key in unknown])
     project: dict[str, str] = {}
     for document in documents:
         own = document.get("project")
@@ -233,7 +233,7 @@ def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, An
         what = "result" if is_result else "study"
         message = f"the {what} cannot be read as one ({said})"
         advice = "Was it changed, or written by another version? Make it again: slopekit run DESIGN -o DIR."
-        raise DesignError([Fault("E372", message, name, advice)]) from error
+        raise DesignError([Fault("E340", message, name, advice)]) from error
     return article | {"verification": _verification(str(document["kind"]))}
 
 
@@ -248,7 +248,7 @@ def _refuse(document: Mapping[str, Any], name: str, is_result: bool) -> NoReturn
     else:
         message = "this is another document of slopekit, report takes results and studies"
         advice = "Give result.json of run or wedge, or the JSON of a study: sweep.json, prob.json, ..."
-    raise DesignError([Fault("E371", message, name, advice)])
+    raise DesignError([Fault("E340", message, name, advice)])
 
 
 def _view(document: Mapping[str, Any], notices: list[Notice]) -> str:
@@ -395,7 +395,7 @@ def write_report(
     Raises
     ------
     DesignError
-        As `report_of`; E341 where one is none of slopekit's, E129 where the file cannot be written.
+        As `report_of`; E340 where one is none of slopekit's, E129 where the file cannot be written.
     """
     called = list(names) or ["the document"] * len(documents)
     own = [checked_document(document, name) for document, name in zip(documents, called, strict=True)]

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from slopekit.core.errors import HARMLESS
 from slopekit.core.sheet import factor_text
 from slopekit.kinds.sheets.many_blocks import path_in_words
 from slopekit.kinds.words import many_times
@@ -50,7 +49,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     badges = [_check_badge(document), judged[accepted]]
     if document["moments_govern"]:
         badges.append(("moments govern", "warn"))
-    if count := len({one["code"] for one in document["warnings"]} - set(HARMLESS)):
+    if count := len({one["code"] for one in document["warnings"]}):
         badges.append((f"{count} notice{'s' if count > 1 else ''}", "warn"))
     return {
         "status": " ".join(status) or document["status_text"], "factor": rounded_down(value), "exact": factor(value),

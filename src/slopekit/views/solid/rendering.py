@@ -59,7 +59,7 @@ def show_window(picture: Picture) -> None:
     Raises
     ------
     DesignError
-        E140 where pyvista is not installed, E346 without a display.
+        E140 where pyvista is not installed, or without a display.
     """
     import os
     import sys

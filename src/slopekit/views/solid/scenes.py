@@ -100,8 +100,8 @@ def draw(
     Raises
     ------
     DesignError
-        E140 where pyvista or matplotlib is not installed, E350 to E354 where the document holds no such scene, E346
-        without a display.
+        E140 where pyvista or matplotlib is not installed or there is no display, E273, E307 and E350 where the
+        document holds no such scene.
     """
     from slopekit.views.solid.rendering import save, show_window
 
@@ -118,12 +118,12 @@ def compose(document: Mapping[str, Any], what: str, asked: SceneOptions | None =
     Raises
     ------
     DesignError
-        E350 no scene, E351 no displacement, E352 no mechanism, E353 no such step, E354 a magnification that is none.
+        E350 no scene, E273 no displacement, mechanism or step, E307 a magnification that is none.
     """
     wanted = asked or SceneOptions()
     for name, value in (("explode", wanted.explode), ("magnify", wanted.magnify)):
         if value is not None and not (math.isfinite(value) and value >= 0.0):
-            raise DesignError([Fault("E354", f"--{name} is {value:g}, a number of 0 or more is needed", f"--{name}")])
+            raise DesignError([Fault("E307", f"--{name} is {value:g}, a number of 0 or more is needed", f"--{name}")])
     return SCENES[what].compose(Stage.of(document), wanted)
 
 
@@ -267,7 +267,7 @@ def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
         many = "the blocks are too many, or " if not stage.alone and stands else ""
         why = f"{many}they do not come to rest" if stands else "at full strength it does not stand"
         advice = "How it moves as it fails: slopekit plot result.json mechanism"
-        raise DesignError([Fault("E351", f"there is no displacement at full strength: {why}", "displacement", advice)])
+        raise DesignError([Fault("E273", f"there is no displacement at full strength: {why}", "displacement", advice)])
     true = rigid(scene.shapes, scene.displacement, scene.shapes.solids.vertices, stage.of_vertex)
     most = float(np.sqrt((true * true).sum(axis=1)).max())
     times = asked.magnify if asked.magnify is not None else nice(_DRAWN * stage.size / max(most, 1e-300))
@@ -293,11 +293,11 @@ def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
     scene, shapes = stage.scene, stage.scene.shapes
     last = int(scene.order.max(initial=0))
     if last == 0:
-        raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "mechanism")])
+        raise DesignError([Fault("E273", f"nothing moves: {stage.document.get('status_text')}", "mechanism")])
     if not 1 <= asked.step <= last:
         known = f"there are {last} mechanisms" if last > 1 else "there is one mechanism"
         advice = "More of them: analysis: {mechanisms: N} in the design."
-        raise DesignError([Fault("E353", f"there is no mechanism {asked.step}: {known}", "--step", advice)])
+        raise DesignError([Fault("E273", f"there is no mechanism {asked.step}: {known}", "--step", advice)])
     moving = scene.order == asked.step
     gone = (scene.order > 0) & (scene.order < asked.step)
     unit = rigid(shapes, np.where(moving[:, None], scene.velocity, 0.0), shapes.solids.vertices, stage.of_vertex)
@@ -372,7 +372,7 @@ def _ravelling(stage: Stage, _: SceneOptions) -> Picture:
     """Blocks by the order in which they fail."""
     order = stage.scene.order
     if not order.any():
-        raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
+        raise DesignError([Fault("E273", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
     open_ = stage.unsettled
     values = np.where((order > 0) & ~open_, order.astype(np.float64), np.nan)
     bar = Bar("order in which blocks fail", 1.0, float(order.max()), whole=True)
