@@ -35,7 +35,7 @@ def test_the_sheet_of_the_papers_wedge() -> None:
     lines = run.stdout.splitlines()
     assert max(map(len, lines)) <= 100
     assert "FoS       1.557  PRE-IE\n" in run.stdout
-    assert "1.557  Hoek & Bray closed form (forces only)     AGREE within 0.0001 %" in run.stdout
+    assert "1.557  Hoek & Bray closed form, forces only     AGREE within 0.0001 %" in run.stdout
     assert "1.587  upper bound (associated flow), not for design" in run.stdout
     assert "J1 45/115  dips 45° toward 115 (ESE), strike 025" in run.stdout
     assert "NOT GIVEN example values used: face, upper, height, c, φ, density" in run.stdout

@@ -81,7 +81,8 @@ def _factors(result: Result) -> Iterator[Factor]:
         yield Factor(result.forces_only, "PRE-IE, forces only")
     closed = f"closed form: {result.words.no_closed_form}"
     if is_compared:
-        closed = f"{result.words.closed_form} (forces only{', zero dilation' if is_dilating else ''})"
+        assumptions = [", forces only"] * result.words.turns + [", zero dilation"] * is_dilating
+        closed = f"{result.words.closed_form}{''.join(assumptions)}"
         closed += ", secant at the mean normal traction of each plane" if curved else ""
     yield Factor(fos.closed_form, closed, shared.verdict(result) if is_compared else "")
     if fos.static_bound is not None:

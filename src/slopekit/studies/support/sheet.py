@@ -15,17 +15,17 @@ _ROLES = {
     "active": "a load: it counts in full, whatever the joints do",
     "passive": "strength: its capacity is divided by FoS, and it pulls only as the block moves",
 }
-_WHICH = {"best": "best direction", "given": "the direction given", "practical": "best that can be drilled"}
+_WHICH = {
+    "best": "optimum of all directions",
+    "given": "the direction given",
+    "practical": "optimum within the allowed plunge",
+}
 _FEW = 12  # bolts that are printed to be pasted
 
 
 def sheet_of(support: Support) -> Sheet:
     """The sheet of a support study."""
-    roles = [
-        Section(acts.upper(), [_ROLES[acts], *(entry for case in own for entry in _case(support, case))])
-        for acts in ("active", "passive")
-        if (own := [case for case in support.cases if case.acts == acts])
-    ]
+    roles = [_role(support, acts) for acts in ("active", "passive")]
     cases = _cases(support)
     return Sheet(head(support.design, "support"), (
         Section("TARGET", _target(support)),
@@ -38,6 +38,20 @@ def sheet_of(support: Support) -> Sheet:
         Section("PASTE", _paste(support)),
         Section("TIME", [f"{support.seconds:.2f} s"]),
     ), {"support.csv": cases})  # fmt: skip
+
+
+def _role(support: Support, acts: str) -> Section:
+    """Return what bolts of one kind of action need: what is built first, the proof of the optimum in the full sheet."""
+    cases = [case for case in support.cases if case.acts == acts]
+    if not cases:
+        return Section(acts.upper(), [])
+    entries, details = [_ROLES[acts]], list[str]()
+    for case in cases:
+        shown, more = _case(support, case)
+        is_built = any(case is built for built in support.built) or case.toward is None
+        entries += shown if is_built else []
+        details += more if is_built else [*shown, *more]
+    return Section(acts.upper(), entries, details=details)
 
 
 def _own_bolts(design: Design) -> list[Entry]:
@@ -127,40 +141,48 @@ def _target(support: Support) -> list[str]:
     return entries
 
 
-def _case(support: Support, case: BoltCase) -> list[str]:
+def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
+    """Return the lines of a case and those of the full sheet."""
     head = _WHICH[case.which]
     if case.toward is None:
-        return [f"{head}: none.  {case.closed_form.notice}"]
+        return [f"{head}: none.  {case.closed_form.notice}"], []
     if _same(support, case):
-        return ["best of all directions: the same"]
+        return ["optimum of all directions: the same"], []
     lines = [f"{head} {line_in_words(case.toward)}: {_needed_by_both(case, support.unit)}", *_of_both(case)]
-    best, other = case.optimum, case.pre_ie
+    needed_by_moments = case.pre_ie
     if (
         case.which != "given"
-        and other is not None
-        and (other.force is None or other.force > 1.05 * (case.closed_form.force or 0.0))
+        and needed_by_moments is not None
+        and (needed_by_moments.force is None or needed_by_moments.force > 1.05 * (case.closed_form.force or 0.0))
     ):
         lines.append(
-            "the best direction is that of the forces alone: where the block turns, PRE-IE may need less in another, "
-            "for example square to the face (--toward)"
+            "the optimum is that of the forces only: where the block turns, PRE-IE may need less in another direction, "
+            "for example normal to the face (--toward)"
         )
-    if best is not None:
-        least, most = best.around
-        off = "needs"
-        if math.isfinite(least):
-            shown = size_number(least), size_number(most) if math.isfinite(most) else "more"
-            off = f"needs {shown[0]}" + (f" to {shown[1]}" if shown[0] != shown[1] else "") + f" {support.unit}"
-        else:
-            off = "does not reach it"
-        words = "least of all" if best.is_minimum else "NOT PROVED the least"
-        lines.append(f"{words}: none of {best.scanned} other directions needs less; 1° off it {off} (closed form)")
     if case.most is not None and case.pattern is not None:
         lines.append(
             f"no more than {size_number(case.most)} {support.unit}: beyond that FoS falls below the target again"
         )
+    details = _optimum(support, case)
     if case.pattern is not None:
-        lines += _pattern(support, case, case.pattern)
-    return lines
+        shown, more = _pattern(support, case, case.pattern)
+        lines += shown
+        details += more
+    return lines, details
+
+
+def _optimum(support: Support, case: BoltCase) -> list[str]:
+    """Return how the optimum was proved."""
+    optimum = case.optimum
+    if optimum is None:
+        return []
+    least, most = optimum.around
+    off = "does not reach it"
+    if math.isfinite(least):
+        ends = size_number(least), size_number(most) if math.isfinite(most) else "more"
+        off = f"needs {' to '.join(dict.fromkeys(ends))} {support.unit}"
+    words = "" if optimum.is_minimum else "NOT PROVED: "
+    return [f"{words}none of {optimum.scanned} directions needs less; 1° off the optimum {off} (closed form)"]
 
 
 def _same(support: Support, case: BoltCase) -> bool:
@@ -181,67 +203,65 @@ def needed(need: Need | None, unit: str, name: str) -> str:
     fos = "stands" if need.fos is None else f"FoS {factor_text(need.fos)}"
     if need.force == 0.0:
         return f"{name} needs none ({fos} as it is)"
-    return f"{name} {size_number(need.force)} {unit} (put back: {fos})"
+    return f"{name} {size_number(need.force)} {unit} ({fos})"
 
 
-def _pattern(support: Support, case: BoltCase, pattern: Pattern) -> list[str]:
-    laid, unit = pattern.layout, support.unit
+def _pattern(support: Support, case: BoltCase, pattern: Pattern) -> tuple[list[str], list[str]]:
+    """Return the lines of a bolt pattern on the face and those of the full sheet."""
+    laid = pattern.layout
     if laid is None:
-        return [f"on the face: none.  {notice}" for notice in pattern.notices]
-    lines = []
-    if pattern.first is not None and pattern.asked is not None:
-        force = pattern.asked
-        level = "nothing drives the block" if math.isinf(pattern.first) else f"FoS {factor_text(pattern.first)}"
-        first = f"heads on the face: at {size_number(force)} {unit} PRE-IE gives {level}"
-        if pattern.force is not None and abs(pattern.force / force - 1.0) <= 1e-6:
-            first += ", so moments ask for no more"
-        elif pattern.force is not None:
-            first += f" with their moments; {size_number(pattern.force)} {unit} reach the target"
-        lines.append(first)
-    lines += [str(notice) for notice in pattern.notices]
+        return [f"on the face: none.  {notice}" for notice in pattern.notices], []
+    lines, details = [str(notice) for notice in pattern.notices], _with_moments(support, pattern)
     if pattern.each is not None:
-        if support.unit == "kN/m":
-            rows = "1 row" if laid.rows == 1 else f"{laid.rows} rows, {laid.up_m:.3g} m from row to row"
-            bolts = f"{rows}, a bolt every {laid.across_m:.4g} m along the slope"
-        else:
-            asked = "" if laid.needed == len(laid) else f" ({laid.needed} would do by their capacity)"
-            rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
-            apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
-            bolts = f"{counted(len(laid), 'bolt')}{asked} in {rows}{apart}"
-        in_each = f"{size_number(pattern.each)} of {support.options.capacity:g} kN in each"
-        lines.append(f"{bolts}, {in_each}; {pattern.per_m2:.4g} kN on a m² of face")
+        lines.append(f"{_rows(support, pattern)}; equivalent face pressure {pattern.per_m2:.4g} kPa")
     if laid.left_out:
-        lines.append(
-            f"{counted(laid.left_out, 'place')} on the face left out: bolts from there miss the block, or come out "
-            "of a free face"
-        )
-    lengths = pattern.lengths
-    span = (
-        f"{lengths.min():.4g} m" if len(lengths) == 1 else f"{lengths.min():.4g} m (shortest) to {lengths.max():.4g} m"
-    )
-    lines.append(f"least length {span}: from the head to behind the joint, and {support.options.bond:g} m of anchorage")
+        lines.append(f"{counted(laid.left_out, 'place')} on the face left out: bolts from there miss the block")
     low, high = pattern.taken.min(), pattern.taken.max()
-    lines.append(f"to be drilled {low:.4g} m" + (f" to {high:.4g} m" if high > low else ""))
+    drilled = f"{low:.4g} m" + (f" to {high:.4g} m" if high > low else "")
+    lines.append(f"length {drilled}, {support.options.bond:g} m of it anchorage behind the joint")
     if case.factors is not None:
-        both = (
-            f"{factor_text(case.factors.limit)} by PRE-IE, {factor_text(case.factors.closed_form)} by the closed form"
-        )
-        lines.append(f"check with these bolts as they are built: FoS {both}")
-    turns = pattern.need is not None and pattern.need.moments_govern
-    if pattern.groups < len(laid) and case.acts == "passive" and turns:
-        lines.append(f"PRE-IE took the {len(laid)} bolts as {pattern.groups} groups, each at the middle of its heads")
-    return lines
+        limit, closed_form = factor_text(case.factors.limit), factor_text(case.factors.closed_form)
+        lines.append(f"check with these bolts: FoS {limit} by PRE-IE, {closed_form} by the closed form")
+    is_turning = pattern.need is not None and pattern.need.moments_govern
+    if pattern.groups < len(laid) and case.acts == "passive" and is_turning:
+        details.append(f"PRE-IE took the {len(laid)} bolts as {pattern.groups} groups, each at the middle of its heads")
+    return lines, details
+
+
+def _with_moments(support: Support, pattern: Pattern) -> list[str]:
+    """Return what the force gives with the heads on the face, and the least lengths."""
+    details: list[str] = []
+    if pattern.first is not None and pattern.asked is not None:
+        level_ = "nothing drives the block" if math.isinf(pattern.first) else f"FoS {factor_text(pattern.first)}"
+        text = f"heads on the face: at {size_number(pattern.asked)} {support.unit} PRE-IE gives {level_}"
+        if pattern.force is not None and abs(pattern.force / pattern.asked - 1.0) > 1e-6:
+            text += f" with their moments; {size_number(pattern.force)} {support.unit} reach the target"
+        details.append(text)
+    shortest, longest = pattern.lengths.min(), pattern.lengths.max()
+    span = f"{shortest:.4g} m" if len(pattern.lengths) == 1 else f"{shortest:.4g} m (shortest) to {longest:.4g} m"
+    return [*details, f"least length {span}"]
+
+
+def _rows(support: Support, pattern: Pattern) -> str:
+    """Return the number of bolts, their rows and columns, and the force in each."""
+    laid = pattern.layout
+    assert laid is not None
+    assert pattern.each is not None
+    if support.unit == "kN/m":
+        rows = "1 row" if laid.rows == 1 else f"{laid.rows} rows, {laid.up_m:.3g} m from row to row"
+        bolts = f"{rows}, a bolt every {laid.across_m:.4g} m along the slope"
+    else:
+        needed_count = "" if laid.needed == len(laid) else f" ({laid.needed} would do by their capacity)"
+        rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
+        apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
+        bolts = f"{counted(len(laid), 'bolt')}{needed_count} in {rows}{apart}"
+    return f"{bolts}, {size_number(pattern.each)} of {support.options.capacity:g} kN in each"
 
 
 def _pressure(pressure: FacePressure, unit: str) -> list[str]:
-    lines = [
-        f"even on the face, {size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}, square to it "
-        f"({line_in_words(pressure.toward)}): {_needed_by_both(pressure, 'kPa')}",
-        *_of_both(pressure),
-    ]
-    if pressure.use is not None:
-        lines.append("what presses (a buttress, anchored mesh or shotcrete) must itself be held for that")
-    return lines
+    area = f"{size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}"
+    where = f"uniform on the face, {area}, normal to it ({line_in_words(pressure.toward)})"
+    return [f"{where}: {_needed_by_both(pressure, 'kPa')}", *_of_both(pressure)]
 
 
 def _use(support: Support) -> list[str]:
