@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from slopekit._version import __version__
+from slopekit._version import FORMAT, __version__
 from slopekit.block_scene import Arrows, BlockScene, BlockSizes, NodePairState, Sizes
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
@@ -438,6 +438,7 @@ class Result(Shown):
         """The result as JSON values."""
         return {
             "slopekit": __version__,
+            "format": FORMAT,
             "kind": self.kind,
             "title": self.design.title,
             **self.design.beside(),
@@ -449,7 +450,6 @@ class Result(Shown):
             "difference": self.difference,
             "agree": self.agree,
             "moments_govern": self.moments_govern,
-            "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
             "openings": json_of(self.openings),
             **({"curved_strength": json_of(self.curved_strength)} if self.curved_strength else {}),

@@ -17,7 +17,7 @@ from importlib import import_module
 from operator import attrgetter
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
-from slopekit._version import __version__
+from slopekit._version import FORMAT, __version__
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.records import dataclass
@@ -239,7 +239,7 @@ class Cases(Shown, Generic[Found]):
     def to_dict(self) -> dict[str, Any]:
         """The cases as JSON values: each as it would stand alone."""
         return {
-            "slopekit": __version__, "study": "cases", "of": self.what, "kind": self.design.kind,
+            "slopekit": __version__, "format": FORMAT, "study": "cases", "of": self.what, "kind": self.design.kind,
             "title": self.design.title, "input_sha256": self.design.input_hash(), "inputs": self.design.inputs(),
             **self.design.beside(),
             "governing": self.governing, "accepted": self.accepted, "exit_code": self.exit_code,

@@ -10,7 +10,7 @@ from functools import wraps
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar
 
-from slopekit._version import __version__
+from slopekit._version import FORMAT, __version__
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import (
@@ -112,7 +112,7 @@ class StudyOutcome(Shown):
     def head(self, design: Design) -> dict[str, Any]:
         """With what the JSON of every study of a design begins."""
         return {
-            "slopekit": __version__, "study": self.name, "kind": design.kind, "title": design.title,
+            "slopekit": __version__, "format": FORMAT, "study": self.name, "kind": design.kind, "title": design.title,
             "input_sha256": design.input_hash(), "inputs": design.inputs(),
             **design.beside(),
         }  # fmt: skip

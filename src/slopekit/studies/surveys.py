@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from slopekit._version import __version__
+from slopekit._version import FORMAT, __version__
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.sheet import counted
@@ -42,7 +42,7 @@ SkipBad = Annotated[bool, Option("Leave bad rows out, listed, where they would s
 def survey_head(study: str, joints: JointList, sha: str) -> dict[str, Any]:
     """What the JSON of every study of a survey begins with."""
     return {
-        "slopekit": __version__, "study": study, "kind": study,
+        "slopekit": __version__, "format": FORMAT, "study": study, "kind": study,
         "survey": {"name": joints.name, "joints": len(joints), "left_out": list(joints.left_out)}
         | ({"quantity": float(joints.quantities.sum())} if joints.has_quantities else {}),
         "input_sha256": sha,

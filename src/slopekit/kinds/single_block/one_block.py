@@ -352,8 +352,8 @@ def result(
 
 
 def _highest(solved: Solved) -> float | None:
-    """Return the factor of the forces alone where the limit lies below it."""
-    return solved.analysis.forces_only.factor if solved.analysis.moments_govern and solved.limit.factor else None
+    """Return the factor of the forces alone where moments govern."""
+    return solved.analysis.forces_only.factor if solved.analysis.moments_govern else None
 
 
 def _curved(solved: Solved, interfaces: Sequence[Interface]) -> Mapping[str, SecantLine]:

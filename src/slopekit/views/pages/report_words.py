@@ -140,7 +140,7 @@ def force_notes(document: Mapping[str, Any]) -> list[str]:
 
 
 def _moments(document: Mapping[str, Any]) -> str:
-    limit, alone = document["fos"]["limit"], factor(document["forces_only"])
+    limit, alone = document["fos"]["limit"], factor(document["fos"]["highest"])
     if limit is None:
         return (
             f"Moments govern: with them there is no factor of safety, forces alone give {alone}. The closed form "
