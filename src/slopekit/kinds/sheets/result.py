@@ -76,7 +76,7 @@ def _factors(result: Result) -> Iterator[Factor]:
     limit += ", strength of each node pair at its own normal traction" if curved else ""
     yield Factor(fos.limit, limit)
     if fos.lowest is not None:
-        yield Factor(fos.lowest, "lowest estimate, for a joint stiffness ratio of 0.1 to 1 and where joints creep open")
+        yield Factor(fos.lowest, shared.LOWEST)
     if result.moments_govern and result.forces_only is not None:
         yield Factor(result.forces_only, "PRE-IE, forces only")
     closed = f"closed form: {result.words.no_closed_form}"

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 
 UPPER_BOUND = "upper bound (associated flow), not for design"
+LOWEST = "lowest estimate, for a joint stiffness ratio of 0.1 to 1 and where joints creep open"
 _LEAST_PERCENT = 1e-4  # a smaller difference of two methods is not told apart from rounding
 
 

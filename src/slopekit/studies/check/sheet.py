@@ -6,7 +6,7 @@ from operator import attrgetter
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds.sheets.many_blocks import limit_in_words
-from slopekit.kinds.sheets.shared import accept, has_range, leading, locked_in, methods
+from slopekit.kinds.sheets.shared import LOWEST, UPPER_BOUND, accept, has_range, leading, locked_in, methods
 from slopekit.kinds.single_block.ladders import Rung
 from slopekit.result import JUDGED
 from slopekit.studies.check.run import Check, Finding
@@ -48,10 +48,12 @@ def _factors(checked: Check) -> list[str]:
     named = [
         (fos.limit, limit_in_words(checked.result)),
         (fos.closed_form, "closed form"),
-        (fos.static_bound, "static bound (joints free to dilate; upper bound)"),
+        (fos.static_bound, UPPER_BOUND),
     ]
     lines = [f"{factor_text(value)}  {name}" for value, name in named]
-    if fos.lowest is not None or fos.highest is not None:
+    if checked.result.findings is None:
+        lines[1:1] = [] if fos.lowest is None else [f"{factor_text(fos.lowest)}  {LOWEST}"]
+    elif fos.lowest is not None or fos.highest is not None:
         ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
         if not has_range(checked.result):
             ends = factor_text(fos.lowest)
