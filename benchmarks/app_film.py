@@ -65,7 +65,7 @@ def session(page: Page, folder: Path, work: Path) -> None:
     page.mouse("mouseReleased", x - 120, y + 90)
     page.quiet()
     page.script("document.getElementById('undo').click()")
-    page.until(lambda: page.fos() == "1.7331")
+    page.until(lambda: page.fos() == "1.733")
     page.script("document.querySelector('.governs button').click()")
     page.type("water.fill", "70 %")
     page.quiet()

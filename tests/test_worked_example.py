@@ -366,10 +366,10 @@ def test_the_wedge_bare_and_bolted() -> None:
     for name, k, wanted in (("static", 0.0, 1.5), ("quake", 0.1, 1.1)):
         one, force = numbers(rf"(EACH)? +{name}: passive  reached")[:1], factor_with(0.0, k)
         assert factor_with(one[0], k) == pytest.approx(wanted, abs=5e-5)
-        rows = [row for row in PAGE.splitlines() if re.match(rf" +{name} +(\d\.|loads).*\d\.\d{{4}}", row)]
-        factors = [[float(value) for value in re.findall(r"\b\d\.\d{4}\b", row)] for row in rows]
+        rows = [row for row in PAGE.splitlines() if re.match(rf" +{name} +(\d\.|loads).*\d\.\d{{3}}", row)]
+        factors = [re.findall(r"\b\d\.\d{3}\b", row) for row in rows]
         bolted = factor_with(sum(bolts), k)
-        assert factors == [[pytest.approx(value, abs=5e-5)] * 2 for value in (force, bolted, bolted)]
+        assert factors == [[f"{value:.3f}"] * 2 for value in (force, bolted, bolted)]  # every digit of the page
 
 
 def test_lengths_of_the_bolts_and_volume_of_the_drawing() -> None:

@@ -206,10 +206,11 @@ def test_a_rule_says_which_number_it_judged(rules, limit, pairs, criterion, said
 
 def test_a_rule_on_many_blocks_says_how_large_its_mechanism_is() -> None:
     found = sk.run(path_of("topple"), set={"acceptance.rules": ["fos >= 1.2", "fos.lowest >= 1.2"]})
-    first, lowest = found.findings.mechanisms[0].size.volume_m3, f"{found.fos.lowest:.4f}"
-    lines = str(found).splitlines()
+    first, lowest = found.findings.mechanisms[0].size.volume_m3, factor_text(found.fos.lowest)
+    text = re.sub(r"\n {13}", " ", str(found))  # a folded line as one
+    lines = text.splitlines()
     at = next(k for k, line in enumerate(lines) if line.startswith("ACCEPT"))
-    of_first = f"fos >= 1.2 (limit {found.fos.limit:.4f} of what fails first, {first:.4g} m³)"
+    of_first = f"fos >= 1.2 (limit {factor_text(found.fos.limit)} of the critical block or group, {first:.4g} m³)"
     assert lines[at : at + 2] == [
         f"ACCEPT    {of_first}: MET (lowest estimate {lowest})",
         f"{'':10}fos.lowest >= 1.2 ({lowest}): MET",

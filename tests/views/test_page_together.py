@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
 from slopekit.views.pages import page_pictures, report
 from slopekit.views.pages.page_together import inputs_table, same_design
@@ -157,9 +158,9 @@ def test_what_acceptance_hangs_on_leads_in_studies() -> None:
     checked = sk.check(sk.load(path_of("goodman-bray"), set={"acceptance": {"rules": ["fos.lowest >= 0.7"]}}))
     name, value = checked.result.leading
     assert name == "lowest"
-    assert re.findall(r"\d\.\d{4}", checked.line)[0] == f"{value:.4f}"
+    assert re.findall(r"\d\.\d{3}\b", checked.line)[0] == factor_text(value)
     (factors,) = [one for one in checked.sheet.sections if one.label == "FoS"]
-    assert str(factors.entries[0]).startswith(f"{value:.4f}")
+    assert str(factors.entries[0]).startswith(f"{factor_text(value)} ")
 
 
 def test_an_input_that_differs_is_listed_even_where_its_words_are_alike() -> None:

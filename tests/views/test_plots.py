@@ -9,6 +9,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line
+from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
 from slopekit.kinds.single_block import ladders
 from slopekit.kinds.surface import normals_rungs
@@ -284,7 +285,7 @@ def test_friction_circles_in_the_colour_of_their_joint() -> None:
         joint = next(line for label, line in lines.items() if label.startswith(f"{name} 45/"))
         assert circle.get_color() == joint.get_color()
     assert "steeper than φ 20°, the least" in legend(figure)
-    assert f"FoS {document['fos']['limit']:.4f} (limit, PRE-IE)" in figure.texts[0].get_text()
+    assert f"FoS {factor_text(document['fos']['limit'])} (limit, PRE-IE)" in figure.texts[0].get_text()
 
 
 def test_the_crack_of_a_plane_is_upright() -> None:

@@ -5,7 +5,7 @@ import html
 import json
 import re
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from benchmarks.verification_excerpt import excerpt
 from slopekit.cli import app
 from slopekit.core.errors import DesignError
 from slopekit.core.explanations import explanations
+from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
 from slopekit.views.pages import page_pictures
 from slopekit.views.pages import report as room
@@ -97,7 +98,7 @@ def test_each_kind_makes_a_whole_page_that_loads_nothing(name) -> None:
     assert found["input_sha256"] in seen
     assert f"slopekit {found['slopekit']}" in seen
     for value in found["fos"].values():
-        assert value is None or f"{value:.4f}" in seen
+        assert value is None or factor_text(value).strip() in seen
     for one in found["warnings"]:
         assert one["code"] in seen
         assert re.sub(r"\s+", " ", one["message"]) in seen
@@ -133,7 +134,9 @@ def test_moments_that_govern_are_said_with_the_number_to_use() -> None:
     seen = words(report_of(found, with_pictures=False).html)
     assert "moments govern" in seen
     assert "the limit is the number to use" in seen
-    assert seen.count("1.9876") == 2
+    assert "forces alone give 1.988. " in seen
+    assert "1.988 PRE-IE, forces only" in seen
+    assert "(forces only 1.988)" in seen
 
 
 @pytest.mark.parametrize(
@@ -171,7 +174,7 @@ def test_a_bench_without_shapes_has_its_tables() -> None:
     found = scenes.result(design, [first, second], names, fixed=names[5:]).to_dict()
     seen = words(report_of(json.loads(json.dumps(found)), with_pictures=False).html)
     for text in (
-        "3 slide (B1 to B3)", "1.2500 3 B1 to B3", "1.7500 1 B4", "33.3 %", "S1 30/175 dips 30° toward 175 (S)",
+        "3 slide (B1 to B3)", "1.250 3 B1 to B3", "1.750 1 B4", "33.3 %", "S1 30/175 dips 30° toward 175 (S)",
         "spacing 3 m", "c / kPa", "bedding 0 42 0 0", "no closed form to compare", "No published bench is among them",
     ):  # fmt: skip
         assert text in seen, text
@@ -194,15 +197,21 @@ def test_titles_are_texts_and_never_html() -> None:
     assert text.count("</script>") == 2
 
 
-def test_the_sheets_words_are_in_the_json_without_times() -> None:
-    result = wet_wedge()
+@pytest.mark.parametrize(
+    ("made", "tables"),
+    # moments govern the wet one: why its SENSITIVITY is not given is a sentence
+    [(wet_wedge, ["FORCES", "FoS"]), (partial(result_of, "wedge"), ["FORCES", "FoS", "SENSITIVITY"])],
+)  # fmt: skip
+def test_the_sheets_words_are_in_the_json_without_times(made, tables) -> None:
+    result = made()
     said = result.to_dict()["sheet"]
     assert "TIME" not in said
-    folded = re.sub(r"\s+", "", str(result))
+    folded = re.sub(r"\s+", "", result.sheet.full)
     for label, entries in said.items():
         assert label.replace(" ", "") in folded
         assert all(re.sub(r"\s+", "", entry) in folded for entry in entries if isinstance(entry, str))
-    assert [label for label, entries in said.items() if isinstance(entries[0], dict)] == ["FORCES", "FoS", "GOVERNS"]
+    assert [label for label, entries in said.items() if isinstance(entries[0], dict)] == tables
+    assert {"MODEL", "SENSITIVITY"} <= set(said)  # details too
 
 
 def test_map_coordinates_lose_nothing_in_the_view() -> None:
@@ -325,7 +334,7 @@ def test_the_factor_at_the_top_is_never_more_than_it_is_and_notices_raise_a_badg
     found = document("wedge") | {"warnings": []}
     found["fos"] = found["fos"] | {"limit": 1.49996}
     text = report_of(found, with_pictures=False).html
-    assert '<div class="fos">1.49<small>factor of safety 1.5000' in text
+    assert '<div class="fos">1.49<small>factor of safety 1.500' in text
     assert "1 notice" not in text
     found["warnings"].append({"code": "W317", "message": "not settled"})
     assert "1 notice" in report_of(found, with_pictures=False).html

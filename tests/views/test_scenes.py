@@ -12,6 +12,7 @@ import trimesh
 import slopekit as sk
 from slopekit.block_scene import BlockScene, packed
 from slopekit.core.arrays import Floats
+from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
 from slopekit.geometry.solids.meshes import mesh_bodies
 from slopekit.views.solid import rendering
@@ -198,7 +199,8 @@ def test_factors_colour_by_value() -> None:
     picture = made("wall", "factors")
     limit = document("wall")["fos"]["limit"]
     assert picture.bar is None  # one value needs no scale
-    assert picture.legend[0][0] == f"fails at {limit:.4f} (14)"  # every block of the wall slides at tan φ / tan β
+    # every block of the wall slides at tan φ / tan β
+    assert picture.legend[0][0] == f"fails at {factor_text(limit)} (14)"
     scene = BlockScene.from_dict(document("wall")["scene"])
     two = np.where(np.arange(len(scene.factor)) % 2 == 0, scene.factor, 2.0 * scene.factor)
     spread = dict(document("wall")) | {"scene": dict(document("wall")["scene"]) | {"factor": packed(two)}}
@@ -244,7 +246,7 @@ def test_a_later_mechanism_has_its_own_factor() -> None:
     result = sk.run(path_of("goodman-bray"), set={"analysis.mechanisms": 2})
     later = result.findings.mechanisms[1].fos
     picture = compose(result.to_dict(), "mechanism", SceneOptions(step=2))
-    factor = "no factor of safety" if later is None else f"FoS {later:.4f}"
+    factor = "no factor of safety" if later is None else f"FoS {factor_text(later)} (limit, PRE-IE)"
     assert factor in picture.subtitle
     assert picture.subtitle.startswith("mechanism 2: ")
 
@@ -260,9 +262,9 @@ def test_columns_in_several_rows_are_seen_in_space() -> None:
 def test_the_answer_says_what_decides() -> None:
     base = document("wedge")
     for more, word in (
-        ({"fos": base["fos"] | {"lowest": 1.4321}}, "lowest estimate 1.4321"),
+        ({"fos": base["fos"] | {"lowest": 1.4321}}, "lowest estimate 1.432 "),
         ({"accepted": False}, "acceptance NOT MET"),
-        ({"fos": base["fos"] | {"all_pairs_failed": 1.55}}, "all pairs failed 1.5500"),
+        ({"fos": base["fos"] | {"all_pairs_failed": 1.55}}, "all pairs failed 1.550"),
         ({"agree": False}, "DO NOT AGREE"),
     ):  # fmt: skip
         assert word in Stage.of(base | more).answer

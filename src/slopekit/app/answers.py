@@ -3,7 +3,7 @@
 >>> from slopekit.app.session import Session
 >>> answer = answer_of(Session.of_template("wedge").now)
 >>> answer["lead"], answer["status_words"], answer["agree"], answer["net"]["line"]["trend"]
-('1.5574', 'slides on both planes', True, 180.0)
+('1.557', 'slides on both planes', True, 180.0)
 >>> answer["governs"][1]["text"], answer["governs"][1]["label"], answer["governs"][1]["paths"]
 ('φ +1° +0.06', 'friction angle of weak', ['strength.weak.phi'])
 """
@@ -23,7 +23,7 @@ from slopekit.design.common import Design
 from slopekit.design.fields import words_of
 from slopekit.design.reading.nodes import Node
 from slopekit.kinds import analyse, kind_of
-from slopekit.kinds.sheets.shared import judged_on, verdict
+from slopekit.kinds.sheets.shared import judged_on, verdict, why_no_sensitivity
 from slopekit.result import JUDGED, Result
 from slopekit.strength.registry import LAWS
 from slopekit.strength.waviness import Wavy
@@ -32,7 +32,7 @@ from slopekit.views.solid.stage import Stage
 from slopekit.views.solid.viewer_data import data_of
 
 Answer = dict[str, Any]
-#: What changes of GOVERNS are made to, by how their names begin: the ends of the paths.
+#: What changes of SENSITIVITY are made to, by how their names begin: the ends of the paths.
 _GOVERNED: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("full water", ("water.fill",)), ("load", ("footing.load", "footing.load.mean")),
     ("dip +", ("weak_plane.dip", "weak_plane.dip.mean")),
@@ -82,7 +82,7 @@ def told(moment: Moment, result: Result, final: bool = True) -> Answer:
         "fos": {"limit": fos.limit, "closed_form": fos.closed_form, "static_bound": fos.static_bound},
         "agree": result.agree, "agree_words": verdict(result), "difference": result.difference,
         "moments_govern": result.moments_govern, "accepted": result.accepted, "line": result.line,
-        "governs": list(_governs(moment.design, result, keys)),
+        "governs": list(_governs(moment.design, result, keys)), "why_no_governs": why_no_sensitivity(result),
         "acceptance": [
             {"rule": str(rule), "on": judged_on(result, rule), "met": result.judged(rule)}
             for rule in moment.design.rules
@@ -118,8 +118,8 @@ def _empty(moment: Moment, final: bool) -> Answer:
     return {
         "rev": moment.rev, "final": final, "lead": None, "lead_of": "", "status": "", "status_words": "",
         "fos": {"limit": None, "closed_form": None, "static_bound": None}, "agree": None, "agree_words": "",
-        "difference": None, "moments_govern": False, "accepted": None, "line": "", "governs": [], "acceptance": [],
-        "notices": [], "faults": [], "words": [], "net": None, "scene": None,
+        "difference": None, "moments_govern": False, "accepted": None, "line": "", "governs": [], "why_no_governs": "",
+        "acceptance": [], "notices": [], "faults": [], "words": [], "net": None, "scene": None,
         "ms": {"analysis": 0.0, "all": 0.0}, "stale": False,
     }  # fmt: skip
 
@@ -168,7 +168,7 @@ def _of_design(moment: Moment) -> list[dict[str, Any]]:
 
 def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterator[dict[str, Any]]:
     """What changes the factor most, by the closed form, each with the control that it is."""
-    if result.moments_govern or result.status == "not_converged":
+    if why_no_sensitivity(result):
         return
     base = result.fos.closed_form
     for called, factor, status in result.governs:
@@ -188,7 +188,7 @@ def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterato
 
 
 def _controls(design: Design, name: str, keys: Mapping[str, Key]) -> list[str]:
-    """The sliders that a change of GOVERNS moves: one, or those of every strength that it is made to."""
+    """The sliders that a change of SENSITIVITY moves: one, or those of every strength that it is made to."""
     if name.startswith("dip of "):
         of = name.removeprefix("dip of ").rpartition(" ")[0]
         roots = (f"joints.{of}.plane", f"{of}.plane")
@@ -206,7 +206,7 @@ def _controls(design: Design, name: str, keys: Mapping[str, Key]) -> list[str]:
 
 @cache
 def _signs() -> Mapping[str, tuple[str, ...]]:
-    """The keys of strengths by the signs of GOVERNS: `φ_r` is `phi_r`, of any law."""
+    """The keys of strengths by the signs of SENSITIVITY: `φ_r` is `phi_r`, of any law."""
     records = (*LAWS.values(), Wavy)
     metadata = [part.metadata for record in records for part in fields(record)]
     signs: dict[str, tuple[str, ...]] = {}

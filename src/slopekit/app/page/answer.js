@@ -35,8 +35,8 @@ function numbers(answer) {
 }
 
 function governs(answer) {
-  if (!answer.governs.length) { return null; }
-  return el("section", {}, el("h3", {}, "What governs"), el("ul", { class: "governs" }, answer.governs.map((one) =>
+  if (!answer.governs.length && !answer.why_no_governs) { return null; }
+  return el("section", {}, el("h3", {}, "What governs"), answer.why_no_governs ? el("p", { class: "soft" }, answer.why_no_governs) : el("ul", { class: "governs" }, answer.governs.map((one) =>
     el("li", {}, one.paths.length ? el("button", { type: "button", class: "link", title: one.label, onclick: () => goTo(...one.paths) }, one.text) : one.text))));
 }
 
@@ -86,7 +86,7 @@ export function start() {
   on("design", (own) => { design = own; });
   on("answer", show);
   on("refused", (message) => { if (shown) { 
-    show({ ...shown, faults: message.faults, lead: null, stale: false, governs: [], notices: [], acceptance: [], agree: null,
+    show({ ...shown, faults: message.faults, lead: null, stale: false, governs: [], why_no_governs: "", notices: [], acceptance: [], agree: null,
       fos: { limit: null, closed_form: null, static_bound: null } });
   } });
 }

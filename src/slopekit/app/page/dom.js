@@ -44,9 +44,9 @@ export function figure(value, digits = 5) {
   return String(Number(value.toPrecision(digits)));
 }
 
-/** A factor of safety, four decimals as the sheet has them. */
+/** A factor of safety, three decimals as the sheet has them. */
 export function factor(value) {
-  return value === null || value === undefined ? "–" : value >= 1000 ? value.toExponential(3) : value.toFixed(4);
+  return value === null || value === undefined ? "–" : value >= 1000 ? value.toExponential(3) : value.toFixed(3);
 }
 
 const ROSE = ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];

@@ -113,7 +113,7 @@ function explore(model, el) {
       first.append(made("span", "lead", now.lead === null ? "–" : now.lead), made("span", "status", now.status_words || ""));
       lines.push(first);
       if (now.lead !== null) { lines.push(made("p", "of", "FoS, " + now.lead_of)); }
-      if (now.fos.closed_form !== null) { lines.push(made("p", "closed", now.fos.closed_form.toFixed(4) + " closed form")); }
+      if (now.fos.closed_form !== null) { lines.push(made("p", "closed", now.fos.closed_form.toFixed(3) + " closed form")); }
       if (now.agree_words) { lines.push(made("p", "agree", now.agree_words)); }
       now.notices.forEach((one) => lines.push(made("p", "notice", one.code + " " + one.text)));
     }

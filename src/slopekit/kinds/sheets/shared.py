@@ -347,12 +347,19 @@ def curved_strength(result: Result) -> list[str]:
     ]
 
 
+def why_no_sensitivity(result: Result) -> str:
+    """Return why SENSITIVITY is not given though the closed form has it; empty where it is given."""
+    if result.governs and (result.moments_govern or result.status == "not_converged"):
+        return "not given: it is read from the closed form, which does not govern here"
+    return ""
+
+
 def governs(result: Result) -> list[Entry]:
     """What changes the factor of safety most, by the closed form."""
     if not result.governs:
         return []
-    if result.moments_govern or result.status == "not_converged":
-        return ["not given: it is read from the closed form, which does not govern here"]
+    if reason := why_no_sensitivity(result):
+        return [reason]
     base = result.fos.closed_form
 
     def change(row: tuple[str, float | None, str]) -> float | None:
