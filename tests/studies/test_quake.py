@@ -357,7 +357,7 @@ def test_the_command_and_its_files(tmp_path) -> None:
     assert float(rows[-1]["d_m"]) == pytest.approx(found.shaken[0].larger_m, rel=1e-7)
     assert (out / "motion.png").stat().st_size > 10_000
     assert "the methods AGREE on k_y" in done.stdout
-    assert found.line.startswith(f"k_y {found.coefficient:.6g}  factor {found.factor:.4f}")
+    assert found.line.startswith(f"k_y {found.coefficient:.6g}  factor {found.factor:.3f}")
     page = tmp_path / "page.html"
     assert slopekit("report", str(out / "quake.json"), "-o", str(page)).returncode == 0
     text = page.read_text(encoding="utf-8")
