@@ -32,7 +32,7 @@ from slopekit.views.solid.stage import Stage
 from slopekit.views.solid.viewer_data import data_of
 
 Answer = dict[str, Any]
-#: What changes of GOVERNS are made to, by how their names begin: the ends of the paths.
+#: What changes of SENSITIVITY are made to, by how their names begin: the ends of the paths.
 _GOVERNED: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("full water", ("water.fill",)), ("load", ("footing.load", "footing.load.mean")),
     ("dip +", ("weak_plane.dip", "weak_plane.dip.mean")),
@@ -188,7 +188,7 @@ def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterato
 
 
 def _controls(design: Design, name: str, keys: Mapping[str, Key]) -> list[str]:
-    """The sliders that a change of GOVERNS moves: one, or those of every strength that it is made to."""
+    """The sliders that a change of SENSITIVITY moves: one, or those of every strength that it is made to."""
     if name.startswith("dip of "):
         of = name.removeprefix("dip of ").rpartition(" ")[0]
         roots = (f"joints.{of}.plane", f"{of}.plane")
@@ -206,7 +206,7 @@ def _controls(design: Design, name: str, keys: Mapping[str, Key]) -> list[str]:
 
 @cache
 def _signs() -> Mapping[str, tuple[str, ...]]:
-    """The keys of strengths by the signs of GOVERNS: `φ_r` is `phi_r`, of any law."""
+    """The keys of strengths by the signs of SENSITIVITY: `φ_r` is `phi_r`, of any law."""
     records = (*LAWS.values(), Wavy)
     metadata = [part.metadata for record in records for part in fields(record)]
     signs: dict[str, tuple[str, ...]] = {}

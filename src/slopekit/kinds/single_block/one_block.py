@@ -162,7 +162,7 @@ def kind_of_one_block(
     Parameters
     ----------
     cut, closed_form : of a design; both raise GeometryError where no block can be formed
-    changes : a few changes of the input, by name: GOVERNS says what they do to the closed form
+    changes : a few changes of the input, by name: SENSITIVITY says what they do to the closed form
     notices : what a reader must know of the design
     on_arrays : the closed form of many designs in one call, where it can be had
     variants : what designs call things that have the input of that name, where it is not as the kind does
@@ -175,7 +175,7 @@ def kind_of_one_block(
             made = cut(design)
         with clock("governs"):
             changed = tuple(changes(design))
-        with clock("closed_form"):  # of the design and what GOVERNS makes of it, where it can be one call
+        with clock("closed_form"):  # of the design and what SENSITIVITY makes of it, where it can be one call
             closed, *forms = _closed_forms([design, *(other for _, other in changed)], closed_form, on_arrays)
         if isinstance(closed, GeometryError):
             raise closed

@@ -80,7 +80,7 @@ def left_out_of_laws(strengths: Sequence[Strength]) -> list[str]:
 
 
 def changed_laws(strength: Strength) -> list[tuple[str, Strength]]:
-    """A curved law with each of its parameters a little larger, one at a time: what GOVERNS asks of it."""
+    """A curved law with each of its parameters a little larger, one at a time: what SENSITIVITY asks of it."""
     law = strength.named_law
     if law is None:
         return []
