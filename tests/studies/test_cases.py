@@ -60,7 +60,7 @@ def test_the_worst_case_decides_and_the_nearest_to_its_rule_governs(found) -> No
     assert found.governing == min(ratios, key=ratios.get) == "static"
     assert (found.exit_code, found.accepted) == (1, False)
     assert [found.cases[name].accepted for name in CASES] == [False, False, True]
-    assert found.line.startswith("static governs 3 cases  slides_on_J1  1.2803")
+    assert found.line.startswith("static governs 3 cases  slides_on_J1  1.280 ")
     assert sk.run({**DESIGN, "cases": {"drained": CASES["drained"]}}).exit_code == 0
 
 

@@ -27,9 +27,9 @@ def test_a_script_calls_it() -> None:
     assert [one.dip_deg for one in found.turned] == [43.0, 47.0, 43.0, 47.0]
     turned = sk.run(WEDGE, set={"joints.J1.plane.dip": 47})
     assert found.turned[1].point.factors.limit == turned.fos.limit
-    assert repr(found) == f"<Flip: least {turned.fos.limit:.4f} at joints.J1.plane.dip 47°>"
-    assert f"{turned.fos.limit:.4f}" in str(found).splitlines()[3]
-    assert f"<td>{turned.fos.limit:.4f}</td>" in found._repr_html_()
+    assert repr(found) == f"<Flip: least {turned.fos.limit:.3f} at joints.J1.plane.dip 47°>"
+    assert f"{turned.fos.limit:.3f}" in str(found).splitlines()[3]
+    assert f"<td>{turned.fos.limit:.3f}</td>" in found._repr_html_()
     assert found.tables()["flip"].records()[1]["pre_ie"] == turned.fos.limit
     assert "by : How far each joint is turned" in inspect.getdoc(sk.flip)
 

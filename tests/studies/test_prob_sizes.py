@@ -43,7 +43,7 @@ def test_sizes_of_samples_are_those_of_the_wedges_read_one_by_one() -> None:
     assert limits is not None
     assert limits.scaled == np.count_nonzero(columns["scale"] < 1.0) == sum(limits.scaled_by.values()) > 0
     assert set(limits.scaled_by) <= {"trace length", "bench width", "max volume"}
-    assert f"{limits.scaled} samples made smaller" in " ".join(str(study.sheet).split())
+    assert f"{limits.scaled} samples made smaller" in " ".join(study.sheet.full.split())
     assert study.sizes.forming["setback_m"].most == np.nanmax(columns["setback_m"]) <= 4.0 * (1 + 1e-12)
     assert study.sizes.forming["setback_m"].quantiles[0.5] == pytest.approx(np.nanmedian(columns["setback_m"]))
     assert study.to_dict()["sizes"]["limits"]["scaled"] == limits.scaled
@@ -62,7 +62,7 @@ def test_filtered_samples_form_no_wedge() -> None:
     assert limits.filtered == scaled.sizes.limits.scaled == left.counts["E486"] > 0
     assert limits.too_small == left.counts["E487"] > 0
     assert left.forming.of == whole.forming.of - limits.filtered - limits.too_small > 0
-    assert "those left out form no wedge" in " ".join(str(left.sheet).split())
+    assert "those left out form no wedge" in " ".join(left.sheet.full.split())
     gone = np.array(left.names)[left.outcome] == "E486"
     with pytest.raises(GeometryError, match="bench width"):
         cut(with_values(left.design, left.samples.settings(int(np.flatnonzero(gone)[0]))))

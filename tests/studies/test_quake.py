@@ -357,7 +357,7 @@ def test_the_command_and_its_files(tmp_path) -> None:
     assert float(rows[-1]["d_m"]) == pytest.approx(found.shaken[0].larger_m, rel=1e-7)
     assert (out / "motion.png").stat().st_size > 10_000
     assert "the methods AGREE on k_y" in done.stdout
-    assert found.line.startswith(f"k_y {found.coefficient:.6g}  factor {found.factor:.4f}")
+    assert found.line.startswith(f"k_y {found.coefficient:.6g}  factor {found.factor:.3f}")
     page = tmp_path / "page.html"
     assert slopekit("report", str(out / "quake.json"), "-o", str(page)).returncode == 0
     text = page.read_text(encoding="utf-8")
@@ -609,22 +609,50 @@ def test_what_no_shaking_moves_says_so() -> None:
 
 
 def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None:
-    """Cohesion of 5 MPa: the block is pulled off its joint long before it slides."""
+    """Cohesion of 5 MPa on the pressed part of the joint alone: that goes to nothing before the block slides.
+
+    By hand: N acts at e = M / N from the toe, so that 3 e are pressed: c 3 e + N tan φ = T where k is k_y.
+    """
     strong = {"strength.bedding.c": "5 MPa"}
     found = sk.quake(sk.load(PLANE, set=strong), "sine:0.9g,2Hz")
     ours, closed = found.yields
+    dip, phi = math.radians(35.0), math.radians(30.0)
+    toe, back = 12.0 / math.tan(math.radians(60.0)), 12.0 / math.tan(dip)
+    weight = 2.6 * 9.81 * 0.5 * (back - toe) * 12.0
+
+    def excess(k: float) -> float:
+        normal = weight * (math.cos(dip) - k * math.sin(dip))
+        pressed = 3.0 * weight * ((toe + back) / 3.0 - 8.0 * k) / normal
+        return 5000.0 * pressed + normal * math.tan(phi) - weight * (math.sin(dip) + k * math.cos(dip))
+
+    assert ours.coefficient == pytest.approx(brentq(excess, 0.9, 1.0, xtol=1e-15), rel=1e-9)
     assert ours.coefficient < 0.9 * closed.coefficient
-    assert "the factor of safety jumps from" in ours.why_not
+    assert ours.why_not == "moments govern: it turns as it slides"
     assert found.moments_govern
     assert found.agree is None
-    assert [notice.code for notice in found.warnings] == ["W462", "W353", "W302"]
+    assert [notice.code for notice in found.warnings] == ["W462", "W353"]
+    assert " cm  not compared  W462  W353" in found.line
+    limits = [sk.run(PLANE, set=strong | {"loads.seismic.k": k * ours.coefficient}).fos.limit
+              for k in (0.99, 0.999, 0.9999, 1.0, 1.0001, 1.001)]  # fmt: skip
+    assert limits == sorted(limits, reverse=True)
+    assert limits[3] == pytest.approx(1.0, abs=1e-9)
+    assert limits[2] - limits[4] < 0.05
+
+
+def test_where_a_block_tips_before_it_slides_the_factor_jumps() -> None:
+    """Friction of 85°, no cohesion: its weight goes through its toe at k = x / z, where it slides at F = 2."""
+    rough = {"strength.bedding.c": 0, "strength.bedding.phi": 85}
+    found = sk.quake(sk.load(PLANE, set=rough), "sine:0.9g,2Hz")
+    ours, closed = found.yields
+    x = (12.0 / math.tan(math.radians(60.0)) + 12.0 / math.tan(math.radians(35.0))) / 3.0
+    assert ours.coefficient == pytest.approx(x / 8.0, rel=1e-5)
+    assert closed.coefficient == pytest.approx(math.tan(math.radians(50.0)), rel=1e-9)
+    assert ours.why_not == "moments open a joint there, the factor of safety jumps from 2 to 0"
+    assert found.moments_govern
+    assert found.agree is None
+    assert [notice.code for notice in found.warnings] == ["W462", "W353", "W302", "W302"]
     assert " cm (W353)  not compared  W462  W353" in found.line
     assert "no displacement stands for what follows" in str(found)
-    below, above = (
-        sk.run(PLANE, set=strong | {"loads.seismic.k": k * ours.coefficient}).fos.limit for k in (0.999, 1.001)
-    )
-    assert below > 1.0
-    assert above is None
 
 
 def test_a_plain_wedge_loads_nothing_of_it() -> None:

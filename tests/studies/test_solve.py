@@ -414,7 +414,7 @@ WEDGE_FILE = str(path_of("wedge"))
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        (("slope.face.dip", "--quiet"), 0, "72.99584753°  slides_on_both  1.5000  agree"),
+        (("slope.face.dip", "--quiet"), 0, "72.99584753°  slides_on_both  1.500  agree"),
         (("water.fill", "--fos", "0.9"), 1, "none. E315 no value of water.fill from 0 to 1 gives 0.9"),
         (
             ("phi", "--fos", "1.2"),

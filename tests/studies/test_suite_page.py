@@ -161,7 +161,7 @@ def test_the_files(tmp_path) -> None:
     _deliver(small, tmp_path, None, {"as_json": False, "quiet": True})
     assert (tmp_path / "verification.md").read_text(encoding="utf-8") == page_of(small)
     assert json.loads((tmp_path / "verification.json").read_text(encoding="utf-8")) == small.to_dict()
-    assert (tmp_path / "verification.txt").read_text(encoding="utf-8") == f"{small}\n"
+    assert (tmp_path / "verification.txt").read_text(encoding="utf-8") == f"{small.sheet.full}\n"
     with (tmp_path / "verification.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [(row["case"], float(row["value"])) for row in rows if row["quantity"] == "PRE-IE limit"] == [

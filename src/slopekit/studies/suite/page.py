@@ -32,7 +32,7 @@ again and only the times and the versions may change: a test holds this page to 
     4/3, which is circular, and the slope and the centre of Hungr's sphere were inferred as well.
 - Rows **not judged** are shown with the reason in words, never left out.
 - **Time** is the wall time of the whole analysis of the design, with all that this design asks for: cut, mesh, solve,
-  finer meshes, static bound, displacements, the changed inputs of GOVERNS, and where it asks for them the reduction
+  finer meshes, static bound, displacements, the changed inputs of SENSITIVITY, and where it asks for them the reduction
   steps and the factor at which all pairs have failed. Beside it stands how many times that of the closed form alone it
   is; designs without a closed form have milliseconds alone. Rows of one design share one analysis.
 """

@@ -312,22 +312,41 @@ class _SupportSearch:
         """Heads on the face for a force that is enough through the centroid, and what PRE-IE asks with them there.
 
         `least` is what the forces alone need, `rate` how the level rises with the force. Where the moments of the heads
-        ask for another force the heads are laid out for that; the analysis of the bolts as they are built judges them.
+        ask for another force the heads are laid out for that, where such bolts can take what they need themselves; the
+        analysis of the bolts as they are built judges them.
         """
         options, site = self.options, self.site
         direction = site.local(line.vector())
         laid = layout(site, direction, force, options.capacity, options.spacing)
         if isinstance(laid, Notice):
             return Pattern(None, (laid,), asked=force)
-        heads, counts = groups(site, laid, direction, _MOST_GROUPS if ways.passive else 1)
-        ask = _Answers(self._with_heads(ways, line, direction, heads, counts))
+        heads, ask = self._in_groups(ways, line, direction, laid)
         first = ask(force).level
         root = self._least(ask, force, math.inf, rate)
         if root.force is not None and not 0.9 * force < root.force <= force * (1.0 + 1e-9):
-            laid = layout(site, direction, root.force, options.capacity, options.spacing)
-            if isinstance(laid, Notice):
-                return Pattern(None, (laid,), asked=force, first=first)
+            again = layout(site, direction, root.force, options.capacity, options.spacing)
+            if isinstance(again, Notice):
+                return Pattern(None, (again,), asked=force, first=first)
+            if np.array_equal(again.heads_m, laid.heads_m):
+                laid = again
+            else:
+                heads_again, ask = self._in_groups(ways, line, direction, again)
+                second = self._least(ask, root.force, math.inf, root.slope)
+                if self._is_carried(again, second) or not self._is_carried(laid, root):
+                    laid, heads, root = again, heads_again, second
         return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
+
+    def _in_groups(
+        self, ways: BoltDirections, line: Line, direction: Floats, laid: Layout
+    ) -> tuple[Floats, "_Answers"]:
+        """Heads of the groups that PRE-IE takes, and its answers with the force spread over them."""
+        heads, counts = groups(self.site, laid, direction, _MOST_GROUPS if ways.passive else 1)
+        return heads, _Answers(self._with_heads(ways, line, direction, heads, counts))
+
+    def _is_carried(self, laid: Layout, root: SearchResult) -> bool:
+        """Whether bolts of a layout can take the force that PRE-IE asks with their heads."""
+        slice_m = laid.across_m if self.site.in_section else 1.0
+        return root.force is not None and root.force * slice_m <= self.options.capacity * len(laid) * (1.0 + 1e-6)
 
     def _laid_out(self, pattern: Pattern, laid: Layout, root: SearchResult, least: float) -> Pattern:
         """A pattern with its lengths, and whether those given are enough."""
