@@ -279,7 +279,8 @@ def test_nothing_is_lost(sets, scatter_deg, min_volume, seed) -> None:
     try:
         cut = cut_bench(SLOPE, found, min_volume=min_volume)
     except GeometryError as refused:  # one joint alone, that cuts off less than min_volume: no joint is left
-        assert (refused.codes, min_volume > 0.0) == (("E225",), True)
+        if min_volume == 0.0 or refused.codes != ("E225",):
+            raise
     else:
         conserves(cut)
 
