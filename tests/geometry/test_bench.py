@@ -276,7 +276,13 @@ orientations = st.tuples(st.floats(0.0, 90.0), st.floats(0.0, 360.0))
 def test_nothing_is_lost(sets, scatter_deg, min_volume, seed) -> None:
     joints = [JointSet(normal(*dip), spacing, offset, scatter_deg) for dip, spacing, offset in sets]
     found = planes_of_sets(joints, SLOPE, np.random.default_rng(seed))
-    conserves(cut_bench(SLOPE, found, min_volume=min_volume))
+    try:
+        cut = cut_bench(SLOPE, found, min_volume=min_volume)
+    except GeometryError as refused:  # one joint alone, that cuts off less than min_volume: no joint is left
+        if min_volume == 0.0 or refused.codes != ("E225",):
+            raise
+    else:
+        conserves(cut)
 
 
 def test_blocks_that_do_not_add_up_are_refused(monkeypatch) -> None:

@@ -287,7 +287,7 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     above, whole_row = found.to_dict()["mechanisms"]
     assert (above["mechanism"], above["fos"], above["mass_t"]) == ("block_above_basal", found.fos.limit, found.mass_t)
     assert (whole_row["mechanism"], whole_row["fos"]) == ("whole_wedge", found.without_basal.closed_form)
-    assert f"without_basal {whole.fos.closed_form:.4f}" in found.line or found.fos.limit < whole.fos.closed_form
+    assert f"without_basal {whole.fos.closed_form:.3f}" in found.line or found.fos.limit < whole.fos.closed_form
 
 
 def test_a_crack_may_be_fuller_than_the_joints() -> None:
@@ -424,10 +424,12 @@ def test_the_height_of_the_slope_is_told_from_that_of_the_block() -> None:
     """The block above a basal joint is lower than its slope: `height 20 m (total 16.7 m)` read like a contradiction."""
     found = result_of("wedge-basal")
     corners = found.scene.shapes.solids.vertices[:, 2]
-    size = next(line for line in str(found).splitlines() if line.startswith("SIZE"))
-    assert f"height 20 m from toe to crest, the block itself {np.ptp(corners):.6g} m  volume" in size
-    whole = str(result_of("wedge")).partition("SIZE")[2]
-    assert whole.split("\n")[0].lstrip().startswith("height 64.89 m (total 100.01")
+    size = found.sheet.full.partition("SIZE")[2].partition("LOADS")[0]
+    assert size.split("  volume")[0].strip() == "height 20 m"
+    assert f"the block {np.ptp(corners):.6g} m high" in size
+    whole = result_of("wedge").sheet.full.partition("SIZE")[2].partition("LOADS")[0]
+    assert whole.split("  volume")[0].strip() == "height 64.89 m"
+    assert "the block 100.011 m high" in whole
 
 
 def test_a_bolt_that_ends_below_the_basal_joint_does_not_hold_the_whole_wedge() -> None:

@@ -48,7 +48,7 @@ def test_a_slab_slides_down_the_dip_of_its_file(tmp_path, suffix, up, key) -> No
     result = sk.run(slab_on_an_incline(tmp_path, suffix, up, key))
     assert result.fos.limit == pytest.approx(math.tan(math.radians(30)) / math.tan(math.radians(60)), rel=1e-5)
     assert ("y is up in the files of base, slab" in str(result.sheet)) == (up == "y")
-    assert "toward 180/60.0" in str(result.sheet)
+    assert "toward 180/60.0" in result.sheet.full
 
 
 @pytest.mark.parametrize(

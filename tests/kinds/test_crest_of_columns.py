@@ -51,4 +51,5 @@ def test_columns_by_their_heights_have_no_crest() -> None:
 def test_the_sheet_and_json_say_it() -> None:
     result = sk.run(columns())
     assert result.to_dict()["mechanism"]["setback_m"] == result.findings.mechanisms[0].size.setback_m
-    assert f"setback {result.findings.mechanisms[0].size.setback_m:.4g} m" in str(result.sheet)
+    setback = result.findings.mechanisms[0].size.setback_m
+    assert f"{setback:.4g} m behind the crest" in " ".join(result.sheet.full.split())

@@ -175,7 +175,7 @@ def test_the_result_of_many_blocks_says_it(bench: Result) -> None:
     assert first is not None
     assert document["mechanism"]["volume_m3"] == first.volume_m3
     assert document["assembly"]["mechanisms"][0]["size"]["setback_m"] == first.setback_m
-    assert "what fails first: height" in " ".join(str(bench.sheet).split())
+    assert "critical block or group: height" in " ".join(str(bench.sheet).split())
     assert bench.size == first
 
 

@@ -44,7 +44,7 @@ def test_the_mechanisms_asked_for_are_named_with_their_factors() -> None:
     assert chip.endswith(f"; the first larger one under MECHANISM, n 2, has {factor:.4f}, those before it taken away")
     rows = [line.split()[:3] for line in str(result).splitlines() if line.strip().startswith(("1 ", "2 "))]
     assert [(n, volume) for n, _, volume in rows] == [("1", "0.04"), ("2", "4")]
-    assert rows[1][1] == f"{factor:.4f}"
+    assert rows[1][1] == f"{factor:.3f}"
 
 
 def test_only_chips_were_asked_for() -> None:

@@ -515,7 +515,7 @@ def test_bolts_that_hold_nothing_are_refused() -> None:
 
 def test_the_sheet_says_what_bolts_pull() -> None:
     result = sk.run(ASSEMBLIES["row"])
-    text = str(result)
+    text = result.sheet.full
     assert "by interface and bolt" in text
     assert "W311" in text
 

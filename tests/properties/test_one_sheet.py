@@ -33,7 +33,7 @@ def shown(name: str) -> Shown:
 
 def tables(name: str) -> list[Table]:
     sheet = shown(name).sheet
-    return [one for section in sheet.sections for one in section.entries if isinstance(one, Table)]
+    return [one for section in sheet.sections for one in section.content if isinstance(one, Table)]
 
 
 def is_rounded(text: str, value: float) -> bool:
@@ -88,7 +88,7 @@ def test_what_is_shown_is_the_number_that_json_has(name) -> None:
 @pytest.mark.parametrize("name", [*names(), SWEEP])
 def test_text_has_the_cells_of_the_table_or_numbers_of_its_section(name) -> None:
     for section in shown(name).sheet.sections:
-        own = [one for one in section.entries if isinstance(one, Table)]
+        own = [one for one in section.content if isinstance(one, Table)]
         known = {number for table in own for number in numbers(table)}
         for table in own:
             if table.said is None:
@@ -156,7 +156,7 @@ def test_csv_and_records_have_every_row(name) -> None:
 
 def test_a_result_shows_itself() -> None:
     result = shown("wedge")
-    assert repr(result) == f"<Result: {result.line}>" == "<Result: slides_on_both  1.5574  agree  met>"
+    assert repr(result) == f"<Result: {result.line}>" == "<Result: slides_on_both  1.557  agree  met>"
     assert str(result) == str(result.sheet)
     assert list(result.to_dict())[-1] == "sheet"
     assert [name for name in dir(sk) if name.startswith("_")] == ["__version__"]
