@@ -250,6 +250,21 @@ def test_what_governs_leads_to_its_slider(page) -> None:
     assert shown == [C]
 
 
+def test_where_moments_govern_the_page_says_what_they_do(page) -> None:
+    """Beside both factors, with no change of the closed form to follow; gone with a design that they do not govern."""
+    page.ask("open", template="rough")
+    page.until(lambda: page.fos() == "1.560")
+    said = page.script("return document.getElementById('answer').innerText")
+    assert "moments lower the FoS to 1.560 (forces only 1.575)" in said
+    assert "forces only: AGREE within" in said
+    assert "not given: it is read from the closed form, which does not govern here" in said
+    assert page.script("return document.querySelectorAll('.governs button').length") == 0
+    page.ask("open", yaml=DESIGN, name="wall.yaml")
+    page.until(lambda: page.fos() == "1.557")
+    assert page.script("return document.querySelectorAll('.moments').length") == 0
+    assert "forces only" not in page.script("return document.getElementById('answer').innerText")
+
+
 def test_a_title_is_text_and_nothing_else(page) -> None:
     title = "<img src=x onerror='document.title=1'> & wall"
     assert page.text("title") == title

@@ -305,7 +305,8 @@ def test_a_page_is_greeted_with_the_design_and_its_answer(desk):
     assert ("wedge", "wedge") in [(one["name"], one["kind"]) for one in hello["templates"]]
     assert (design["kind"], design["live"], design["file"]) == ("wedge", "drag", None)
     result = analyse(desk.session.design)
-    assert answer["fos"] == {name: getattr(result.fos, name) for name in ("limit", "closed_form", "static_bound")}
+    factors = ("limit", "lowest", "closed_form", "static_bound")
+    assert answer["fos"] == {name: getattr(result.fos, name) for name in factors}
     assert answer["scene"] == json.loads(json.dumps(viewer_data(result.to_dict())))
     assert answer["net"]["planes"][0] == {"name": "J1", "dip": 45.0, "dip_direction": 115.0,
                                           "path": "joints.J1.plane"}  # fmt: skip
@@ -355,6 +356,19 @@ def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
     shared = [name for name, _, _ in result.governs if name.startswith("JRC")]
     both = "JRC +1 of J1 and J2" if sets == SHARED else "JRC +1 of J1"
     assert shared == ([] if template != "rough" else [both])
+
+
+def test_what_moments_do_stands_on_the_page_as_on_the_sheet():
+    """A wedge full of water opens a part of a joint: what that costs, and the lowest estimate beside the limit."""
+    planes = [("joints.J1.plane", "45/105"), ("joints.J2.plane", "70/235"), ("slope.face", "65/185")]
+    design = load(path_of("wedge"), [*planes, ("slope.upper", "12/195"), ("slope.height", 30), ("water.fill", 1.0)])
+    answer, result = analysed(replace(Session.of_template("wedge").now, document=design.source, design=design))
+    assert result.moments_govern
+    (said,) = [one for one in result.sheet.sections if one.label == "MOMENTS"]
+    assert answer["moments"] == list(said.entries) != []
+    assert answer["fos"]["lowest"] == result.fos.lowest
+    dry, _ = analysed(Session.of_template("wedge").now)
+    assert dry["moments"] == []
 
 
 def test_where_moments_govern_no_change_is_linked_and_the_page_says_why():

@@ -23,6 +23,7 @@ from slopekit.design.common import Design
 from slopekit.design.fields import words_of
 from slopekit.design.reading.nodes import Node
 from slopekit.kinds import analyse, kind_of
+from slopekit.kinds.sheets.result import moments
 from slopekit.kinds.sheets.shared import judged_on, verdict, why_no_sensitivity
 from slopekit.result import JUDGED, Result
 from slopekit.strength.registry import LAWS
@@ -32,6 +33,7 @@ from slopekit.views.solid.stage import Stage
 from slopekit.views.solid.viewer_data import data_of
 
 Answer = dict[str, Any]
+_FACTORS = ("limit", "lowest", "closed_form", "static_bound")  # of a result, in the order of the sheet
 #: What changes of SENSITIVITY are made to, by how their names begin: the ends of the paths.
 _GOVERNED: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("full water", ("water.fill",)), ("load", ("footing.load", "footing.load.mean")),
@@ -79,9 +81,10 @@ def told(moment: Moment, result: Result, final: bool = True) -> Answer:
         **_empty(moment, final),
         "lead": None if lead is None else factor_text(lead).strip(), "lead_of": lead_of,
         "status": result.status, "status_words": result.status_text,
-        "fos": {"limit": fos.limit, "closed_form": fos.closed_form, "static_bound": fos.static_bound},
+        "fos": {name: getattr(fos, name) for name in _FACTORS},
         "agree": result.agree, "agree_words": verdict(result), "difference": result.difference,
-        "moments_govern": result.moments_govern, "accepted": result.accepted, "line": result.line,
+        "moments_govern": result.moments_govern, "moments": moments(result),
+        "accepted": result.accepted, "line": result.line,
         "governs": list(_governs(moment.design, result, keys)), "why_no_governs": why_no_sensitivity(result),
         "acceptance": [
             {"rule": str(rule), "on": judged_on(result, rule), "met": result.judged(rule)}
@@ -117,9 +120,9 @@ def scene_of(result: Result) -> dict[str, Any]:
 def _empty(moment: Moment, final: bool) -> Answer:
     return {
         "rev": moment.rev, "final": final, "lead": None, "lead_of": "", "status": "", "status_words": "",
-        "fos": {"limit": None, "closed_form": None, "static_bound": None}, "agree": None, "agree_words": "",
-        "difference": None, "moments_govern": False, "accepted": None, "line": "", "governs": [], "why_no_governs": "",
-        "acceptance": [], "notices": [], "faults": [], "words": [], "net": None, "scene": None,
+        "fos": dict.fromkeys(_FACTORS), "agree": None, "agree_words": "", "difference": None, "moments_govern": False,
+        "moments": [], "accepted": None, "line": "", "governs": [], "why_no_governs": "", "acceptance": [],
+        "notices": [], "faults": [], "words": [], "net": None, "scene": None,
         "ms": {"analysis": 0.0, "all": 0.0}, "stale": False,
     }  # fmt: skip
 

@@ -28,7 +28,8 @@ function faultCard(fault) {
 }
 
 function numbers(answer) {
-  const rows = [["PRE-IE, limit", answer.fos.limit], ["closed form", answer.fos.closed_form], ["static bound (upper)", answer.fos.static_bound]];
+  const rows = [["PRE-IE, limit", answer.fos.limit], ...answer.fos.lowest === null ? [] : [["lowest estimate", answer.fos.lowest]],
+    ["closed form", answer.fos.closed_form], ["static bound (upper)", answer.fos.static_bound]];
   if (rows.every(([, value]) => value === null)) { return null; }
   return el("table", { class: "numbers" }, el("tbody", {}, rows.map(([name, value]) =>
     el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "num" }, factor(value))))));
@@ -68,7 +69,8 @@ export function show(answer) {
     faulty ? el("section", { class: "faults", "aria-label": "Why there is no answer" }, answer.faults.map(faultCard),
       byId("view").classList.contains("blank") ? null : el("p", { class: "soft" }, "The dimmed view is the last design that could be analysed.")) : null,
     stale(answer), numbers(answer),
-    answer.agree_words && answer.agree !== null ? el("p", { class: "soft small" }, answer.agree_words.replace(/\s{2,}/g, " · ")) : null,
+    answer.agree_words && answer.agree !== null ? el("p", { class: "soft small" }, answer.moments_govern ? "forces only: " : "", answer.agree_words.replace(/\s{2,}/g, " · ")) : null,
+    answer.moments.length ? el("section", { class: "moments" }, el("h3", {}, "Moments"), answer.moments.map((line) => el("p", {}, line))) : null,
     governs(answer),
     answer.notices.length ? el("section", { class: "notices" }, el("h3", {}, "Notices"), answer.notices.map((one) =>
       el("p", {}, el("code", {}, one.code), " ", one.text,
@@ -86,7 +88,7 @@ export function start() {
   on("design", (own) => { design = own; });
   on("answer", show);
   on("refused", (message) => { if (shown) { 
-    show({ ...shown, faults: message.faults, lead: null, stale: false, governs: [], why_no_governs: "", notices: [], acceptance: [], agree: null,
-      fos: { limit: null, closed_form: null, static_bound: null } });
+    show({ ...shown, faults: message.faults, lead: null, stale: false, governs: [], why_no_governs: "", moments: [], notices: [], acceptance: [], agree: null,
+      fos: { limit: null, lowest: null, closed_form: null, static_bound: null } });
   } });
 }

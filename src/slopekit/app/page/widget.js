@@ -114,7 +114,8 @@ function explore(model, el) {
       lines.push(first);
       if (now.lead !== null) { lines.push(made("p", "of", "FoS, " + now.lead_of)); }
       if (now.fos.closed_form !== null) { lines.push(made("p", "closed", now.fos.closed_form.toFixed(3) + " closed form")); }
-      if (now.agree_words) { lines.push(made("p", "agree", now.agree_words)); }
+      if (now.agree_words) { lines.push(made("p", "agree", (now.moments_govern ? "forces only: " : "") + now.agree_words)); }
+      now.moments.forEach((line) => lines.push(made("p", "moments", line)));
       now.notices.forEach((one) => lines.push(made("p", "notice", one.code + " " + one.text)));
     }
     answer.replaceChildren(...lines);

@@ -47,7 +47,7 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section("FoS", [shared.factors_table(result, _factors(result))])
     yield from shared.elastic(result)
     yield Section("COLUMNS", shared.methods(result))
-    yield Section("MOMENTS", _moments(result))
+    yield Section("MOMENTS", moments(result))
     yield Section("STRENGTH", shared.curved_strength(result))
     yield Section("ALL PAIRS", shared.all_pairs(result))
     yield Section("SERIES", shared.series(result))
@@ -93,8 +93,8 @@ def _factors(result: Result) -> Iterator[Factor]:
         yield Factor(fos.all_pairs_failed, "all pairs failed (the paper's criterion; depends on the stiffness)")
 
 
-def _moments(result: Result) -> list[str]:
-    """What moments do to the factor of safety, where they matter."""
+def moments(result: Result) -> list[str]:
+    """Return what moments do to the factor of safety of one block, where they matter."""
     fos, forces = result.fos, result.forces_only
     if not result.words.turns or not result.moments_govern:
         return []
