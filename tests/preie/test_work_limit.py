@@ -139,7 +139,7 @@ def test_the_bound_of_one_block_has_its_work_too(monkeypatch) -> None:
     result = sk.run(path_of("surface"))
     assert bounded.fos.static_bound is not None
     assert result.fos.static_bound is None
-    assert "static bound: not found" in str(result.sheet)
+    assert "upper bound: not found" in str(result.sheet)
     assert result.fos.limit == bounded.fos.limit
 
 
