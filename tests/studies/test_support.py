@@ -427,6 +427,16 @@ def test_the_yaml_of_bolts_whose_moments_govern_meets_the_target(turning, acts, 
     assert 1.8 <= _pasted(ONE_PLANE, turning, acts, tmp_path).fos.limit <= 1.8 * 1.02
 
 
+def test_bolts_that_are_enough_are_kept_where_fewer_would_not_be() -> None:
+    """Three passive bolts ask for what two could take, and two for more than that: three are built."""
+    found = sk.support(loaded(ONE_PLANE), 1.8, acts="passive", bolt_capacity=250.0, bond=2.5)
+    (case,) = (case for case in found.cases if case.bolts)
+    assert len(case.bolts) == 3
+    assert case.pattern.force <= 2 * 250.0
+    assert 1.8 <= case.factors.limit <= 1.8 * 1.02
+    assert found.reached
+
+
 def test_where_the_target_is_not_reached_there_is_nothing_to_paste(monkeypatch) -> None:
     """One force through the centroid gives the target when it is run, and cannot be built: it is no file."""
     short = sk.support(loaded(PLANE), 2, acts="active", length="5 m")

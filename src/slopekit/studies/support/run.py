@@ -60,6 +60,7 @@ from slopekit.studies.support.search import (
 _ROUGH = 1e-3  # on coarse node pairs
 _NEAR = 0.02  # of the target: a first answer so near is as good as a rough search
 _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where moments govern the search begins there
+_LAYOUTS = 4  # of heads, each for the force that the one before asks for
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
 _WANTED = 1.5  # where nobody says another factor of safety
 _CLOSE_M = 1.0  # bolts that stand closer share the rock they hold
@@ -312,28 +313,34 @@ class _SupportSearch:
         """Heads on the face for a force that is enough through the centroid, and what PRE-IE asks with them there.
 
         `least` is what the forces alone need, `rate` how the level rises with the force. Where the moments of the heads
-        ask for another force the heads are laid out for that, where such bolts can take what they need themselves; the
-        analysis of the bolts as they are built judges them.
+        ask for another force the heads are laid out for that: more of them until they can take what they need, fewer if
+        those can. The analysis of the bolts as they are built judges them.
         """
         options, site = self.options, self.site
         direction = site.local(line.vector())
-        laid = layout(site, direction, force, options.capacity, options.spacing)
-        if isinstance(laid, Notice):
-            return Pattern(None, (laid,), asked=force)
-        heads, ask = self._in_groups(ways, line, direction, laid)
-        first = ask(force).level
-        root = self._least(ask, force, math.inf, rate)
-        if root.force is not None and not 0.9 * force < root.force <= force * (1.0 + 1e-9):
-            again = layout(site, direction, root.force, options.capacity, options.spacing)
-            if isinstance(again, Notice):
-                return Pattern(None, (again,), asked=force, first=first)
-            if np.array_equal(again.heads_m, laid.heads_m):
-                laid = again
+        found: tuple[Layout, Floats, _Answers, SearchResult] | None = None
+        kept, grows, wanted, first = found, False, force, None
+        for _ in range(_LAYOUTS):
+            laid = layout(site, direction, wanted, options.capacity, options.spacing)
+            if isinstance(laid, Notice):
+                if kept is None:
+                    return Pattern(None, (laid,), asked=force, first=first)
+                break
+            if found is not None and np.array_equal(laid.heads_m, found[0].heads_m):
+                heads, ask = found[1:3]
             else:
-                heads_again, ask = self._in_groups(ways, line, direction, again)
-                second = self._least(ask, root.force, math.inf, root.slope)
-                if self._is_carried(again, second) or not self._is_carried(laid, root):
-                    laid, heads, root = again, heads_again, second
+                heads, ask = self._in_groups(ways, line, direction, laid)
+            first = ask(force).level if found is None else first
+            root = self._least(ask, wanted, math.inf, rate)
+            needed, found = root.force, (laid, heads, ask, root)
+            if self._is_carried(laid, needed):
+                kept = found
+            if needed is None or (grows or needed > 0.9 * wanted if kept is found else kept is not None):
+                break
+            grows = grows or kept is None
+            wanted, rate = needed, root.slope
+        assert found is not None
+        laid, heads, _, root = kept or found
         return self._laid_out(Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, root, least)
 
     def _in_groups(
@@ -343,10 +350,10 @@ class _SupportSearch:
         heads, counts = groups(self.site, laid, direction, _MOST_GROUPS if ways.passive else 1)
         return heads, _Answers(self._with_heads(ways, line, direction, heads, counts))
 
-    def _is_carried(self, laid: Layout, root: SearchResult) -> bool:
+    def _is_carried(self, laid: Layout, force: float | None) -> bool:
         """Whether bolts of a layout can take the force that PRE-IE asks with their heads."""
         slice_m = laid.across_m if self.site.in_section else 1.0
-        return root.force is not None and root.force * slice_m <= self.options.capacity * len(laid) * (1.0 + 1e-6)
+        return force is not None and force * slice_m <= self.options.capacity * len(laid) * (1.0 + 1e-6)
 
     def _laid_out(self, pattern: Pattern, laid: Layout, root: SearchResult, least: float) -> Pattern:
         """A pattern with its lengths, and whether those given are enough."""
