@@ -714,7 +714,7 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     assert run.stderr == ""
     document = json.loads(run.stdout)
     assert document.keys() == {
-        "slopekit", "study", "kind", "title", "input_sha256", "inputs", "target_fos", "unit", "reached", "needed",
+        "slopekit", "format", "study", "kind", "title", "input_sha256", "inputs", "target_fos", "unit", "reached", "needed",
         "without", "weight_kn", "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure",
         "warnings", "timing_s", "line", "sheet",
     }  # fmt: skip
