@@ -714,8 +714,8 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     assert run.stderr == ""
     document = json.loads(run.stdout)
     assert document.keys() == {
-        "slopekit", "format", "study", "kind", "title", "input_sha256", "inputs", "target_fos", "unit", "reached", "needed",
-        "without", "weight_kn", "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure",
+        "slopekit", "format", "study", "kind", "title", "input_sha256", "inputs", "target_fos", "unit", "reached",
+        "needed", "without", "weight_kn", "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure",
         "warnings", "timing_s", "line", "sheet",
     }  # fmt: skip
     assert document["bolts"][0].keys() == {
