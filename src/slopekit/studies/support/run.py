@@ -57,7 +57,6 @@ from slopekit.studies.support.search import (
     site_of,
 )
 
-_ROUGH = 1e-3  # on coarse node pairs
 _NEAR = 0.02  # of the target: a first answer so near is as good as a rough search
 _MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where moments govern the search begins there
 _LAYOUTS = 4  # of heads, each for the force that the one before asks for
