@@ -1,6 +1,7 @@
 """W503: a headline that is the factor of a chip says so, and how to come to the larger mechanisms, in keys that do."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
+from slopekit.geometry.rock import splitting
 from slopekit.kinds import cut, kind_of
 from slopekit.kinds.assemblies.many_blocks_notices import said_of_size
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
@@ -110,3 +112,13 @@ def test_slivers_are_a_hundredth_of_the_rock_at_most(beside, is_said) -> None:
     first_above = np.searchsorted(np.cumsum(volumes), 0.01 * volumes.sum())
     joined = cut(sk.load(bench, set={"cut.min_volume": volumes[first_above] * beside}))
     assert ("W505" in {one.code for one in joined.notices}) == is_said
+
+
+def test_rock_that_is_left_out_is_said(monkeypatch) -> None:
+    """Slivers without a neighbour are no part of any block: how many m³ that is stands on the short sheet."""
+    made = splitting.cut_bench
+    monkeypatch.setattr(
+        splitting, "cut_bench", lambda *given: replace(made(*given), slivers_left_out=2, volume_left_out=0.125)
+    )
+    (message,) = [one.message for one in cut(sk.load(path_of("bench"))).notices if one.code == "W505"]
+    assert message == "0.125 m³ of rock is left out: slivers below 0.01 m³ without a neighbour"

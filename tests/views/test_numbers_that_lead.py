@@ -11,7 +11,7 @@ from benchmarks.populations import bench, section
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
-from slopekit.kinds.sheets.shared import judged_factor
+from slopekit.kinds.sheets.shared import judged_difference, judged_factor
 from slopekit.preie.many_blocks import blocks
 from slopekit.views.pages.report_words import answer
 from slopekit.views.solid.stage import Stage
@@ -222,3 +222,13 @@ def test_what_nothing_drives_meets_a_rule_without_a_number_and_says_so() -> None
     found = replace(found, status="no_driving_force", fos=replace(found.fos, limit=None, all_pairs_failed=None))
     assert "fos >= 1.5 (all-pairs): MET (it stands without any strength: there is no factor to judge)" in str(found)
     assert found.to_dict()["rules"] == [{"rule": "fos >= 1.5", "met": True, "judged": None, "fos": None}]
+
+
+@pytest.mark.parametrize(
+    ("difference", "agree", "text"),
+    [(0.0, True, "AGREE within 0.0001 %"), (1.04e-4, True, "AGREE within 0.011 %"), (0.00996, True, "AGREE within 1 %"),
+     (0.01004, False, "DISAGREE by 1.1 % (limit 1 %)"), (None, True, "AGREE (no number from either)")],
+)  # fmt: skip
+def test_two_methods_never_look_nearer_than_they_are(difference, agree, text) -> None:
+    """`within` is rounded up: what is printed bounds what was found."""
+    assert judged_difference(difference, agree, 0.01) == text

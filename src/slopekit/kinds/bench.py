@@ -208,13 +208,11 @@ def cut(design: BenchDesign) -> AssemblyScene:
     planes = planes_of_sets(sets, body, np.random.default_rng(design.seed))
     cut = cut_bench(body, planes, design.max_blocks, design.min_volume_m3)
     assembly = cut.assembly
-    slivers, notices = list[str](), []
-    if cut.slivers_joined or cut.slivers_left_out:
-        left = f", {cut.slivers_left_out} without a neighbour left out ({cut.volume_left_out:.3g} m³)"
-        slivers.append(
-            f"{cut.slivers_joined} slivers below {cut.min_volume:.3g} m³ joined to the neighbour they share most with"
-            f"{left if cut.slivers_left_out else ''}"
-        )
+    small = f"slivers below {cut.min_volume:.3g} m³"
+    slivers = [f"{cut.slivers_joined} {small} joined to the neighbour they share most with"] * bool(cut.slivers_joined)
+    notices = [Notice("W505", f"{cut.volume_left_out:.3g} m³ of rock is left out: {small} without a neighbour")] * bool(
+        cut.slivers_left_out
+    )
     share = cut.volume_joined / cut.body_volume
     if share > _SLIVERS:
         of_all = cut.blocks + cut.slivers_joined + cut.slivers_left_out

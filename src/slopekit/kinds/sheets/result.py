@@ -114,11 +114,9 @@ def moments(result: Result) -> list[str]:
         change = f"{' and '.join(opened)} {verbs} no cohesion there: FoS"
     limit, alone = factor_text(fos.limit), "" if forces is None else f" (forces only {factor_text(forces)})"
     lines = [f"{change} {limit}{alone}" if opened else f"moments {change} to {limit}{alone}"]
-    if fos.static_bound is not None and fos.closed_form is not None and fos.static_bound < fos.closed_form:
-        lines.append(
-            f"no distribution of forces can balance at the closed form's {factor_text(fos.closed_form)} "
-            f"(upper bound {factor_text(fos.static_bound)})"
-        )
+    closed, bound = factor_text(fos.closed_form), factor_text(fos.static_bound)
+    if fos.static_bound is not None and fos.closed_form is not None and float(bound) < float(closed):
+        lines.append(f"no distribution of forces can balance at the closed form's {closed} (upper bound {bound})")
     return lines
 
 

@@ -1,6 +1,7 @@
 """Entries that the sheets of one block and of many blocks share."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from decimal import ROUND_CEILING, Context
 from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING
 
@@ -224,10 +225,19 @@ def judged_difference(difference: float | None, agree: bool, agree_within: float
     word = "AGREE" if agree else "DISAGREE"
     if difference is None:
         return f"{word} (no number from either)" if agree else word
-    percent = max(difference * 100.0, _LEAST_PERCENT)
+    percent = _rounded_up(max(difference * 100.0, _LEAST_PERCENT))
     if agree:
-        return f"{word} within {percent:.2g} %"
-    return f"{word} by {percent:.3g} % (limit {agree_within * 100:g} %)"
+        return f"{word} within {percent} %"
+    return f"{word} by {percent} % (limit {agree_within * 100:g} %)"
+
+
+def _rounded_up(value: float) -> str:
+    """Return a number in two digits that is no less.
+
+    >>> _rounded_up(0.0001), _rounded_up(0.0104), _rounded_up(1.004), _rounded_up(12.0)
+    ('0.0001', '0.011', '1.1', '12')
+    """
+    return f"{float(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(value))):g}"
 
 
 def all_pairs(result: Result) -> list[Entry]:

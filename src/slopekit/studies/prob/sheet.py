@@ -57,7 +57,7 @@ def sheet_of(study: Probability) -> Sheet:
             Section("HISTOGRAM", (), details=[_histogram(summary, asked.target)]),
         )),
         Section("SENSITIVITY", [_matters(study)]),
-        Section("SIZE", (), details=_sizes(study)),
+        Section("SIZE", [] if study.sizes is None else _limited(study.sizes.limits), details=_sizes(study)),
         Section("BOLTS", _bolts(study)),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
@@ -189,10 +189,10 @@ def _leading(study: Probability) -> list[str]:
 
 
 def _sizes(study: Probability) -> list[Entry]:
-    """How large it is what the samples form and what fails, and what limits made of it."""
+    """Return the sizes of all blocks and of those that fail."""
     sizes = study.sizes
     if sizes is None or not sizes.forming:
-        return [] if sizes is None else [*_limited(sizes.limits)]
+        return []
     rows = [(key, of, among[key]) for key in sizes.forming
             for of, among in (("that form", sizes.forming), ("that fail", sizes.failing)) if key in among]  # fmt: skip
     per = " per m" if "face_width_m" not in sizes.forming else ""
@@ -209,7 +209,7 @@ def _sizes(study: Probability) -> list[Entry]:
         *(Column(f"{share * 100:g} %", quantile(share), f"q{share:g}", show=_four, width=11) for share in SHARES),
         Column("largest", lambda row: row[2].most, "max", show=_four, width=11),
     ]
-    return [Table(columns, rows), *_limited(sizes.limits)]
+    return [Table(columns, rows)]
 
 
 def _four(value: float) -> str:
@@ -366,7 +366,7 @@ def _pre_ie(study: Probability) -> list[str]:
         return ["every sample is PRE-IE's own"]
     if checked is None:
         return ["not asked: no sample forms a block, or --confirm 0 and none near the target"]
-    return [_asked(checked, study.asked.target), _agreement(checked), *_judgement(checked, study)]
+    return [_asked(checked, study.asked.target), _agreement(checked), _judgement(checked, study)]
 
 
 def _asked(checked: Confirmation, target: float) -> str:
@@ -385,19 +385,13 @@ def _agreement(checked: Confirmation) -> str:
     return f"{', '.join(words)}{largest}; {governed}"
 
 
-def _judgement(checked: Confirmation, study: Probability) -> list[str]:
+def _judgement(checked: Confirmation, study: Probability) -> str:
     most = number(float(f"{100.0 * checked.other_at_most:.2g}"))
-    told = (
+    return (
         f"judged otherwise: {checked.unsafe} fail by PRE-IE only, {checked.safe} by the closed form only; of all "
         f"samples at most {most} % ({study.asked.confidence * 100:g} % confidence, from "
         "those at random)"
     )
-    if checked.probability is None:
-        return [told]
-    share, own = _percent(checked.probability), study.all_samples
-    low, high = max(0.0, own.low + checked.change_low), min(1.0, own.high + checked.change_high)
-    return [told, f"P(F < {study.asked.target:g}) with PRE-IE's judgement: {share} of all samples; limits "
-                  f"{_percent(low)} to {_percent(high)}, which more --confirm narrows"]  # fmt: skip
 
 
 def _accept(study: Probability) -> list[str]:

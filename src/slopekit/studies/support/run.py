@@ -203,9 +203,9 @@ class _SupportSearch:
 
     def cases(self) -> list[BoltCase]:
         """Every case that was asked for."""
-        return [self._case(*asked) for asked in self._asked()]
+        return [self._case(*asked) for asked in self._requested_directions()]
 
-    def _asked(self) -> Iterator[tuple[BoltDirections, Which, Way | None, Optimum | None]]:
+    def _requested_directions(self) -> Iterator[tuple[BoltDirections, Which, Way | None, Optimum | None]]:
         """The directions that were asked for, of bolts of each way to act."""
         goal, toward, plunges = self.factor / (1.0 + AIM), self.options.toward, self.options.plunge
         for acts in self.options.acts:

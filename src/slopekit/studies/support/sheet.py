@@ -120,7 +120,7 @@ def _needed_by_both(one: BoltCase | FacePressure, unit: str) -> str:
     return f"{needed(one.closed_form, unit, 'closed form')};  {needed(one.pre_ie, unit, 'PRE-IE')}"
 
 
-def _of_both(one: BoltCase | FacePressure) -> list[str]:
+def _need_notices(one: BoltCase | FacePressure) -> list[str]:
     """What is to be known of what each method needs."""
     return [str(need.notice) for need in (one.closed_form, one.pre_ie) if need and need.notice]
 
@@ -148,7 +148,7 @@ def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
         return [f"{head}: none.  {case.closed_form.notice}"], []
     if _same(support, case):
         return ["optimum of all directions: the same"], []
-    lines = [f"{head} {line_in_words(case.toward)}: {_needed_by_both(case, support.unit)}", *_of_both(case)]
+    lines = [f"{head} {line_in_words(case.toward)}: {_needed_by_both(case, support.unit)}", *_need_notices(case)]
     needed_by_moments = case.pre_ie
     if (
         case.which != "given"
@@ -261,7 +261,7 @@ def _rows(support: Support, pattern: Pattern) -> str:
 def _pressure(pressure: FacePressure, unit: str) -> list[str]:
     area = f"{size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}"
     where = f"uniform on the face, {area}, normal to it ({line_in_words(pressure.toward)})"
-    return [f"{where}: {_needed_by_both(pressure, 'kPa')}", *_of_both(pressure)]
+    return [f"{where}: {_needed_by_both(pressure, 'kPa')}", *_need_notices(pressure)]
 
 
 def _use(support: Support) -> list[str]:
