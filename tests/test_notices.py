@@ -59,7 +59,7 @@ OF_A_FILE = [
     ("W328", "surface", {"loads": {"seismic": "0.1@180"}}, "the seismic load acts across the movement"),
     ("W324", "surface", {"acceptance": {"rules": ["fos >= 1.362"]}}, "the limit meets fos >= 1.362, Fellenius"),
     ("W322", "sphere", {"slope.profile": [[5, -8.09017], [-30, 9.4098301]]}, "the mass reaches"),
-    ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the static bound"),
+    ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the upper bound"),
     ("W323", "plane", {"loads": {"seismic": "0.2@270"}}, "the seismic load acts off the section: 0 % of it"),
     ("W302", "footing", {"weak_plane.length": 8000}, "the blocks are 5142 m high, higher"),
     ("W302", "blocks", {"blocks": {"base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},

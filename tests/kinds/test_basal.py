@@ -287,7 +287,7 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     above, whole_row = found.to_dict()["mechanisms"]
     assert (above["mechanism"], above["fos"], above["mass_t"]) == ("block_above_basal", found.fos.limit, found.mass_t)
     assert (whole_row["mechanism"], whole_row["fos"]) == ("whole_wedge", found.without_basal.closed_form)
-    assert f"without_basal {whole.fos.closed_form:.3f}" in found.line or found.fos.limit < whole.fos.closed_form
+    assert f"whole_wedge {whole.fos.closed_form:.3f}" in found.line or found.fos.limit < whole.fos.closed_form
 
 
 def test_a_crack_may_be_fuller_than_the_joints() -> None:

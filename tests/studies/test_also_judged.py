@@ -66,7 +66,7 @@ def test_of_each_sample_the_lower_of_block_and_whole_wedge_counts(more) -> None:
     assert only > 0
     (said,) = notices(found, "W507")
     assert said.startswith(f"in {only} of 12 samples the whole wedge without the basal joint falls short of 1.2")
-    assert any(name.startswith("without_basal_slides") for name in found.counts)
+    assert any(name.startswith("whole_wedge_slides") for name in found.counts)
 
 
 def test_samples_taken_one_by_one_are_judged_alike() -> None:
@@ -119,7 +119,7 @@ def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     assert found.exit_code == 1
     assert found.all_samples.share == 1.0
     assert (found.confirmation.unsafe, found.confirmation.safe) == (0, 0)
-    assert found.to_dict()["at_means"]["without_basal"]["closed_form"] == pytest.approx(0.693, abs=1e-3)
+    assert found.to_dict()["at_means"]["whole_wedge"]["closed_form"] == pytest.approx(0.693, abs=1e-3)
     assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
 
 
@@ -147,7 +147,7 @@ def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
         "1 of 3 points, at strength.joint.phi = 30°",
     ]  # fmt: skip
     assert found.margin == pytest.approx(alone[0])
-    assert [row["without_basal"]["closed_form"] for row in found.to_dict()["points"]] == pytest.approx(alone)
+    assert [row["whole_wedge"]["closed_form"] for row in found.to_dict()["points"]] == pytest.approx(alone)
     curve = next(section for section in str(found.sheet).split("\n") if section.startswith("CURVE"))
     assert "whole wedge" in curve
     assert max(map(len, str(found.sheet).split("\n"))) <= 100

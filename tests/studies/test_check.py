@@ -65,7 +65,7 @@ def test_the_paper_wedge() -> None:
     assert all(error < 1e-12 for _, error in rungs(found, "mesh"))
     assert found.result.fos.all_pairs_failed == pytest.approx(1.554, abs=5e-4)  # the paper's own
     assert found.errors[found.cheapest] <= found.result.design.agree_within
-    assert finding(found, "static bound").met
+    assert finding(found, "upper bound").met
 
 
 @pytest.mark.parametrize("name", ["plane", "footing", "goodman-bray", "topple"])
@@ -86,7 +86,7 @@ def test_kinds_without_a_closed_form_say_so(name, values) -> None:
     assert finding(found, "closed form").met is None
     assert "there is none" in finding(found, "closed form").words
     assert found.against != "the closed form"
-    assert finding(found, "static bound").met
+    assert finding(found, "upper bound").met
     assert finding(found, "admissible").met
 
 

@@ -20,7 +20,7 @@ def test_the_sheet(name) -> None:
     labels = [line[:10].strip() for line in lines[1:] if not line.startswith(" ")]
     assert labels[:5] == ["STATUS", "FoS", "LOOKED AT", "LADDER", "CHEAPEST"]
     assert "VERDICT   CONSISTENT" in sheet
-    what = "limit, PRE-IE" if checked.result.findings is None else "limit of the elastic path (k_t/k_n 0.4)"
+    what = "PRE-IE" if checked.result.findings is None else "limit of the elastic path (k_t/k_n 0.4)"
     assert f"{checked.result.fos.limit:.3f}  {what}" in sheet
     for finding in checked.findings:
         assert finding.name in sheet

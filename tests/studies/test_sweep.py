@@ -270,7 +270,7 @@ def command(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:
         (
             ("slope.face.dip=60", "--quiet"),
             0,
-            "1 point  limit, PRE-IE 1.557 to 1.557  closed form 1.557 to 1.557  agree",
+            "1 point  PRE-IE 1.557 to 1.557  closed form 1.557 to 1.557  agree",
         ),
         (("slope.face.dip=15,20", "--closed-form", "--quiet"), 3, "W359"),
         (("slope.face.dip",), 2, "E312 slope.face.dip has no values"),

@@ -285,7 +285,7 @@ def test_friction_circles_in_the_colour_of_their_joint() -> None:
         joint = next(line for label, line in lines.items() if label.startswith(f"{name} 45/"))
         assert circle.get_color() == joint.get_color()
     assert "steeper than φ 20°, the least" in legend(figure)
-    assert f"FoS {factor_text(document['fos']['limit'])} (limit, PRE-IE)" in figure.texts[0].get_text()
+    assert f"FoS {factor_text(document['fos']['limit'])} (PRE-IE)" in figure.texts[0].get_text()
 
 
 def test_the_crack_of_a_plane_is_upright() -> None:

@@ -64,7 +64,7 @@ def notices_of(
     if limit.begun and first.fos and limit.static_bound:
         last = "led to no limit state" if limit.fit_on is None else f"fit on at F = {limit.fit_on:.4f}"
         yield Notice("W317", "with all loads on at once the blocks come to rest at "
-                     f"{limit.static_bound / limit.begun:.3g} times the strength of the static bound and not at "
+                     f"{limit.static_bound / limit.begun:.3g} times the strength of the upper bound and not at "
                      f"twice; those that came on after the weight {last}")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit, design.seismic.coefficient)
@@ -129,9 +129,9 @@ def _unsettled(limit: BlocksLimit) -> Notice:
             f"all blocks were last at rest with their strength divided by {limit.rested:.4g} (limits of random "
             "sections lay up to 4 % below such a rest)"
         )
-    above = ", and no static bound was found"
+    above = ", and no upper bound was found"
     if limit.static_bound is not None:
-        above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
+        above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the upper bound"
     alone = ""
     if limit.held is not None:
         factor, count = limit.held
@@ -152,7 +152,7 @@ def _given_up(limit: BlocksLimit) -> Notice:
         if high <= low * (1.0 + _ONE_PLACE):
             fit = f"just all fit on with the strength divided by {low:.4g}"
         why = f"the loads beside weight and water, coming on last, {fit}, and no rest under all of them was found there"
-    above = "" if limit.static_bound is None else f"; the static bound is {limit.static_bound:.4g}"
+    above = "" if limit.static_bound is None else f"; the upper bound is {limit.static_bound:.4g}"
     return Notice("W308", f"the search for the limit of these blocks gave up: {why}{above}")
 
 
@@ -162,7 +162,7 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
     def earthquake(part: float) -> str:
         return f" (k {part * seismic:.4g})" if seismic else ""
 
-    most = f"{STRONGER[-1]:g} times the strength of the static bound"
+    most = f"{STRONGER[-1]:g} times the strength of the upper bound"
     if limit.loads_last and limit.carried is not None and limit.carried < 1.0:
         tried = f"up to {most}" if limit.static_bound else "at any strength that was tried"
         tips = ""
@@ -177,9 +177,7 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
                       f"and water{earthquake(limit.carried)}, and {tried} they did not carry all of them: no factor of "
                       f"safety is given{tips}")  # fmt: skip
     exist = (
-        ""
-        if limit.static_bound is None
-        else "; the static bound says that forces in balance exist, not that they arise"
+        "" if limit.static_bound is None else "; the upper bound says that forces in balance exist, not that they arise"
     )
     bonds, tip = "without the cohesion that is lost, ", ""
     if not (limit.bond == 0.0).any():

@@ -26,7 +26,7 @@ def _limit(blocks: ElasticBlocks) -> str:
             return f"no limit: {found}"
         low, high = blocks.between
         ends = (
-            "elastic blocks rest at the first, above the second no forces hold them (static bound without what is open"
+            "elastic blocks rest at the first, above the second no forces hold them (upper bound without what is open"
         )
         return f"{low:.4f} .. {high:.4f}  {ends} at the first); the rigid limit {found[5:]}"
     if blocks.limit is None:

@@ -159,7 +159,7 @@ def _residual(result: Result) -> list[Factor]:
         return []
     status = result.design.in_own_names(result.words.status(left.status))
     differs = "" if left.status == result.status else f": {status}"
-    rows = [Factor(left.limit, f"residual strength, limit, PRE-IE{differs}", judged_difference(
+    rows = [Factor(left.limit, f"residual strength, PRE-IE{differs}", judged_difference(
         left.difference, left.agree, result.design.agree_within) if left.agree is not None else "")]  # fmt: skip
     if left.closed_form is not None:
         rows.append(Factor(left.closed_form, f"residual strength, {result.words.closed_form}"))

@@ -315,7 +315,11 @@ def _closed_forms(
         rotation, methods = None, {}
     if rotation is not None:
         return rotation, methods, rest
-    return ClosedForm(None, "", "there is no closed form of this surface: judge by the static bound"), methods, rest
+    return (
+        ClosedForm(None, "", "there is no closed form of this surface: the upper bound alone is beside it"),
+        methods,
+        rest,
+    )
 
 
 def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:

@@ -352,19 +352,21 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     slope = [(name, f"{name} {plane}  {plane.in_words()}") for name, plane in
              (("face", design.face), ("upper", design.upper))]  # fmt: skip
     entries += [text for name, text in slope if name not in design.defaults]
+    details = [text for name, text in slope if name in design.defaults]
     if design.crack:
-        area = size_number(geometry.areas_m2["crack"])
         entries.append(
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
-            f"crest along J1{design.crack_in_words}  area {area} m²"
+            f"crest along J1{design.crack_in_words}"
         )
+        details.append(f"crack area {size_number(geometry.areas_m2['crack'])} m²")
     if design.basal is not None:
         entries.append(basal.line_entry(geometry))
     else:
         line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
         length = size_number(geometry.line_length_m)
-        entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
-    yield Section("PLANES", entries, details=[text for name, text in slope if name in design.defaults])
+        entries.append(f"line of intersection {line_in_words(line)}, daylights at the toe")
+        details.append(f"line of intersection {length} m long")
+    yield Section("PLANES", entries, details=details)
     size = size_part(result, float(f"{height_of(design):.6g}"))
     if design.limits is not None:
         from slopekit.kinds.wedge import limits
@@ -386,7 +388,7 @@ def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJo
 
 
 _WORDS = Words(
-    "wedge on two joints", "wedge", "along the trend of the line of intersection", "Hoek & Bray closed form",
+    "wedge on two joints", "wedge", "along the line of intersection", "Hoek & Bray closed form",
     "Hoek & Bray: forces only", {}, along=True,
 )  # fmt: skip
 _ON_THREE = replace(

@@ -29,7 +29,7 @@ _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
 _STIFFNESS = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
 _BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
-_INDEPENDENT = ("closed form", "node pairs", "static bound")  # findings that hold the number against something else
+_INDEPENDENT = ("closed form", "node pairs", "upper bound")  # findings that hold the number against something else
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,13 +273,13 @@ def _findings(
                       bool(all(others)) and off <= design.agree_within, words)  # fmt: skip
     yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
     if fos.static_bound is None:
-        yield Finding("static bound", None, None, None, "not found: nothing is said of limit <= bound")
+        yield Finding("upper bound", None, None, None, "not found: nothing is said of limit <= bound")
     else:
         above = max(fos.limit / fos.static_bound - 1.0, 0.0)
         words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g}: how far the limit lies above"
         if not result.static_bound_proved:
             words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g} (not proved)"
-        yield Finding("static bound", above, _ALIKE, above <= _ALIKE if result.static_bound_proved else None, words)
+        yield Finding("upper bound", above, _ALIKE, above <= _ALIKE if result.static_bound_proved else None, words)
     yield from _debonding(result)
     if fos.all_pairs_failed is not None:
         yield Finding("all pairs failed", fos.all_pairs_failed, None, None,

@@ -11,10 +11,7 @@ from slopekit.studies.support.records import BoltCase, FacePressure, Need, Patte
 from slopekit.studies.support.search import Answer
 from slopekit.studies.words import head, status_words
 
-_ROLES = {
-    "active": "a load: it counts in full, whatever the joints do",
-    "passive": "strength: its capacity is divided by FoS, and it pulls only as the block moves",
-}
+_ROLES = {"active": "a load, in full", "passive": "strength: capacity divided by FoS"}
 _WHICH = {
     "best": "optimum of all directions",
     "given": "the direction given",
@@ -31,7 +28,7 @@ def sheet_of(support: Support) -> Sheet:
         Section("TARGET", _target(support)),
         Section("BOLTS", _own_bolts(support.design)),
         *roles,
-        Section("PRESSURE", _pressure(support.pressure, support.unit) if support.pressure is not None else ()),
+        Section("PRESSURE", _pressure(support.pressure) if support.pressure is not None else ()),
         Section("CASES", [cases] if cases.rows else []),
         Section("USE", _use(support)),
         Section("NOTE", [str(notice) for notice in support.warnings]),
@@ -117,6 +114,8 @@ def _size(value: float | None) -> str:
 
 
 def _needed_by_both(one: BoltCase | FacePressure, unit: str) -> str:
+    if needed(one.closed_form, unit, "") == needed(one.pre_ie, unit, ""):
+        return f"{needed(one.pre_ie, unit, '').strip()} by both methods"
     return f"{needed(one.closed_form, unit, 'closed form')};  {needed(one.pre_ie, unit, 'PRE-IE')}"
 
 
@@ -132,7 +131,7 @@ def level(answer: Answer) -> str:
 
 def _target(support: Support) -> list[str]:
     bare = support.pre_ie
-    now = f"as it stands {level(bare)} by PRE-IE, {level(support.closed_form)} by the closed form"
+    now = f"as it stands {level(bare)} by PRE-IE, {level(support.closed_form).removeprefix('FoS ')} by the closed form"
     entries = [f"{wanted_in_words(support.design, support.target)}; {now}: {status_words(support.design, bare.status)}"]
     if bare.moments_govern:
         entries.append("moments govern: the closed form knows none, PRE-IE's numbers are those to use")
@@ -149,7 +148,7 @@ def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
     if _same(support, case):
         return ["optimum of all directions: the same"], []
     lines = [f"{head} {line_in_words(case.toward)}: {_needed_by_both(case, support.unit)}", *_need_notices(case)]
-    needed_by_moments = case.pre_ie
+    needed_by_moments, details = case.pre_ie, _optimum(support, case)
     if (
         case.which != "given"
         and needed_by_moments is not None
@@ -160,10 +159,9 @@ def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
             "for example normal to the face (--toward)"
         )
     if case.most is not None and case.pattern is not None:
-        lines.append(
+        details.append(
             f"no more than {size_number(case.most)} {support.unit}: beyond that FoS falls below the target again"
         )
-    details = _optimum(support, case)
     if case.pattern is not None:
         shown, more = _pattern(support, case, case.pattern)
         lines += shown
@@ -258,9 +256,8 @@ def _rows(support: Support, pattern: Pattern) -> str:
     return f"{bolts}, {size_number(pattern.each)} of {support.options.capacity:g} kN in each"
 
 
-def _pressure(pressure: FacePressure, unit: str) -> list[str]:
-    area = f"{size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}"
-    where = f"uniform on the face, {area}, normal to it ({line_in_words(pressure.toward)})"
+def _pressure(pressure: FacePressure) -> list[str]:
+    where = f"uniform, normal to the face ({line_in_words(pressure.toward)})"
     return [f"{where}: {_needed_by_both(pressure, 'kPa')}", *_need_notices(pressure)]
 
 
@@ -274,7 +271,7 @@ def _use(support: Support) -> list[str]:
             lines.append(f"{case.acts}: {case.lacks}")
             continue
         closed = case.closed_form.force or 0.0
-        why = "both methods agree"
+        why = "both methods"
         if support.dilates:
             why = "PRE-IE's: the joints dilate, which the closed form does not know"
         elif case.force > closed * (1.0 + 1e-6):

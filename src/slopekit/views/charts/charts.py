@@ -281,7 +281,10 @@ def draw_normals(figure: Any, document: Document) -> None:
         for edge, value in own:
             note(axes, f"{value:.4g}", (edge, value), offset, color=colour, zorder=2.5, ha=across, va=upright)
     fos = document["fos"]
-    for name, value, style in (("closed form", fos["closed_form"], "-."), ("static bound", fos["static_bound"], "--")):
+    for name, value, style in (
+        ("closed form", fos["closed_form"], "-."),
+        ("upper bound", fos["static_bound"], "--"),
+    ):
         if value is not None:
             axes.axhline(value, color=DARK if name == "closed form" else GREY, linestyle=style, linewidth=1.2,
                          label=f"{name}, {value:.4g}")  # fmt: skip
@@ -292,7 +295,7 @@ def draw_normals(figure: Any, document: Document) -> None:
     axes.minorticks_off()
     axes.margins(x=0.12, y=0.12)
     axes.set_xlabel("mean edge of the triangles of the slip surface, m (coarse at the right)")
-    axes.set_ylabel("factor of safety (limit, PRE-IE)")
+    axes.set_ylabel("factor of safety (PRE-IE)")
     finish(figure, axes, title_of(document), 2)
 
 

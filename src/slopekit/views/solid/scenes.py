@@ -14,6 +14,7 @@ from slopekit.block_scene import MODES, OPEN
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import factor_text
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
 from slopekit.views.solid.dimensions import dimensions, lines
@@ -344,7 +345,7 @@ def _answer_of(stage: Stage, step: int) -> str:
     if step == 1 or step > len(stage.mechanisms):
         return ""
     one = stage.mechanisms[step - 1]
-    factor = "no factor of safety" if one.get("fos") is None else f"FoS {one['fos']:.3f} (limit, PRE-IE)"
+    factor = "no factor of safety" if one.get("fos") is None else f"FoS {factor_text(one['fos'])} (PRE-IE)"
     return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
 
