@@ -229,9 +229,7 @@ def test_ten_thousand_blocks_on_one_screen() -> None:
 
 def test_the_sets_in_words() -> None:
     found = part(str(bench()), "SETS")
-    assert found.startswith(
-        "S1 30/175 dips 30° toward 175 (S), every 3 m bedding: c 0 kPa φ 42° area 5123.4 m²"
-    )
+    assert found.startswith("S1 30/175 dips 30° toward 175 (S), every 3 m bedding: c 0 kPa φ 42° area 5123.4 m²")
     assert "every 3.5 m (one plane 0.5 m above mid-toe) joint: c 0 kPa φ 40°" in found
     assert "normals scatter by 3° and distances scatter by 20 % (seed 7)" in found
     assert "face 70/180 dips 70° toward 180 (S) upper 0/180 level" in found
