@@ -161,14 +161,6 @@ def test_an_anchor_goes_with_the_block_at_either_end() -> None:
     assert without_anchors_of(tied.assembly, loads, np.zeros(3, dtype=bool)) is loads
 
 
-def test_an_anchor_between_two_blocks_is_exported_with_both_its_ends(tmp_path) -> None:
-    found = sk.run(stacked(3.0))
-    sk.export(found, split=tmp_path)
-    again = sk.run(tmp_path / "blocks.yaml")
-    assert again.fos.limit == pytest.approx(found.fos.limit, rel=1e-9)
-    assert sorted(force.block for force in again.design.forces) == ["A", "B"]
-
-
 WALL = {
     "slopekit": 1, "kind": "blocks", "strength": {"joint": {"c": 0, "phi": 35}}, "rock": {"unit_weight": 25},
     "section": {"thickness": "2 m"}, "blocks": STACK["blocks"], "loads": STACK["loads"],

@@ -97,8 +97,7 @@ BORDER: list[tuple[Callable[[], Any], str]] = [
     (lambda: sk.plot("x" * 5000), "E148"),
     (lambda: sk.report(sk.wedge(WEDGE), "\x00"), "E405 report takes a text or a path for path, not '\\x00'"),
     (lambda: sk.report(sk.wedge(WEDGE), "x" * 5000), "E129"),
-    (lambda: sk.export(sk.wedge(WEDGE), split="a\x00"), "E405 export takes a text or a path for split"),
-    (lambda: sk.export(sk.wedge(WEDGE), split="nan"), "E405 export takes a text or a path for split, not 'nan'"),
+    (lambda: sk.export(sk.wedge(WEDGE), "nan"), "E405 export takes a text or a path for path, not 'nan'"),
     (lambda: sk.report(sk.wedge(WEDGE), "None"), "E405 report takes a text or a path for path, not 'None'"),
 ]  # fmt: skip
 

@@ -99,7 +99,6 @@ def full_disk() -> Iterator[None]:
         ("export results -o out/a.stl", "out"),
         ("export results -o out/a.vtu", "out"),
         ("export results -o out/a.dxf", "out"),
-        ("export results --split out", "out"),
         ("report results -o out/a.html --no-pictures", "out"),
         ("plot results stereonet -o out/a.svg", "out"),
         ("templates new wedge out/b.yaml", "out"),

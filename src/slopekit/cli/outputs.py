@@ -92,9 +92,7 @@ def _listed(path: Path, given: dict[str, str], own: str) -> str:
 
 def export(
     result: Annotated[str, typer.Argument(help="A result: DIR of run -o DIR, or its result.json.", metavar="RESULT")],
-    output: Annotated[
-        str | None, typer.Option("-o", help="The file: .stl .obj .glb .gltf .vtu .dxf (extra: cad).", metavar="FILE")
-    ] = None,
+    output: Annotated[str, typer.Option("-o", help="The file: .stl .obj .glb .vtu .dxf (extra: cad).", metavar="FILE")],
     case: Annotated[str | None, CASE] = None,
     what: Annotated[
         str | None,
@@ -103,10 +101,6 @@ def export(
     blocks: Annotated[str | None, typer.Option(help="Only these: B1,B7.", metavar="NAMES")] = None,
     moving: Annotated[bool, typer.Option("--moving", help="Leave bedrock out.")] = False,
     binary: Annotated[bool, typer.Option("--binary", help="STL in binary: float32, smaller.")] = False,
-    split: Annotated[
-        str | None, typer.Option(help="A folder for one mesh a block and blocks.yaml that reads them.", metavar="DIR")
-    ] = None,
-    split_as: Annotated[str, typer.Option("--as", help="Meshes of --split: stl or obj.")] = "stl",
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="The names of the files only.")] = False,
 ) -> None:
@@ -114,10 +108,7 @@ def export(
     from slopekit.exchange.export import export as export_result
 
     with watched("export"):
-        done = export_result(
-            result, None if output is None else Path(output), what=what, blocks=blocks, moving=moving, binary=binary,
-            split=None if split is None else Path(split), split_as=split_as, case=case,
-        )  # fmt: skip
+        done = export_result(result, Path(output), what=what, blocks=blocks, moving=moving, binary=binary, case=case)
     if as_json:
         typer.echo(json_text({"slopekit": __version__, **done.to_dict()}))
     elif quiet:
@@ -127,9 +118,6 @@ def export(
             typer.echo("\n".join(_lines(one)))
         for notice in done.warnings:
             typer.echo(f"NOTE      {notice}")
-        for one in done.written if split is not None else ():
-            if one.files[0].suffix == ".yaml":
-                typer.echo(f"try: slopekit run {one.files[0]}")
 
 
 def _lines(one: "Written") -> list[str]:

@@ -16,7 +16,7 @@ from slopekit.design.parts import Strength
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
-from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
+from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
     Arguments,
     ClosedForms,
@@ -381,12 +381,6 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     yield loads_part([*wet, *design.ground_in_words()], result)
 
 
-def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
-    values = zip(*(inputs[key] for key in STRENGTH_INPUTS), strict=True)
-    names = [*inputs["joint_names"], *(["basal"] if inputs.get("basal") else [])]
-    return {name: CarriedJoint(name, *own) for name, own in zip(names, values, strict=False)}
-
-
 _WORDS = Words(
     "wedge on two joints", "wedge", "along the line of intersection", "Hoek & Bray closed form",
     "Hoek & Bray: forces only", {}, along=True,
@@ -405,6 +399,6 @@ KIND = replace(kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
-), has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
+), has_site=True, paper_keys=("slope.", "strength.", "rock.density"),
     drawn_planes=lambda design: (f"joints.{design.joint_names[0]}.plane", f"joints.{design.joint_names[1]}.plane"),
 )  # fmt: skip
