@@ -19,7 +19,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
-from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
+from slopekit.kinds.single_block.ladders import Ladder, Rung
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result
@@ -63,7 +63,6 @@ class Check(StudyOutcome):
     orders : observed orders of convergence from one mesh to the next, empty where the mesh does not matter
     cheapest : index of the cheapest rung of PRE-IE within `agree_within`, None where none is
     findings : what was looked at
-    normals : of a curved slip surface: the limit with its normals and with those of its facets, for show
     """
 
     name: ClassVar[str] = "check"
@@ -76,12 +75,8 @@ class Check(StudyOutcome):
     cheapest: int | None = field(compare=False)
     findings: tuple[Finding, ...]
     seconds: float = field(default=0.0, compare=False)
-    normals: tuple[NormalsRung, ...] = ()
 
-    @property
-    def charts(self) -> tuple[str, ...]:
-        """Time against error; of a curved surface its normals as well."""
-        return ("speed-error", "normals") if self.normals else ("speed-error",)
+    charts: ClassVar[tuple[str, ...]] = ("speed-error",)
 
     @property
     def consistent(self) -> bool | None:
@@ -141,7 +136,6 @@ class Check(StudyOutcome):
             "ladder": [
                 record_of(rung) | {"error": error} for rung, error in zip(self.ladder, self.errors, strict=True)
             ],
-            "normals": json_of(self.normals),
             "orders": list(self.orders),
             "balance": result["balance"],
             "timing_s": {
@@ -199,10 +193,7 @@ def check(
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
-    return Check(
-        result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began,
-        evidence.normals,
-    )  # fmt: skip
+    return Check(result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began)
 
 
 def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str, Rung | None]:

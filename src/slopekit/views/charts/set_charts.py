@@ -12,7 +12,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane, normals
 from slopekit.studies.sets.density import density
 from slopekit.views.charts.drawing import NUMBER, RED, TEXT, needs, short
-from slopekit.views.charts.stereonet import NETS, Net, Stereonet, arrange, lower, set_marks, unproject
+from slopekit.views.charts.stereonet import NET, Stereonet, arrange, lower, set_marks, unproject
 
 Document = Mapping[str, Any]
 _ACROSS = 121  # points of the grid that contours are drawn through
@@ -31,7 +31,7 @@ _LEAST_DEG = 0.3  # a cone that is seen
     "inputs": {"contours": str, "confidence": float, "scanline": (dict, None)},
     "survey": {"name": TEXT}, "input_sha256": str,
 })  # fmt: skip
-def draw_sets(figure: Any, document: Document, net: Net = "area") -> None:
+def draw_sets(figure: Any, document: Document) -> None:
     """One net with all of it."""
     rows, inputs = document["orientations"], document["inputs"]
     planes = np.array([(row["dip_deg"], row["dip_direction_deg"]) for row in rows], dtype=float).reshape(-1, 2)
@@ -39,7 +39,7 @@ def draw_sets(figure: Any, document: Document, net: Net = "area") -> None:
     weights = np.array([row["weight"] for row in rows], dtype=float)
     own = np.array([str(row["set"] or "") for row in rows])
     named = [str(one["set"]) for one in document["sets"]]
-    on = Stereonet(figure.subplots(), net)
+    on = Stereonet(figure.subplots())
     on.start("")
     _contours(on, poles, weights, float(document["survey"].get("quantity", len(rows))), inputs["contours"])
     marks, size = set_marks(named), 4.2 if len(own) <= _MANY else 2.2
@@ -63,7 +63,7 @@ def draw_sets(figure: Any, document: Document, net: Net = "area") -> None:
                   label=f"scanline {line}")  # fmt: skip
     name = short(str(document["survey"]["name"]), 40)
     head = f"{name}: poles of {len(rows)} joint{'s' * (len(rows) != 1)}, {len(named)} set{'s' * (len(named) != 1)}"
-    arrange(figure, [on.axes], 1, f"{head}\n(lower hemisphere, {NETS[net]}; sha {document['input_sha256'][:6]})")
+    arrange(figure, [on.axes], 1, f"{head}\n(lower hemisphere, {NET}; sha {document['input_sha256'][:6]})")
 
 
 def _contours(on: Stereonet, poles: Floats, weights: Floats, joints: float, contours: Any) -> None:
@@ -72,7 +72,7 @@ def _contours(on: Stereonet, poles: Floats, weights: Floats, joints: float, cont
     square = x * x + y * y
     # on the rim and beyond it stands the nearest direction of the rim, so that contours reach it; the rim cuts them
     inward = np.minimum(1.0, (1.0 - 1e-9) / np.sqrt(np.maximum(square, 1e-12)))
-    at = unproject(np.column_stack([(x * inward).ravel(), (y * inward).ravel()]), on.net)
+    at = unproject(np.column_stack([(x * inward).ravel(), (y * inward).ravel()]))
     values = density(at, poles, weights, joints, contours).reshape(x.shape)
     levels = [level for level in (_KAMB if contours == "kamb" else _SCHMIDT) if level < values.max()]
     if not levels:

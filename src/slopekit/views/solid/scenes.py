@@ -65,73 +65,56 @@ _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
 @dataclass(frozen=True, slots=True)
-class SceneOptions:
-    """What a user asks of a scene; None takes what fits it."""
-
-    explode: float | None = None
-    magnify: float | None = None
-    step: int = 1
-
-
-@dataclass(frozen=True, slots=True)
 class Scene:
     """A picture of a result: what it shows, who puts it together, keys that the result must have, options of its own.
 
-    A displacement must stand in the scene itself.
+    `compose` takes the stage and the mechanism (1 is the first); a displacement must stand in the scene itself.
     """
 
     shows: str
-    compose: Callable[[Stage, SceneOptions], Picture]
+    compose: Callable[[Stage, int], Picture]
     needs: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
 
 
-def draw(
-    document: Mapping[str, Any], what: str, path: Path | None, *, show: bool = False, explode: float | None = None,
-    magnify: float | None = None, step: int = 1,
-) -> None:  # fmt: skip
+def draw(document: Mapping[str, Any], what: str, path: Path | None, *, show: bool = False, step: int = 1) -> None:
     """Draw a scene of a result to PNG, GLB or glTF, or in a window.
 
     Parameters
     ----------
     document : the JSON of a result; what : a key of `SCENES`
-    explode : how far blocks are moved apart, in parts of their distance from the middle
-    magnify : times the displacement is drawn; step : the mechanism (1 is the first)
+    step : the mechanism (1 is the first)
 
     Raises
     ------
     DesignError
-        E140 where pyvista or matplotlib is not installed or there is no display, E273, E307 and E350 where the
+        E140 where pyvista or matplotlib is not installed or there is no display, E273 and E350 where the
         document holds no such scene.
     """
     from slopekit.views.solid.rendering import save, show_window
 
-    picture = compose(document, what, SceneOptions(explode, magnify, step))
+    picture = compose(document, what, step)
     if show:
         show_window(picture)
     elif path is not None:
         save(picture, path)
 
 
-def compose(document: Mapping[str, Any], what: str, asked: SceneOptions | None = None) -> Picture:
+def compose(document: Mapping[str, Any], what: str, step: int = 1) -> Picture:
     """The picture of a document.
 
     Raises
     ------
     DesignError
-        E350 no scene, E273 no displacement, mechanism or step, E307 a magnification that is none.
+        E350 no scene, E273 no displacement, mechanism or step.
     """
-    wanted = asked or SceneOptions()
-    for name, value in (("explode", wanted.explode), ("magnify", wanted.magnify)):
-        if value is not None and not (math.isfinite(value) and value >= 0.0):
-            raise DesignError([Fault("E307", f"--{name} is {value:g}, a number of 0 or more is needed", f"--{name}")])
-    return SCENES[what].compose(Stage.of(document), wanted)
+    return SCENES[what].compose(Stage.of(document), step)
 
 
 # -- the pictures -----------------------------------------------------------------------------------------------------
 
 
-def _scene(stage: Stage, _: SceneOptions) -> Picture:
+def _scene(stage: Stage, _: int) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
     seen.rock()
     seen.legend += seen.block_legend(bool(seen.layers))
@@ -156,20 +139,19 @@ def _scene(stage: Stage, _: SceneOptions) -> Picture:
     return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *seen.names()])
 
 
-def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
+def _exploded(stage: Stage, _: int) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
-    apart = _EXPLODED if asked.explode is None else asked.explode
     if stage.alone:
-        moved = apart * stage.size * free_normal(shapes)[None, :]
+        moved = _EXPLODED * stage.size * free_normal(shapes)[None, :]
         seen.rock()
-        note = f"the block moved out of the slope by {apart:g} of its size"
+        note = f"the block moved out of the slope by {_EXPLODED:g} of its size"
     else:
         own = shapes.fixed if shapes.fixed.any() else stage.free
-        moved = apart * (shapes.centroids - shapes.centroids[own].mean(axis=0))
+        moved = _EXPLODED * (shapes.centroids - shapes.centroids[own].mean(axis=0))
         if stage.in_section:
             moved[shapes.fixed] = 0.0
         middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
-        note = f"blocks moved apart by {apart:g} of their distance from {middle}"
+        note = f"blocks moved _EXPLODED by {_EXPLODED:g} of their distance from {middle}"
     seen.legend += seen.block_legend(bool(seen.layers))
     colours = stage.block_colours()
     colours[shapes.fixed] = ROCK
@@ -181,7 +163,7 @@ def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
     return seen.picture("exploded", labels=seen.names(moved))
 
 
-def _tractions(stage: Stage, _: SceneOptions) -> Picture:
+def _tractions(stage: Stage, _: int) -> Picture:
     pairs, seen = stage.scene.pairs, Scenery(stage)
     shown = stage.free if stage.alone else stage.free & stage.touched
     if stage.alone:
@@ -215,7 +197,7 @@ def _tractions(stage: Stage, _: SceneOptions) -> Picture:
     return seen.picture("tractions", labels=seen.names(only=shown))
 
 
-def _forces(stage: Stage, _: SceneOptions) -> Picture:
+def _forces(stage: Stage, _: int) -> Picture:
     scene, loads, seen = stage.scene, stage.scene.loads, Scenery(stage)
     known = stage.free if stage.alone else stage.balanced
     at, force, joint = resultants(stage, known)
@@ -260,7 +242,7 @@ def _forces(stage: Stage, _: SceneOptions) -> Picture:
     return seen.picture("forces", labels=seen.names(only=known))
 
 
-def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
+def _displacement(stage: Stage, _: int) -> Picture:
     scene = stage.scene
     if scene.displacement is None:
         limit = (stage.document.get("fos") or {}).get("limit")
@@ -271,7 +253,7 @@ def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
         raise DesignError([Fault("E273", f"there is no displacement at full strength: {why}", "displacement", advice)])
     true = rigid(scene.shapes, scene.displacement, scene.shapes.solids.vertices, stage.of_vertex)
     most = float(np.sqrt((true * true).sum(axis=1)).max())
-    times = asked.magnify if asked.magnify is not None else nice(_DRAWN * stage.size / max(most, 1e-300))
+    times = nice(_DRAWN * stage.size / max(most, 1e-300))
     moved = rigid(scene.shapes, scene.displacement * times, scene.shapes.solids.vertices, stage.of_vertex)
     centroids = np.sqrt((scene.displacement[:, :3] ** 2).sum(axis=1))
     first = int(np.argmax(centroids))
@@ -290,23 +272,23 @@ def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
     return seen.picture("displacement")
 
 
-def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
+def _mechanism(stage: Stage, step: int) -> Picture:
     scene, shapes = stage.scene, stage.scene.shapes
     last = int(scene.order.max(initial=0))
     if last == 0:
         raise DesignError([Fault("E273", f"nothing moves: {stage.document.get('status_text')}", "mechanism")])
-    if not 1 <= asked.step <= last:
+    if not 1 <= step <= last:
         known = f"there are {last} mechanisms" if last > 1 else "there is one mechanism"
         advice = "More of them: analysis: {mechanisms: N} in the design."
-        raise DesignError([Fault("E273", f"there is no mechanism {asked.step}: {known}", "--step", advice)])
-    moving = scene.order == asked.step
-    gone = (scene.order > 0) & (scene.order < asked.step)
+        raise DesignError([Fault("E273", f"there is no mechanism {step}: {known}", "--step", advice)])
+    moving = scene.order == step
+    gone = (scene.order > 0) & (scene.order < step)
     unit = rigid(shapes, np.where(moving[:, None], scene.velocity, 0.0), shapes.solids.vertices, stage.of_vertex)
     fastest = max(float(np.sqrt((unit * unit).sum(axis=1)).max()), 1e-300)
     reach = 0.3 * float(stage.sizes[moving].mean()) if not stage.alone else 0.14 * stage.size
-    times = reach / fastest if asked.magnify is None else asked.magnify
+    times = reach / fastest
     moved = rigid(shapes, scene.velocity * times, shapes.solids.vertices, stage.of_vertex)
-    how = stage.ways(asked.step)
+    how = stage.ways(step)
     colours = stage.block_colours()
     for k in np.flatnonzero(moving):
         colours[k] = MOTION_COLOURS.get(how.get(shapes.names[k], ""), BLOCK)
@@ -335,9 +317,9 @@ def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
     )
     if gone.any():
         seen.notes.append(f"{int(gone.sum())} blocks that failed before are left out")
-    what = "mechanism" if last == 1 else f"mechanism {asked.step} of {last}"
+    what = "mechanism" if last == 1 else f"mechanism {step} of {last}"
     labels = seen.names(scene.velocity[:, :3] * times, moving)
-    return seen.picture(what, labels=labels, answer=_answer_of(stage, asked.step))
+    return seen.picture(what, labels=labels, answer=_answer_of(stage, step))
 
 
 def _answer_of(stage: Stage, step: int) -> str:
@@ -349,7 +331,7 @@ def _answer_of(stage: Stage, step: int) -> str:
     return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
 
-def _factors(stage: Stage, _: SceneOptions) -> Picture:
+def _factors(stage: Stage, _: int) -> Picture:
     """Blocks by the factor of safety at which they fail."""
     factor = stage.scene.factor
     known = np.isfinite(factor)
@@ -369,7 +351,7 @@ def _factors(stage: Stage, _: SceneOptions) -> Picture:
     return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
 
 
-def _ravelling(stage: Stage, _: SceneOptions) -> Picture:
+def _ravelling(stage: Stage, _: int) -> Picture:
     """Blocks by the order in which they fail."""
     order = stage.scene.order
     if not order.any():
@@ -411,11 +393,11 @@ def _by_value(
 #: What can be drawn of a result, by its word.
 SCENES: Mapping[str, Scene] = {
     "scene": Scene("the slope with its blocks and joints", _scene),
-    "exploded": Scene("the blocks apart, their joints coloured", _exploded, options=("--explode",)),
+    "exploded": Scene("the blocks apart, their joints coloured", _exploded),
     "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
     "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
-    "displacement": Scene("the displacement at full strength, magnified", _displacement, options=("--magnify",)),
-    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",), ("--magnify", "--step")),
+    "displacement": Scene("the displacement at full strength, magnified", _displacement),
+    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",), ("--step",)),
     "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
     "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
 }
