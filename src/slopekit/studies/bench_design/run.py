@@ -14,17 +14,17 @@ from collections.abc import Mapping
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
+import numpy as np
+
 from slopekit.core.codec import record_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of, sliding_columns
-from slopekit.studies.bench_design.columns import ConfirmedColumns, confirmed_columns
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
 from slopekit.studies.bench_design.said import notices_of, of_columns
-from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
@@ -39,7 +39,7 @@ class BenchDesigns(StudyOutcome):
     ----------
     given : the survey, the benches, what counts
     benches : what came of each height and face
-    checked : what PRE-IE says of their wedges and planes, None where it was not asked; columns : of columns likewise
+    checked : what PRE-IE says of their wedges and planes, None where it was not asked
     """
 
     name: ClassVar[str] = "bench-design"
@@ -50,7 +50,6 @@ class BenchDesigns(StudyOutcome):
     warnings: tuple[Notice, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
     journal: Journal | None = field(default=None, compare=False)
-    columns: ConfirmedColumns | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -109,7 +108,6 @@ class BenchDesigns(StudyOutcome):
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
             "pre_ie": None if self.checked is None else record_of(self.checked.said)
             | {"by_mode": self.checked.by_mode, "different_blocks": self.checked.blocks},
-            "pre_ie_columns": None if self.columns is None else record_of(self.columns),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -117,20 +115,14 @@ class BenchDesigns(StudyOutcome):
 
 @documented
 def bench_design(
-    joints: Annotated[
-        Any,
-        Argument(
-            "A joint list (CSV, .xlsx, Dips, CloudCompare), or a YAML file of joint sets as slopekit sets writes them.",
-            "JOINTS",
-        ),
-    ],
+    joints: Annotated[Any, Argument("A joint list (CSV, .xlsx, Dips, CloudCompare).", "JOINTS")],
     *,
     height: Annotated[Any, Option("Bench heights, m: 10,15 or 10:20:3 (how many) or 10:20:+5 (in steps).")] = None,
     face: Annotated[Any, Option("Face angles, degrees: 60:80:5, 60:80:+5 or 65,75.")] = None,
     dip_direction: Annotated[Any, Option("Dip direction of the faces.")] = None,
     berm: Annotated[Any, Option("Berm widths, m [the width needed for --reliability].")] = None,
-    c: Annotated[Any, Option("Cohesion of joints without their own; it may scatter: normal:10,3.")] = None,
-    phi: Annotated[Any, Option("Friction angle of joints without their own, or normal:30,3.")] = None,
+    c: Annotated[Any, Option("Cohesion of joints without their own.")] = None,
+    phi: Annotated[Any, Option("Friction angle of joints without their own.")] = None,
     reliability: Annotated[Any, Option("Part of the length whose berm shall keep the catch width [80%].")] = None,
     catch: Annotated[Any, Option("Catch width, m [modified Ritchie, 0.2 height + 4.5].")] = None,
     toe: Annotated[
@@ -173,13 +165,12 @@ def bench_design(
     ------
     DesignError
         Every fault: of the list, of the loads as for a wedge, E143 a strength that a joint needs, E101 and E116
-        faces, heights and berms, E307 other numbers, E125 too many, E122 an earthquake that acts elsewhere, E165 a
-        strength that scatters in no known way.
+        faces, heights and berms, E307 other numbers, E125 too many, E122 an earthquake that acts elsewhere.
 
     Notes
     -----
     Columns `trace` and `spacing` of the list count before --trace and --spacing. In Python `joints` are what
-    `slopekit.combos` takes, or {"sets": {...}}: joints are drawn from sets then (E142, E143, E190, E281).
+    `slopekit.combos` takes.
 
     With bench height H, face angle β and berm b the inter-ramp angle α has cot α = cot β + b / H. What fails breaks
     back behind the crest by x; a berm keeps its catch width w where b - x >= w. The reliability is the part of the
@@ -203,21 +194,19 @@ def bench_design(
     asked = bench_inputs(given, desk.named)
     read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
-    trials = with_drawn(asked, trials)
     sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
     benches = [bench_of(asked.ground(height), trials, height, dip) for height, dip in sizes]
     judged = time.perf_counter()
     outcomes = [outcome_of(asked, trials, bench) for bench in benches]
     if asked.has_cohesion:
-        bare, own = without_cohesion(trials), zip(sizes, outcomes, strict=True)
-        outcomes = [
-            replace(of, bare=of_cohesion(asked, bench_of(asked.ground(height), bare, height, dip), of))
-            for (height, dip), of in own
-        ]  # fmt: skip
+        bare = [
+            bench_of(replace(asked.ground(height), cohesion_kpa=np.zeros(len(asked.joints))), trials, height, dip)
+            for height, dip in sizes
+        ]
+        outcomes = [replace(of, bare=of_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)]
     shares = time.perf_counter()
     checked, journal = confirmed(asked, trials, benches, crew, desk)
-    columns = confirmed_columns(asked, trials, benches, crew, desk)
-    outcomes = [accepted(asked, one, checked, columns) for one in outcomes]
+    outcomes = [accepted(asked, one, checked) for one in outcomes]
     end = time.perf_counter()
     times = {
         "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
@@ -225,21 +214,17 @@ def bench_design(
     }  # fmt: skip
     sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
     notices = [*notices_of(asked, outcomes, checked), *of_columns(outcomes, sliding)]
-    study = BenchDesigns(
-        asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal, columns
-    )  # fmt: skip
+    study = BenchDesigns(asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal)
     if desk.folder is None:
         study.done()
     return study
 
 
-def accepted(
-    asked: BenchInputs, bench: OfBench, checked: Confirmed | None, columns: ConfirmedColumns | None = None
-) -> OfBench:  # fmt: skip
+def accepted(asked: BenchInputs, bench: OfBench, checked: Confirmed | None) -> OfBench:
     """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
     least = asked.numbers["accept"]
     if least is None:
         return bench
-    doubted = any((bench.height_m, bench.face_dip_deg) in one.doubted for one in (checked, columns) if one is not None)
+    doubted = checked is not None and (bench.height_m, bench.face_dip_deg) in checked.doubted
     berms = (replace(berm, accepted=not doubted and berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

@@ -23,8 +23,7 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
     ways = len({joint.plane for joint in asked.joints.joints})
     if ways < _FEW:
         of = f" in {ways} orientation{'s' if ways > 1 else ''}" if ways < n else ""
-        alike = ", as its sets do not scatter" if of and asked.from_sets else ""
-        yield Notice("W390", f"{asked.joints.name} holds {n} joints{of}{alike}: the same few meet again and again, "
+        yield Notice("W390", f"{asked.joints.name} holds {n} joints{of}: the same few meet again and again, "
                      "see the limits")  # fmt: skip
     known = int(np.isfinite(asked.trace_m).sum())
     if known < n:
@@ -32,7 +31,7 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
             f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large"
         )
         yield Notice("W391", message)
-    if asked.own[2] and not asked.from_sets:
+    if asked.own[2]:
         yield from _hidden_ends(asked)
     if not np.isfinite(asked.spacing_m).all():
         without = int((~np.isfinite(asked.spacing_m)).sum())

@@ -281,7 +281,6 @@ def _survey(study: Probability) -> list[Entry]:
     surveyed = study.survey
     if surveyed is None:
         return []
-    what = "its joints, pair by pair" if surveyed.draw == "joints" else "its sets by Fisher's K"
     names = ("forms a wedge", "fails if it forms", "both")
     shares = (surveyed.occurrence, surveyed.failure, surveyed.both)
     rows = list(zip(names, shares, surveyed.resampled or (None,) * 3, strict=True))
@@ -299,7 +298,7 @@ def _survey(study: Probability) -> list[Entry]:
     said = f"; from {surveyed.times} resampled surveys as well" if surveyed.resampled is not None else ""
     limits = f"limits to {number(100.0 * surveyed.both.confidence)} % from the samples{said}"
     return [
-        f"{surveyed.survey}: {counted(surveyed.joints, 'joint')}, {what}; no plane of the design; {limits}",
+        f"{surveyed.survey}: {counted(surveyed.joints, 'joint')}, drawn pair by pair; no plane of the design; {limits}",
         Table(columns, rows),
     ]
 

@@ -13,7 +13,6 @@ from slopekit.studies.words import head, status_words
 
 _ROLES = {"active": "a load, in full", "passive": "strength: capacity divided by FoS"}
 _WHICH = {
-    "best": "optimum of all directions",
     "given": "the direction given",
     "practical": "optimum within the allowed plunge",
 }
@@ -38,16 +37,15 @@ def sheet_of(support: Support) -> Sheet:
 
 
 def _role(support: Support, acts: str) -> Section:
-    """Return what bolts of one kind of action need: what is built first, the proof of the optimum in the full sheet."""
+    """Return what bolts of one kind of action need: how they are built, the lengths and moments in the full sheet."""
     cases = [case for case in support.cases if case.acts == acts]
     if not cases:
         return Section(acts.upper(), [])
     entries, details = [_ROLES[acts]], list[str]()
     for case in cases:
         shown, more = _case(support, case)
-        is_built = any(case is built for built in support.built) or case.toward is None
-        entries += shown if is_built else []
-        details += more if is_built else [*shown, *more]
+        entries += shown
+        details += more
     return Section(acts.upper(), entries, details=details)
 
 
@@ -62,7 +60,7 @@ def line_of(support: Support) -> str:
     if support.stands:
         return f"reached  nothing needed  {level(support.pre_ie)}"
     lines = []
-    for case in support.built:
+    for case in support.cases:
         parts = [case.acts, "reached" if case.reached else "not reached"]
         parts += [] if case.force is None else [f"{size_number(case.force)} {support.unit}"]
         parts += [] if case.toward is None else [f"toward {line_in_words(case.toward)}"]
@@ -145,10 +143,8 @@ def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
     head = _WHICH[case.which]
     if case.toward is None:
         return [f"{head}: none.  {case.closed_form.notice}"], []
-    if _same(support, case):
-        return ["optimum of all directions: the same"], []
     lines = [f"{head} {line_in_words(case.toward)}: {_needed_by_both(case, support.unit)}", *_need_notices(case)]
-    needed_by_moments, details = case.pre_ie, _optimum(support, case)
+    needed_by_moments, details = case.pre_ie, list[str]()
     if (
         case.which != "given"
         and needed_by_moments is not None
@@ -167,29 +163,6 @@ def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
         lines += shown
         details += more
     return lines, details
-
-
-def _optimum(support: Support, case: BoltCase) -> list[str]:
-    """Return how the optimum was proved."""
-    optimum = case.optimum
-    if optimum is None:
-        return []
-    least, most = optimum.around
-    off = "does not reach it"
-    if math.isfinite(least):
-        ends = size_number(least), size_number(most) if math.isfinite(most) else "more"
-        off = f"needs {' to '.join(dict.fromkeys(ends))} {support.unit}"
-    words = "" if optimum.is_minimum else "NOT PROVED: "
-    return [f"{words}none of {optimum.scanned} directions needs less; 1° off the optimum {off} (closed form)"]
-
-
-def _same(support: Support, case: BoltCase) -> bool:
-    """Whether a best direction is that which is built, and was printed already."""
-    built = next((other for other in support.built if other.acts == case.acts), case)
-    if built is case or case.toward is None or built.toward is None or built.pre_ie is None:
-        return False
-    apart = float(case.toward.vector() @ built.toward.vector())
-    return apart > 1.0 - 1e-9 and case.optimum is not None and case.optimum.is_minimum
 
 
 def needed(need: Need | None, unit: str, name: str) -> str:
@@ -263,7 +236,7 @@ def _pressure(pressure: FacePressure) -> list[str]:
 
 def _use(support: Support) -> list[str]:
     lines = []
-    for case in support.built:
+    for case in support.cases:
         if case.toward is None or case.force is None:
             lines.append(f"{case.acts}: the target is not reached; see above")
             continue
@@ -291,7 +264,7 @@ def _use(support: Support) -> list[str]:
 def _paste(support: Support) -> list[Entry]:
     """The bolts as YAML, to be pasted."""
     entries: list[Entry] = []
-    for case in support.built:
+    for case in support.cases:
         if case.yaml is None:
             entries += [f"{case.acts}: nothing to paste. {case.lacks}"] if case.lacks else []
             continue
