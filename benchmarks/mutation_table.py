@@ -48,7 +48,6 @@ _GAIN = ("tests/preie/test_seismic_gain.py",)
 _BEDROCK = ("tests/elastic/test_bedrock.py",)
 _QUAKE = ("tests/studies/test_quake.py",)
 _REMEMBERED = ("tests/geometry/test_interfaces.py",)
-_RECORDS = ("tests/core/test_records.py",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -654,13 +653,6 @@ MUTATIONS = (
          "return _pairs_on(tuple(faces), min(refine, 1))", _REMEMBERED),
         ("pairs that can be written", "geometry/interfaces.py",
          "    for numbers in whole_numbers:\n        numbers.setflags(write=False)\n", "", _REMEMBERED),
-        ("a default that is made", "core/records.py", "values[name] = factory()", "values[name] = factory", _RECORDS),
-        ("what no field has", "core/records.py", "return placed == len(args) and by_name == len(named)",
-         "return placed == len(args)", _RECORDS),
-        ("a field by its name alone", "core/records.py", "if is_given and not kw_only and placed < len(args):",
-         "if is_given and placed < len(args):", _RECORDS),
-        ("what is not compared", "core/records.py", "for one in dataclasses.fields(record) if one.compare)",
-         "for one in dataclasses.fields(record))", _RECORDS),
         ("how far a crack cuts a basal wedge", "kinds/wedge/basal.py", "@ normal / along).max())",
          "@ normal / along).max()) / 1.01", _BASAL),
         ("a crack along the trace", "kinds/wedge/basal.py", "if abs(along) > _ACROSS else 0.0",
