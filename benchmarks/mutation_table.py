@@ -45,7 +45,6 @@ _JOBS = ("tests/app/test_jobs.py",)
 _WIDGETS = ("tests/app/test_widgets.py",)
 _WORK = ("tests/preie/test_work_limit.py",)
 _GAIN = ("tests/preie/test_seismic_gain.py",)
-_BEDROCK = ("tests/elastic/test_bedrock.py",)
 _QUAKE = ("tests/studies/test_quake.py",)
 _REMEMBERED = ("tests/geometry/test_interfaces.py",)
 
@@ -558,6 +557,11 @@ MUTATIONS = (
         ("scatter taken out", "app/jobs.py", "values_of(moment.design, [key], [key.value or 0.0])",
          "values_of(moment.design, [key], [1.01 * (key.value or 0.0)])", _JOBS),
         ("a job that does not run", "app/jobs.py", "if not number or number != self.running:", "if not number:", _JOBS),
+    ),
+    *_group(
+        "work, and loads that grow",
+        ("work of a factorisation", "preie/solvers/work_limit.py", "return float(unknowns) * math.sqrt(unknowns)",
+         "return 1.01 * float(unknowns) * math.sqrt(unknowns)", _WORK),
         ("a part of the work that is left", "preie/solvers/work_limit.py", "max(meter.most - meter.spent, 0.0)",
          "meter.most",
          _WORK),
@@ -621,21 +625,6 @@ MUTATIONS = (
          "change = min(abs(a - b) / max(a, b, _SLIDES)", _QUAKE),
         ("velocity between samples", "studies/quake/six.py", "(a[k] + 0.5 * x * bend)", "(a[k] + 0.505 * x * bend)",
          _QUAKE),
-    ),
-    *_group(
-        "elastic bedrock",
-        ("where a plane cuts an edge", "elastic/bedrock.py", "part = heights[a] / (heights[a] - heights[b])",
-         "part = 1.01 * heights[a] / (heights[a] - heights[b])", _BEDROCK),
-        ("how far the box reaches", "elastic/bedrock.py", "reach = margin * float(", "reach = 1.01 * margin * float(",
-         _BEDROCK),
-        ("what lies in the air", "elastic/bedrock.py", "if at[-1] > floor and any(", "if at[-1] > floor or any(",
-         _BEDROCK),
-        ("where the box is held", "elastic/bedrock.py", "for i in range(dim) for end in (box.lowest, box.highest)]",
-         "for i in range(dim) for end in (box.lowest,)]", _BEDROCK),
-        ("condensation", "elastic/flexibility.py", "flexibility_matrix = own @ np.linalg.solve(",
-         "flexibility_matrix = 1.01 * own @ np.linalg.solve(",
-         _BEDROCK),
-        ("how elements grow", "elastic/bedrock.py", "(1.0 + 1e-9))", "(2.0 + 1e-9))", _BEDROCK),
     ),
     *_group(
         "what is remembered, and records",

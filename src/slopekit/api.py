@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 ELASTIC = Option("Elastic blocks beside the rigid ones (extra: elastic).")
 
 
-_OF_ELASTIC = ("modulus", "poisson", "edge", "bedrock")
+_OF_ELASTIC = ("modulus", "poisson", "edge")
 _NO_INPUTS = ("desk", "elastic")
 
 
@@ -64,7 +64,6 @@ def wedge(
     modulus: Annotated[Any, Option("Young's modulus of elastic rock [20 GPa].")] = None,
     poisson: Annotated[Any, Option("Its Poisson's ratio [0.25].")] = None,
     edge: Annotated[Any, Option("Longest edge of its finite elements [auto].")] = None,
-    bedrock: Annotated[str | None, Option("rigid, or elastic as the wedge [rigid].")] = None,
     elastic: Annotated[bool, ELASTIC] = False,
     desk: Workplace = DESK,
     **unknown: Any,

@@ -17,14 +17,10 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import Notice
 from slopekit.core.onlooker import say
 from slopekit.design.common import Design
-from slopekit.elastic.bedrock import Bedrock
-from slopekit.elastic.flexibility import CondensedBlock, Flexibility
 from slopekit.elastic.model import ElasticModel
 from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.elastic_scene import (
-    ELASTIC,
-    RIGID,
     ElasticScene,
     rock_of,
     scene_of_many,
@@ -178,17 +174,13 @@ def _answer(
     opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
-    bodies: list[Flexibility | CondensedBlock | Bedrock] = [
-        *scene.blocks,
-        *([] if scene.bedrock is None else [scene.bedrock]),
-    ]
     return ElasticBlocks(
         limits[0], limits[1], between, rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, rest.failed_pairs, len(area),
-        sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load),
-        sum(one.cells for one in bodies), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
-        RIGID if scene.bedrock is None else ELASTIC, taken, rest.residual, steps,
+        sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),
+        sum(one.cells for one in scene.blocks), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
+        taken, rest.residual, steps,
         ElasticPairs(
             frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
             frozen(stiff), tuple(rest.opened(model).tolist()),

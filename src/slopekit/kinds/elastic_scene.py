@@ -11,7 +11,6 @@ from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.elastic.bedrock import Bedrock, bedrock, box_around, graded
 from slopekit.elastic.flexibility import CondensedBlock, Elements, Flexibility, Rock, body, flexibility
 from slopekit.elastic.meshing import (
     cells_of,
@@ -23,9 +22,7 @@ from slopekit.elastic.meshing import (
     numbered,
     split_evenly,
 )
-from slopekit.elastic.model import ElasticModel, dense_or_sparse, on_bedrock, with_blocks
-from slopekit.geometry.rock import rockmass
-from slopekit.geometry.sections import section
+from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.single_block.one_block import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
@@ -36,7 +33,6 @@ from slopekit.result import Result
 
 MODULUS_KPA, POISSON = 2e7, 0.25
 ORDER = 2
-RIGID, ELASTIC = "rigid", "elastic"  # bedrock
 _MOST_BLOCKS, _MOST_PAIRS, _MOST_OF_MANY = 300, 1500, 12_000
 _MOST_CELLS, _AUTO_CELLS = 20_000, 1500  # of all blocks; of one with `edge: auto`
 _HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of a block is halved, `edge: auto`
@@ -54,7 +50,7 @@ class ElasticScene:
     redrawn : tan φ of the pairs at normal forces (n,) kN where laws are curved, None where none is
     limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
-    names : of the blocks, empty of one; unknowns : of each block; bedrock : None where it is rigid
+    names : of the blocks, empty of one; unknowns : of each block
     bound_without : of many blocks, the static bound without the bonds of pairs (n,), None where it bounds nothing
     """
 
@@ -72,7 +68,6 @@ class ElasticScene:
     length: float
     edge: float
     blocks: Sequence[Flexibility | CondensedBlock]
-    bedrock: Bedrock | None = None
     bound_without: Callable[[Bools], float | None] | None = None
 
 
@@ -122,41 +117,6 @@ def _refuse(why: str, advice: str = "Leave --elastic out.") -> DesignError:
     return DesignError([Fault("E288", f"no elastic blocks of this design: {why}", "--elastic", advice)])
 
 
-def _no_bedrock(why: str) -> DesignError:
-    message = f"no elastic bedrock of this design: {why}"
-    return DesignError([Fault("E288", message, "analysis.elastic.bedrock", "Leave it rigid.")])
-
-
-def _bedrock(made: Cut, rock: Rock, edge: float, points: Floats, axes: Floats, in_section: bool) -> Bedrock:
-    """The rock around a block, in axes along the slope: out of it, along it, up."""
-    if made.face is None:
-        raise _no_bedrock("nothing is known of the slope around its block")
-    ids = section if in_section else rockmass
-    faces = {key: np.asarray(face) for key, face in made.block.faces.items()}
-    out = _outward(faces[ids.FACE])
-    turn = np.array([[out[0], out[1], 0.0], [-out[1], out[0], 0.0], [0.0, 0.0, 1.0]])
-    turned = {key: face @ turn.T for key, face in faces.items()}
-    if in_section:  # its sides alone, each between its corners on one end
-        turned = {key: face[face[:, 1] > face[:, 1].mean()][:, [0, 2]] for key, face in turned.items()
-                  if np.ptp(face[:, 1]) > 0.0}  # fmt: skip
-    lowest = min(float(face[:, -1].min()) for face in turned.values())
-    box = box_around(turned, [key for key in (ids.FACE, ids.UPPER) if key in turned], min(lowest, 0.0))
-    own = points @ turn.T
-    mesh = graded(box.mesh, own[:, [0, 2]] if in_section else own, edge, _MOST_CELLS)
-    if mesh.t.shape[1] > _MOST_CELLS:
-        message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements of the bedrock"
-        raise DesignError([Fault("E125", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
-    return bedrock(box, mesh, rock, own, axes @ turn.T)
-
-
-def _outward(face: Floats) -> Floats:
-    """The horizontal direction (2,) out of a face, its corners anticlockwise seen from outside."""
-    around = face - face.mean(axis=0)
-    normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)[:2]
-    direction: Floats = normal / math.sqrt(float(normal @ normal))
-    return direction
-
-
 def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     """A convex block on flat joints."""
     (rock, _), block = rock_of(design), made.block
@@ -190,10 +150,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     settled = rigid.model or model
     plain = elastic_model(settled)
     rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
-    whole, around = with_blocks(plain, ((give, rows, own),)), None
-    if design.elastic_bedrock == ELASTIC:
-        around = _bedrock(made, rock, edge, scene.pairs.points, axes, in_section)
-        whole = on_bedrock(whole, around.by_force)
+    whole = with_blocks(plain, ((give, rows, own),))
     turn = np.eye(3) if made.axes is None else made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
@@ -211,7 +168,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
         None if settled.lines is None else redrawn, rigid.governing.factor or None, limit_without,
         scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
         [called[key] for key in scene.pairs.interface.tolist()], turn, (), model.unknowns, model.length_scale, edge,
-        (give,), around,
+        (give,),
     )  # fmt: skip
 
 
@@ -236,8 +193,6 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     from slopekit.preie.system.components import whole_model
 
     assembly, (rock, _) = scene.assembly, rock_of(design)
-    if design.elastic_bedrock == ELASTIC:
-        raise _no_bedrock("it is taken around one block, on many blocks it stays rigid")
     moving = int((~assembly.fixed).sum())
     if moving > _MOST_BLOCKS:
         message = f"{moving} blocks move, elastic ones are at most {_MOST_BLOCKS}"

@@ -51,7 +51,7 @@ def _percent(share: float) -> str:
 def _rock(blocks: ElasticBlocks) -> str:
     taken = f" ({' and '.join(blocks.taken)} taken, not given)" if blocks.taken else ""
     rock = f"modulus {blocks.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {blocks.poisson:.3g}{taken}"
-    return f"{rock}; {blocks.bedrock} bedrock"
+    return f"{rock}; rigid bedrock"
 
 
 def _joints(blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
