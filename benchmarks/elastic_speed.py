@@ -15,7 +15,7 @@ import numpy as np
 
 import slopekit as sk
 from slopekit.elastic.outcome import ElasticBlocks
-from slopekit.kinds import elastic, elastic_scene, kind_of
+from slopekit.kinds import elastic, kind_of
 from slopekit.result import Result
 
 PAPER_S, COARSE_S, STATE_S = 305.0, 3.0, 1.0  # Table 7; what we may take
@@ -45,17 +45,17 @@ def main(halved: int = 3) -> None:
     for edge, _, _, took in rows[5:6]:  # an eighth of the longest edge, order two
         _said(f"edge: auto is {edge:.1f} m in P2, rigid bedrock", took, COARSE_S)
     design = plain.design
-    scene = elastic_scene.scene_of_one(design, kind_of(design).cut(design))
+    scene = elastic.scene_of_one(design, kind_of(design).cut(design))
     began = time.process_time()
     _, state = elastic._at_rest(scene, scene.model, 1.0)
     scene.limit_without(state.parted)
     _said("state at F = 1 and limit without what is open", time.process_time() - began, STATE_S)
 
 
-def timed(plain: Result, order: int = elastic_scene.ORDER) -> tuple[ElasticBlocks, float]:
+def timed(plain: Result, order: int = elastic.ORDER) -> tuple[ElasticBlocks, float]:
     """The elastic blocks of a result with elements of an order, and the CPU seconds that they take."""
     began = time.process_time()
-    with patch.object(elastic_scene, "ORDER", order):
+    with patch.object(elastic, "ORDER", order):
         found = elastic.with_elastic(kind_of(plain.design), plain).elastic
     took = time.process_time() - began
     assert found is not None

@@ -8,8 +8,7 @@ import pytest
 import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut
-from slopekit.kinds.assemblies.bolt_ends import last_left
-from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
+from slopekit.kinds.assemblies.many_blocks_scene import last_left, scene_loads
 from slopekit.loads import PointForce, assembly_loads, drained, without_anchors_of
 
 BLOCKS = {

@@ -18,9 +18,8 @@ from slopekit.app.answers import analysed, answer_of, net_of
 from slopekit.app.controls import values_of
 from slopekit.app.desk import Desk, Wanted
 from slopekit.app.messages import LARGEST, LARGEST_SURVEY, parsed
-from slopekit.app.server import HEADERS, application
+from slopekit.app.server import HEADERS, application, take
 from slopekit.app.session import Session, opened_file, opened_template
-from slopekit.app.verbs import take
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
@@ -172,7 +171,7 @@ def test_a_page_goes_on_while_another_opens_a_large_file(desk, monkeypatch):
         assert free.wait(20)
         return opened_template("plane")
 
-    monkeypatch.setattr("slopekit.app.verbs.opened_text", reading)
+    monkeypatch.setattr("slopekit.app.server.opened_text", reading)
 
     async def scene():
         async with Page(desk) as page, Page(desk) as other:

@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
-from slopekit.kinds.elastic_scene import scene_of_many
+from slopekit.kinds.elastic import scene_of_many
 from slopekit.preie.system.contact import ContactMode
 
 WEDGE = {"dips": ("45/115", "45/245"), "shear_stiffness": 1e5, "edge": "65 m"}

@@ -12,7 +12,7 @@ from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_
 from slopekit.elastic.model import with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
-from slopekit.kinds.elastic_scene import elastic_model
+from slopekit.kinds.elastic import elastic_model
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.system.contact import JointStiffness, tractions

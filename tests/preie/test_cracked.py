@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rock.rockmass import J1, J2
 from slopekit.kinds import cut, wedge
-from slopekit.kinds.single_block.moments import MomentLimit, moment_limit
+from slopekit.kinds.single_block.one_block_limit import MomentLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.one_block import cracked

@@ -15,7 +15,7 @@ from slopekit.preie.motion import shaking
 from slopekit.preie.motion.shaking import inertia_of, shake, shaken_block
 from slopekit.preie.system.contact import JointStiffness
 from slopekit.preie.system.model import JointStrength, build_model
-from slopekit.studies.quake.sliding import slide
+from slopekit.studies.quake.six import slide
 
 G = 9.81
 STEP = 0.005

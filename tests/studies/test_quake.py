@@ -18,8 +18,7 @@ from slopekit.design.templates import path_of
 from slopekit.studies.quake.records import record_of
 from slopekit.studies.quake.regressions import REGRESSIONS, median_m
 from slopekit.studies.quake.run import _of_six
-from slopekit.studies.quake.six import InSix, _in_space, _settled, _velocity_at
-from slopekit.studies.quake.sliding import slide
+from slopekit.studies.quake.six import InSix, _in_space, _settled, _velocity_at, slide
 from tests.commands import slopekit
 
 G = 9.81
