@@ -162,6 +162,8 @@ def test_a_design_is_given_by_its_path_as_a_dict_or_loaded(name) -> None:
     path.write_text(json.dumps(design), encoding="utf-8")
     loaded = call(sk.load(design))
     given = (path, str(path), design) if name in ("run", "sweep") else (path, design)  # a text is a path to all
+    if name in ("check", "quake", "solve", "support"):  # a dict is one to all studies alike
+        given = (path,)
     assert {call(one).line for one in given} == {loaded.line}
 
 

@@ -95,7 +95,6 @@ def full_disk() -> Iterator[None]:
     ("command", "kept"),
     [
         ("run wedge.yaml -o results --quiet --no-pictures", "results"),
-        ("sweep wedge.yaml slope.height=20:60:80 -o results --quiet", "results"),
         ("export results -o out/a.stl", "out"),
         ("export results -o out/a.vtu", "out"),
         ("export results -o out/a.dxf", "out"),

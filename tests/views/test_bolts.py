@@ -17,6 +17,7 @@ from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
 from slopekit.views.plots import draw as draw_any
 from slopekit.views.plots import offers
+from slopekit.views.solid import rendering
 from slopekit.views.solid.layers import ACTIVE_BOLT, PASSIVE_BOLT, Bar, Picture
 from slopekit.views.solid.rendering import Camera, write_words
 from slopekit.views.solid.scene_parts import kinds_of_loads
@@ -133,7 +134,7 @@ def test_legend_scale_compass_and_bar_never_overlap(lines: int) -> None:
     plain = compose(document("three"), "scene", SceneOptions())
     legend = [(f"W{k} " + "a legend entry of capital LETTERS WWWWW that is long", (9, 9, 9), 1.0) for k in range(lines)]
     labels = tuple((point, f"block {k}") for k, point in enumerate(plain.layers[0].vertices[:60]))
-    for eye in eyes()[:: 1 if lines == 4 else 6]:
+    for eye in eyes()[:: 3 if lines == 4 else 6]:
         figure, renderer = words_of(
             replace(plain, eye=eye, legend=tuple(legend), bar=Bar("what it is", 0.5, 2.5), labels=labels, beside=True)
         )
@@ -208,7 +209,8 @@ def test_who_offers_an_elevation(tmp_path: Path) -> None:
 # -- files ------------------------------------------------------------------------------------------------------------
 
 
-def test_run_writes_the_schedule_and_the_elevation(tmp_path: Path) -> None:
+def test_run_writes_the_schedule_and_the_elevation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rendering, "save", lambda picture, path: path.write_bytes(b"drawn elsewhere"))
     bolts = "[{force: 30 kN, toward: 000/-5, head: [0, 0.57735, 1], length: 6 m}]"
     design, out = str(path_of("plane")), tmp_path / "out"
     run = CliRunner().invoke(app, ["run", design, "--set", f"support.bolts={bolts}", "--quiet", "-o", str(out)])

@@ -112,16 +112,16 @@ def test_every_notice_stands_in_the_line() -> None:
 
 
 def assemblies() -> list:
-    """Designs, and how many mechanisms; the template's bench has what bench 8 has, and takes as long as all others.
+    """Designs, and how many mechanisms; benches take as long as all others.
 
-    Bench 5 names ranges, 8 what follows at once and then another. Of the first 60 sections two to four of each sort:
+    Bench 5 names ranges. Of the first 60 sections two to four of each sort:
     one row, two and three, names one by one and in ranges, more blocks than are named, what no strength holds.
     """
     every = [name for name in names() if name != "bench" and isinstance(sk.load(path_of(name)), AssemblyDesign)]
     one, two, three, stand = (2, 16), (10, 28, 33, 49), (17, 38), (29, 44, 52, 53)
     return [
         *(pytest.param(path_of(name), 6, id=name) for name in every),
-        *(pytest.param(partial(bench, number), 6, id=f"bench {number}") for number in (5, 8)),
+        *(pytest.param(partial(bench, number), 6, id=f"bench {number}") for number in (5,)),
         *(pytest.param(section(number), 6, id=f"section {number}") for number in (*one, *two, *three, *stand)),
     ]
 
