@@ -301,7 +301,7 @@ def test_the_sheet_and_the_json_say_what_opens() -> None:
     assert found["J1"]["pressed_share"] == pytest.approx(0.930, abs=2e-3)
     assert found["J2"]["opens_at_m"] is None
     line = " ".join(result.sheet.full.split("MOMENTS")[1].split("MODEL")[0].split())
-    assert line.startswith("6.99 % of J1 opens at failure and carries no cohesion there: FoS 3.764 (forces only 4.604)")
+    assert line.startswith("6.99 % of J1 opens at failure and carries no cohesion: FoS 3.764 (forces only 4.604)")
 
 
 def test_a_wedge_that_presses_on_all_of_its_joints_follows_no_path(monkeypatch) -> None:

@@ -302,7 +302,7 @@ def judged_factor(value: float, rules: Iterable[Rule]) -> str:
     ('1.557', '1.49996')
     """
     rules = list(rules)
-    texts = (f"{value:.{digits}f}" for digits in range(3, 16))
+    texts = (factor_text(value).strip(), *(f"{value:.{digits}f}" for digits in range(3, 16)))
     judged = [rule.met(value) for rule in rules]
     return next((text for text in texts if [rule.met(float(text)) for rule in rules] == judged), repr(value))
 
