@@ -47,8 +47,10 @@ _BENDS, _STRAIGHT = 40, 1e-14  # Newton steps along a curved one, and change, in
 
 
 class Bed:
-    """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load.
+    """A model on its elastic joints, driven by its strength or by a load.
 
+    Cohesion acts on the pressed part of a contact (`cells`), but for contacts that `have_opened` (k,), which have none;
+    where `bond` (m,) is given it is the share of the cohesion that acts, wherever the blocks go.
     `held` (k, u) is the relative motion of contacts by blocks that are held where they are, `slid` (g, t) the slip that
     stays, None where joints spring back from all of it.
     """
@@ -79,6 +81,8 @@ class Bed:
         self.spring = ratio * self._summed(self.area)
         self.cohesion = self._summed(model.cohesion * self.bond)
         self.friction = model.tan_friction
+        self.cells = model.cells if bond is None else None
+        self.have_opened: Bools | None = None
         self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
         self.stiffness = SparseStiffness(model, symmetric=held is None)
@@ -104,10 +108,56 @@ class Bed:
         if held is None:  # of a few blocks hardly anybody asks
             self._at_first = self._elastic()
 
-    @property
-    def has_bonds(self) -> bool:
-        """Whether any joint has cohesion left."""
-        return bool((self.model.cohesion * self.bond)[self.model.joint_pairs].any())
+    def contact_motion(self, displacement: Floats) -> Floats:
+        """Return the relative motion (k, u) of the contacts for a motion (N,) of the blocks."""
+        model = self.model
+        blocks = np.concatenate([displacement.reshape(model.load.shape), np.zeros((1, model.unknowns))])
+        motion: Floats = np.matmul(model.plus_motion, blocks[model.plus][:, :, None])[:, :, 0]
+        motion += np.matmul(model.minus_motion, blocks[model.minus][:, :, None])[:, :, 0]
+        return motion
+
+    def pressed_share(self, displacement: Floats) -> tuple[Floats | None, Floats | None]:
+        """Return the pressed share of each contact (k,) and its slopes (k, u) by the relative motion of the contact.
+
+        None where no contact has cohesion.
+        """
+        if self.cells is None:
+            return None, None
+        motion = self.contact_motion(displacement)
+        share, slopes = self.cells.pressed_share(motion if self.held is None else motion + self.held)
+        if self.have_opened is not None:
+            share[self.have_opened] = 0.0
+            slopes[self.have_opened] = 0.0
+        return share, slopes
+
+    def opened_by(self, motion: Floats, least: float) -> Bools:
+        """Return the cohesive contacts (k,) that a motion (N,) opens anywhere, by `least` of its fastest part."""
+        opened = np.zeros(self.contacts, dtype=bool)
+        if self.cells is not None:
+            opening, slip = self.motion(motion, 1.0)
+            fastest = max(float(np.abs(opening).max()), float(np.abs(slip).max()))
+            gaps = self.cells.largest_gap(self.contact_motion(motion))
+            opened[self.cells.contact[gaps > least * fastest]] = True
+        return opened
+
+    def with_opened(self, contacts: Bools) -> "Bed":
+        """Return the same joints without the cohesion of some contacts (k,), which have opened."""
+        other = copy.copy(self)
+        other.have_opened = contacts
+        return other
+
+    def with_cohesion_at(self, displacement: Floats) -> "Bed":
+        """Return the same joints with the cohesion of what is pressed at a displacement (N,), wherever they go."""
+        share, _ = self.pressed_share(displacement)
+        if share is None:
+            return self
+        other = copy.copy(self)
+        other.cells, other.bond = None, share[self.model.pair_contact]
+        other.cohesion = self._summed(self.model.cohesion * other.bond)
+        if self._kernels is not None:
+            given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
+            other._law = self._kernels.law(self._pattern.contacts, *given)
+        return other
 
     @cached_property
     def rows(self) -> Any:
@@ -171,7 +221,8 @@ class Bed:
         reduction, load = self.drive.at(parameter)
         if self._kernels is not None and modes is None and not self.dilates and self.slid is None:
             there = self._compiled_forces(at, reduction, load, frozen)
-            return self._by_laws(there, at, reduction, frozen, load) if self.strengths.curved else there
+            is_plain = not self.strengths.curved and self.cells is None
+            return there if is_plain else self._by_laws(there, at, reduction, frozen, load)
         relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         if self.slid is not None:
@@ -182,7 +233,8 @@ class Bed:
         touching = opening < 0.0 if modes is None else modes.touching
         normal = np.where(touching, pressing, 0.0)
         direction = elastic / np.maximum(size, TINY)[:, None] if modes is None else modes.direction
-        cohesion = self.cohesion
+        share, slopes = self.pressed_share(at)
+        cohesion = self._cohesion_of(share)
         if self.bolted is not None:
             slack = self.bolted & (direction[:, 0] > 0.0)
             cohesion = np.where(slack, 0.0, cohesion)
@@ -206,8 +258,12 @@ class Bed:
         return BedForces(
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
-            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())), share, slopes,
         )  # fmt: skip
+
+    def _cohesion_of(self, share: Floats | None) -> Floats:
+        """Return the cohesion forces (g,) of contacts that are pressed on a share (k,) of them."""
+        return self.cohesion if share is None else self.cohesion * share[self.model.group_contact]
 
     def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
@@ -226,13 +282,14 @@ class Bed:
     def _by_laws(
         self, there: BedForces, at: Floats, reduction: float, frozen: Floats | None, load: Floats
     ) -> BedForces:  # fmt: skip
-        """The same with the strengths that curved laws have at its normal forces."""
-        strength = self.strengths.at(there.normal, self.cohesion)
+        """The same with the strengths of curved laws at its normal forces, and of cohesion where it is pressed."""
+        share, slopes = self.pressed_share(at)
+        strength = self.strengths.at(there.normal, self._cohesion_of(share))
         if self.bolted is not None:  # slack ones have none
             strength = np.where(self.bolted, there.strength, strength)
         if frozen is None:
             there = self._compiled_forces(at, reduction, load, reduction * strength)
-        there.strength = strength
+        there.strength, there.pressed_share, there.share_slopes = strength, share, slopes
         return there
 
     def _dilation(self, reduction: float) -> Floats:
@@ -284,7 +341,7 @@ class Bed:
         if self._kernels is not None and not self.dilates:
             local = np.empty_like(self.elastic)
             reduction, _ = self.drive.at(parameter)
-            curved = coupled and self.strengths.curved
+            curved = coupled and (self.strengths.curved or self.cells is not None)
             self._kernels.tangent(
                 self._law, reduction, viscosity, coupled and not curved, turning, there.touching, there.slips,
                 there.direction, there.friction, there.slip, self.elastic, local,
@@ -325,6 +382,8 @@ class Bed:
         slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
         pressing = self._pressing * there.touching[:, None]
         dragged = self.strengths.rows(reduction * self.strengths.slopes(there.normal), pressing)
+        if there.share_slopes is not None:
+            dragged -= (reduction * self.cohesion)[:, None] * there.share_slopes[self.model.group_contact]
         dragged[~there.slips] = 0.0
         return self._by_contact(slipping[:, :, None] * dragged[:, None, :])
 
@@ -422,19 +481,11 @@ class Bed:
         ramp = None if self.drive.ramp is None else self.drive.ramp[those]
         drive = replace(self.drive, load=self.drive.load[those], ramp=ramp)
         ratio = self.ratio[groups] if isinstance(self.ratio, np.ndarray) else self.ratio
-        few = Bed(model, drive, self.bond[pairs], ratio, held[:, :, 0])
+        few = Bed(model, drive, None if self.cells is not None else self.bond[pairs], ratio, held[:, :, 0])
+        few.have_opened = None if self.have_opened is None else self.have_opened[contacts]
         few.unbalanced_at_most = self.unbalanced_at_most[those]
         few.slid = None if self.slid is None else self.slid[groups]
         return few
-
-    def with_bonds(self, bond: Floats) -> "Bed":
-        """The same joints with cohesion where `bond` (m,) is 1."""
-        other = copy.copy(self)
-        other.bond, other.cohesion = bond, self._summed(self.model.cohesion * bond)
-        if self._kernels is not None:
-            given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
-            other._law = self._kernels.law(self._pattern.contacts, *given)
-        return other
 
     def with_slip_of(self, at: Floats, there: BedForces) -> "Bed":
         """The same joints, their slip at a displacement (N,) there to stay but for what its forces spring back.

@@ -16,6 +16,7 @@ class BedForces:
     normal : (m,); friction : (g, t); strength : (g,) r, before it is reduced
     touching : (m,); slips : (g,); direction : (g, t) of the slip; slip : (g,) its size
     unbalanced : (N,) R; largest : of all forces; rounding : unbalanced force that is none
+    pressed_share : (k,) of each contact, and share_slopes : (k, u) by its relative motion; None without cohesion
     """
 
     normal: Floats
@@ -28,6 +29,8 @@ class BedForces:
     unbalanced: Floats
     largest: float
     rounding: float
+    pressed_share: "Floats | None" = None
+    share_slopes: "Floats | None" = None
 
     @property
     def residual(self) -> float:

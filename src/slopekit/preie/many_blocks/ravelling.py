@@ -303,7 +303,7 @@ def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
             model, patch = model_patch
-            groups = Groups(scene, there, blocks, model, patch) if _large(model) else None
+            groups = Groups(scene, there, blocks, model) if _large(model) else None
             yield Part(*component_limit(model, groups), blocks, patch, groups=groups)
 
 
@@ -313,17 +313,17 @@ def _large(model: AssemblyModel) -> bool:
 
 
 def component_limit(
-    model: AssemblyModel, proposal: Groups | None = None, bond: Floats | None = None, ratio: float = SHEAR_TO_NORMAL
-) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
+    model: AssemblyModel, proposal: Groups | None = None, ratio: float = SHEAR_TO_NORMAL
+) -> tuple[AssemblyModel, BlocksLimit]:
     """The limit of a component, and its model: where laws are curved with the lines that the limit settled on.
 
     The range of its mechanism comes later, of those that fail first.
     """
     if model.lines is None:
-        return model, limit_of_blocks(model, False, ratio, proposal, bond)
+        return model, limit_of_blocks(model, False, ratio, proposal)
     from slopekit.preie.system.strength_lines import settled_blocks  # only curved laws pay for it
 
-    return settled_blocks(model, partial(limit_of_blocks, ranged=False, ratio=ratio, bond=bond), proposal)
+    return settled_blocks(model, partial(limit_of_blocks, ranged=False, ratio=ratio), proposal)
 
 
 def limit_again(model: AssemblyModel, divided_by: float = 1.0, ratio: float = SHEAR_TO_NORMAL) -> BlocksLimit:
@@ -373,23 +373,19 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         twists = _twisting(part)
         if not twists.any():
             break
-        if part.limit.basis is Basis.PEAK and part.model.has_cohesion and _large(part.model):
+        if part.limit.basis is Basis.PEAK and _large(part.model):
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
         model_patch = model_of(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model, patch = model_patch
-        by_groups = _large(model) and model.has_cohesion
-        groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
-        lost = np.bincount(part.model.pair_contact, part.limit.bond, len(part.model.plus)) == 0.0
-        model, limit = component_limit(model, groups, np.where(lost[model.pair_contact], 0.0, 1.0))
+        model = model_patch[0]
+        groups = Groups(scene, there, part.blocks, model, refine) if _large(model) else None
+        model, limit = component_limit(model, groups)
         if not limit.factor:
             break
         assert part.limit.factor is not None  # what twists contacts has one
-        if limit.basis is Basis.PEAK and model.has_cohesion:
-            return _no_higher(part, limit.factor)
         change = abs(limit.factor / part.limit.factor - 1.0)
         part = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
@@ -397,14 +393,6 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
         if change < MESH_CHANGE:
             break
     return part
-
-
-def _no_higher(part: Part, finer: float) -> Part:
-    """Return a part whose lowest factor is no higher than that on finer node pairs, whose motion did not settle."""
-    limit = part.limit
-    if not limit.factor or finer >= limit.factor * (1.0 - MESH_CHANGE):
-        return part
-    return replace(part, limit=replace(limit, lowest=min(finer, limit.lowest or finer)))
 
 
 def _twisting(part: Part) -> Bools:
@@ -443,7 +431,7 @@ def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksL
     driven = float(np.abs(load).max()) > 0.0
     limit = BlocksLimit(
         Outcome.LIFTED if driven else Outcome.NO_DRIVING_FORCE, None, Basis.NONE, 0.0, load / size, pairs,
-        np.zeros((0, 2)), pairs, None, None, None, None, False, 0, 0,
+        np.zeros((0, 2)), pairs, None, None, None, 0, 0,
     )  # fmt: skip
     return model, limit
 
