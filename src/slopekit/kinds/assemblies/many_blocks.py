@@ -86,7 +86,7 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
-MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
+MOST_FOLLOWED = 24  # cohesive blocks whose history is followed unasked: it takes as long as the limit
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
 _DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (METHOD-4, 16)
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor

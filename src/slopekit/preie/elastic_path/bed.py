@@ -123,8 +123,17 @@ class Bed:
         """
         if self.cells is None:
             return None, None
-        motion = self.contact_motion(displacement)
-        share, slopes = self.cells.pressed_share(motion if self.held is None else motion + self.held)
+        cells = self.cells
+        if self._kernels is not None:
+            share, slopes = np.ones(self.contacts), np.zeros((self.contacts, self.model.unknowns))
+            at = np.ascontiguousarray(displacement)
+            corners = cells.gap_rows.shape[1]
+            self._kernels.pressed_share(
+                self._law, corners, cells.contact, cells.fraction, cells.gap_rows, at, share, slopes
+            )
+        else:
+            motion = self.contact_motion(displacement)
+            share, slopes = cells.pressed_share(motion if self.held is None else motion + self.held)
         if self.have_opened is not None:
             share[self.have_opened] = 0.0
             slopes[self.have_opened] = 0.0
@@ -207,22 +216,19 @@ class Bed:
 
     # -- the law ------------------------------------------------------------------------------------------------------
 
-    def forces(
-        self, at: Floats, parameter: float, frozen: Floats | None = None, modes: BedForces | None = None
-    ) -> BedForces:
+    def forces(self, at: Floats, parameter: float, modes: BedForces | None = None) -> BedForces:
         """Forces at the displacement (N,).
 
         Parameters
         ----------
-        frozen : (g,) friction has these strengths, already reduced
         modes : pairs touch and joints slip (in a section) as they do there, whatever the forces: all is linear
         """
         self.evaluations += 1
         reduction, load = self.drive.at(parameter)
         if self._kernels is not None and modes is None and not self.dilates and self.slid is None:
-            there = self._compiled_forces(at, reduction, load, frozen)
+            there = self._compiled_forces(at, reduction, load, None)
             is_plain = not self.strengths.curved and self.cells is None
-            return there if is_plain else self._by_laws(there, at, reduction, frozen, load)
+            return there if is_plain else self._by_laws(there, at, reduction, load)
         relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         if self.slid is not None:
@@ -238,9 +244,8 @@ class Bed:
         if self.bolted is not None:
             slack = self.bolted & (direction[:, 0] > 0.0)
             cohesion = np.where(slack, 0.0, cohesion)
-            frozen = None if frozen is None else np.where(slack, 0.0, frozen)
         strength = self.strengths.at(normal, cohesion)
-        allowed = reduction * strength if frozen is None else frozen
+        allowed = reduction * strength
         if modes is None:
             slips = size > allowed
             carried = np.minimum(size, allowed)
@@ -248,7 +253,7 @@ class Bed:
             slips = modes.slips
             size = (elastic * direction).sum(axis=1)
             carried = np.where(slips, allowed, size)
-        if self.dilates and frozen is None and slips.any():
+        if self.dilates and slips.any():
             normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes, cohesion)
             strength = self.strengths.at(normal, cohesion)
         friction = -direction * carried[:, None]
@@ -265,13 +270,13 @@ class Bed:
         """Return the cohesion forces (g,) of contacts that are pressed on a share (k,) of them."""
         return self.cohesion if share is None else self.cohesion * share[self.model.group_contact]
 
-    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
+    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, allowed: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
         friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
         touching, slips = np.empty(self.pairs, dtype=bool), np.empty(self.groups, dtype=bool)
         unbalanced = np.empty(self.size)
         highest, pressed, longest = self._kernels.forces(
-            self._law, np.ascontiguousarray(at), reduction, load, frozen,
+            self._law, np.ascontiguousarray(at), reduction, load, allowed,
             normal, friction, strength, touching, slips, direction, slip, unbalanced,
         )  # fmt: skip
         return BedForces(
@@ -279,16 +284,13 @@ class Bed:
             SPRING_ROUNDING * (pressed + longest),
         )  # fmt: skip
 
-    def _by_laws(
-        self, there: BedForces, at: Floats, reduction: float, frozen: Floats | None, load: Floats
-    ) -> BedForces:  # fmt: skip
+    def _by_laws(self, there: BedForces, at: Floats, reduction: float, load: Floats) -> BedForces:
         """The same with the strengths of curved laws at its normal forces, and of cohesion where it is pressed."""
         share, slopes = self.pressed_share(at)
         strength = self.strengths.at(there.normal, self._cohesion_of(share))
         if self.bolted is not None:  # slack ones have none
             strength = np.where(self.bolted, there.strength, strength)
-        if frozen is None:
-            there = self._compiled_forces(at, reduction, load, reduction * strength)
+        there = self._compiled_forces(at, reduction, load, reduction * strength)
         there.strength, there.pressed_share, there.share_slopes = strength, share, slopes
         return there
 
@@ -329,24 +331,23 @@ class Bed:
         sums: Floats = np.add.reduceat(of_groups, self._group_starts)
         return sums
 
-    def tangent(
-        self, there: BedForces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
-    ) -> Floats:
+    def tangent(self, there: BedForces, parameter: float, viscosity: float = 0.0, turning: bool = True) -> Floats:
         """Stiffness (k, u, u) of the contacts at some forces.
 
         Parameters
         ----------
-        coupled : friction follows the normal forces; turning : and, in space, the direction of slip
+        turning : in space the direction of slip follows the displacement
         """
         if self._kernels is not None and not self.dilates:
             local = np.empty_like(self.elastic)
             reduction, _ = self.drive.at(parameter)
-            curved = coupled and (self.strengths.curved or self.cells is not None)
+            curved = self.strengths.curved
             self._kernels.tangent(
-                self._law, reduction, viscosity, coupled and not curved, turning, there.touching, there.slips,
+                self._law, reduction, viscosity, not curved, turning, there.touching, there.slips,
                 there.direction, there.friction, there.slip, self.elastic, local,
             )  # fmt: skip
-            return local - self._coupled(there, reduction) if curved else local
+            local = local - self._coupled(there, reduction) if curved else local
+            return local if there.share_slopes is None else local + self._shared(there, reduction)
         carried = np.sqrt((there.friction * there.friction).sum(axis=1))
         sideways = self.spring.copy()
         if turning:
@@ -358,10 +359,12 @@ class Bed:
         along = np.where(there.slips, sideways, 0.0)
         tangent -= along[:, None, None] * e[:, :, None] * e[:, None, :]
         local = self._local(there.touching, tangent)
-        if coupled and there.slips.any():
+        if there.slips.any():
             reduction, _ = self.drive.at(parameter)
             if not self.dilates:
                 local -= self._coupled(there, reduction)
+                if there.share_slopes is not None:
+                    local += self._shared(there, reduction)
             else:
                 slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
                 rows = self._pressing * there.touching[:, None]
@@ -370,6 +373,8 @@ class Bed:
                 dilation = np.where(there.slips, self._dilation(reduction), 0.0)
                 stiff = self.spring + dilation * self._pushed(follows, there)
                 dragged = self.strengths.rows(follows, rows)
+                if there.share_slopes is not None:
+                    dragged -= (reduction * self.cohesion)[:, None] * there.share_slopes[self.model.group_contact]
                 dragged[~there.slips] = 0.0
                 beyond = (self.spring[:, None] * slipping + dragged) / stiff[:, None]
                 carries = np.where(there.slips, self.spring, 0.0)[:, None] * (slipping - beyond)
@@ -382,10 +387,15 @@ class Bed:
         slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
         pressing = self._pressing * there.touching[:, None]
         dragged = self.strengths.rows(reduction * self.strengths.slopes(there.normal), pressing)
-        if there.share_slopes is not None:
-            dragged -= (reduction * self.cohesion)[:, None] * there.share_slopes[self.model.group_contact]
         dragged[~there.slips] = 0.0
         return self._by_contact(slipping[:, :, None] * dragged[:, None, :])
+
+    def _shared(self, there: BedForces, reduction: float) -> Floats:
+        """How friction that slips follows the pressed share of its contact: a stiffness (k, u, u)."""
+        assert there.share_slopes is not None
+        slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
+        slipping *= np.where(there.slips, reduction * self.cohesion, 0.0)[:, None]
+        return self._by_contact(slipping)[:, :, None] * there.share_slopes[:, None, :]
 
     def _pushed(self, follows: Floats, there: BedForces) -> Floats:
         """How strength grows with an even closing of what touches, (g,)."""
@@ -528,9 +538,9 @@ class Bed:
         return self.tangents == 1 or bool((np.abs(off) < self.unbalanced_at_most).all())
 
     def unbalanced_parts(
-        self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
+        self, at: Floats, before: Floats, parameter: float, viscosity: float
     ) -> tuple[BedForces, Floats]:
-        there = self.forces(at, parameter, frozen)
+        there = self.forces(at, parameter)
         if not viscosity:
             return there, there.unbalanced
         return there, there.unbalanced - viscosity * self.viscous(at - before)

@@ -91,6 +91,7 @@ class _Path:
         self.rounds = self.is_strength and not bed.dilates and not cohesion
         self.smooth = self.rounds and bed.tangents == 1 and not bolts
         self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER[: None if bed.tangents == 1 else 2]))
+        self.tried = 1 if cohesion and bed.tangents > 1 else len(self.brackets)  # brackets with a try at a limit state
 
     def limit(self, brief: bool) -> PathLimit:
         """Return the limit, a peak, or why there is none."""
@@ -120,7 +121,7 @@ class _Path:
                 if flow.ended != "runs":
                     flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
                 if flow.ended != "rest":
-                    ended = self._running_limit(flow, unstable)
+                    ended = self._running_limit(flow, unstable) if place < self.tried else None
                     if ended is not None:
                         return replace(ended, peak=(self.stable, unstable))
                     runs.append((unstable, flow))
