@@ -116,37 +116,52 @@ class Bed:
         motion += np.matmul(model.minus_motion, blocks[model.minus][:, :, None])[:, :, 0]
         return motion
 
-    def pressed_share(self, displacement: Floats) -> tuple[Floats | None, Floats | None]:
+    def pressed_share(self, displacement: Floats, reduction: float) -> tuple[Floats | None, Floats | None]:
         """Return the pressed share of each contact (k,) and its slopes (k, u) by the relative motion of the contact.
 
-        None where no contact has cohesion.
+        Joints that dilate are pressed by as much as slip opens them. None where no contact has cohesion.
         """
-        if self.cells is None:
-            return None, None
         cells = self.cells
-        if self._kernels is not None:
+        if cells is None:
+            return None, None
+        if self._kernels is not None and not self.dilates:
             share, slopes = np.ones(self.contacts), np.zeros((self.contacts, self.model.unknowns))
-            at = np.ascontiguousarray(displacement)
-            corners = cells.gap_rows.shape[1]
             self._kernels.pressed_share(
-                self._law, corners, cells.contact, cells.fraction, cells.gap_rows, at, share, slopes
-            )
+                self._law, cells.gap_rows.shape[1], cells.contact, cells.fraction, cells.gap_rows,
+                np.ascontiguousarray(displacement), share, slopes,
+            )  # fmt: skip
         else:
             motion = self.contact_motion(displacement)
-            share, slopes = cells.pressed_share(motion if self.held is None else motion + self.held)
+            motion = motion if self.held is None else motion + self.held
+            motion, by_slip = self._without_dilation(motion, reduction)
+            share, slopes = cells.pressed_share(motion)
+            slopes[:, 1 : 1 + self.tangents] -= by_slip * slopes[:, :1]
         if self.have_opened is not None:
             share[self.have_opened] = 0.0
             slopes[self.have_opened] = 0.0
         return share, slopes
 
-    def opened_by(self, motion: Floats, least: float) -> Bools:
+    def _without_dilation(self, motion: Floats, reduction: float) -> tuple[Floats, Floats]:
+        """Return relative motions (k, u) of contacts less what their slip opens, and that by the slip (k, t)."""
+        by_slip = np.zeros((self.contacts, self.tangents))
+        if not self.dilates:
+            return motion, by_slip
+        slip = motion[:, 1 : 1 + self.tangents]
+        size = np.sqrt((slip * slip).sum(axis=1))
+        dilation = self._dilation(reduction)[self._group_starts]
+        by_slip = dilation[:, None] * slip / np.maximum(size, TINY)[:, None]
+        motion = motion.copy()
+        motion[:, 0] -= dilation * size
+        return motion, by_slip
+
+    def opened_by(self, motion: Floats, parameter: float, least: float) -> Bools:
         """Return the cohesive contacts (k,) that a motion (N,) opens anywhere, by `least` of its fastest part."""
         opened = np.zeros(self.contacts, dtype=bool)
         if self.cells is not None:
-            opening, slip = self.motion(motion, 1.0)
+            opening, slip = self.motion(motion, parameter)
             fastest = max(float(np.abs(opening).max()), float(np.abs(slip).max()))
-            gaps = self.cells.largest_gap(self.contact_motion(motion))
-            opened[self.cells.contact[gaps > least * fastest]] = True
+            relative, _ = self._without_dilation(self.contact_motion(motion), self.drive.at(parameter)[0])
+            opened[self.cells.contact[self.cells.largest_gap(relative) > least * fastest]] = True
         return opened
 
     def with_opened(self, contacts: Bools) -> "Bed":
@@ -155,9 +170,9 @@ class Bed:
         other.have_opened = contacts
         return other
 
-    def with_cohesion_at(self, displacement: Floats) -> "Bed":
+    def with_cohesion_at(self, displacement: Floats, parameter: float) -> "Bed":
         """Return the same joints with the cohesion of what is pressed at a displacement (N,), wherever they go."""
-        share, _ = self.pressed_share(displacement)
+        share, _ = self.pressed_share(displacement, self.drive.at(parameter)[0])
         if share is None:
             return self
         other = copy.copy(self)
@@ -239,7 +254,7 @@ class Bed:
         touching = opening < 0.0 if modes is None else modes.touching
         normal = np.where(touching, pressing, 0.0)
         direction = elastic / np.maximum(size, TINY)[:, None] if modes is None else modes.direction
-        share, slopes = self.pressed_share(at)
+        share, slopes = self.pressed_share(at, reduction)
         cohesion = self._cohesion_of(share)
         if self.bolted is not None:
             slack = self.bolted & (direction[:, 0] > 0.0)
@@ -286,7 +301,7 @@ class Bed:
 
     def _by_laws(self, there: BedForces, at: Floats, reduction: float, load: Floats) -> BedForces:
         """The same with the strengths of curved laws at its normal forces, and of cohesion where it is pressed."""
-        share, slopes = self.pressed_share(at)
+        share, slopes = self.pressed_share(at, reduction)
         strength = self.strengths.at(there.normal, self._cohesion_of(share))
         if self.bolted is not None:  # slack ones have none
             strength = np.where(self.bolted, there.strength, strength)

@@ -37,6 +37,7 @@ _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose peaks need no more digits
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
+_OTHER = 0.2  # of ln λ: a limit so far from the last rest is that of another motion
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
@@ -164,9 +165,12 @@ class _Path:
         self.failed = flow  # the same again ends the same
         if ended is None and self.rounds and bed.tangents > 1:
             ended, self.rounds = traced(bed, self.state.at, self.stable), False
-        if bed.cells is None or (ended is not None and self._is_between(ended, unstable)):
+        if bed.cells is None:
+            far = ended is not None and abs(math.log((ended.parameter or math.nan) / self.stable)) > _OTHER
+            return None if far else ended
+        if ended is not None and self._is_between(ended, unstable):
             return ended
-        bonded = bed.with_cohesion_at(self.state.at)
+        bonded = bed.with_cohesion_at(self.state.at, self.stable)
         flow = relaxed(bonded, self.state.at, unstable, THICK, runs_at=RUNS)
         ended = _run(bonded, flow, unstable) if flow.ended == "runs" else None
         if ended is None or ended.parameter is None or bed.drive.gap(ended.parameter, self.stable) < 1.0:

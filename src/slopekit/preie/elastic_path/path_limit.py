@@ -97,12 +97,12 @@ def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLi
     v = moved / np.sqrt(float(moved @ moved))
     at = at - v * (float((across := bed.viscous(v)) @ at) / float(across @ v))
     for _ in range(1 if bed.tangents == 1 else _TURNS):
-        opened = bed.opened_by(v, OPENS_ROUGHLY)
+        opened = bed.opened_by(v, parameter, OPENS_ROUGHLY)
         state = _of_modes(bed.with_opened(opened), modes, at, v, parameter)
         if state is None:
             return None
         at, parameter, here, v, agrees = state
-        if agrees and (bed.opened_by(v, NO_MOTION) != opened).any():
+        if agrees and (bed.opened_by(v, parameter, NO_MOTION) != opened).any():
             return None
         if agrees:
             return result_of(bed, PathOutcome.LIMIT, parameter, None, at, v, here)
