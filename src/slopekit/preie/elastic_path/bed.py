@@ -23,7 +23,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
-from slopekit.preie.elastic_path.bed_states import BedForces, Drive, NewtonStep
+from slopekit.preie.elastic_path.bed_states import BedForces, Drive, NewtonStep, PressedShare
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
@@ -116,14 +116,15 @@ class Bed:
         motion += np.matmul(model.minus_motion, blocks[model.minus][:, :, None])[:, :, 0]
         return motion
 
-    def pressed_share(self, displacement: Floats, reduction: float) -> tuple[Floats | None, Floats | None]:
-        """Return the pressed share of each contact (k,) and its slopes (k, u) by the relative motion of the contact.
+    def pressed_share(self, displacement: Floats, reduction: float) -> PressedShare | None:
+        """Return the pressed share of each contact; None where no contact has cohesion.
 
-        Joints that dilate are pressed by as much as slip opens them. None where no contact has cohesion.
+        Joints that dilate are pressed by as much as slip opens them.
         """
         cells = self.cells
         if cells is None:
-            return None, None
+            return None
+        by_strength = np.zeros(self.contacts)
         if self._kernels is not None and not self.dilates:
             share, slopes = np.ones(self.contacts), np.zeros((self.contacts, self.model.unknowns))
             self._kernels.pressed_share(
@@ -133,13 +134,18 @@ class Bed:
         else:
             motion = self.contact_motion(displacement)
             motion = motion if self.held is None else motion + self.held
-            motion, by_slip = self._without_dilation(motion, reduction)
-            share, slopes = cells.pressed_share(motion)
+            relative, by_slip = self._without_dilation(motion, reduction)
+            share, slopes = cells.pressed_share(relative)
+            if self.dilates:  # where the joint dilates by all of its reduced friction angle that angle falls too
+                friction = self.friction[self._group_starts]
+                steeper = np.where(self.model.tan_dilation[self._group_starts] > reduction * friction, friction, 0.0)
+                slip = motion[:, 1 : 1 + self.tangents]
+                by_strength = -slopes[:, 0] * steeper * np.sqrt((slip * slip).sum(axis=1))
             slopes[:, 1 : 1 + self.tangents] -= by_slip * slopes[:, :1]
         if self.have_opened is not None:
-            share[self.have_opened] = 0.0
+            share[self.have_opened] = by_strength[self.have_opened] = 0.0
             slopes[self.have_opened] = 0.0
-        return share, slopes
+        return PressedShare(share, slopes, by_strength)
 
     def _without_dilation(self, motion: Floats, reduction: float) -> tuple[Floats, Floats]:
         """Return relative motions (k, u) of contacts less what their slip opens, and that by the slip (k, t)."""
@@ -172,11 +178,11 @@ class Bed:
 
     def with_cohesion_at(self, displacement: Floats, parameter: float) -> "Bed":
         """Return the same joints with the cohesion of what is pressed at a displacement (N,), wherever they go."""
-        share, _ = self.pressed_share(displacement, self.drive.at(parameter)[0])
-        if share is None:
+        pressed = self.pressed_share(displacement, self.drive.at(parameter)[0])
+        if pressed is None:
             return self
         other = copy.copy(self)
-        other.cells, other.bond = None, share[self.model.pair_contact]
+        other.cells, other.bond = None, pressed.share[self.model.pair_contact]
         other.cohesion = self._summed(self.model.cohesion * other.bond)
         if self._kernels is not None:
             given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
@@ -254,8 +260,8 @@ class Bed:
         touching = opening < 0.0 if modes is None else modes.touching
         normal = np.where(touching, pressing, 0.0)
         direction = elastic / np.maximum(size, TINY)[:, None] if modes is None else modes.direction
-        share, slopes = self.pressed_share(at, reduction)
-        cohesion = self._cohesion_of(share)
+        pressed = self.pressed_share(at, reduction)
+        cohesion = self._cohesion_of(pressed)
         if self.bolted is not None:
             slack = self.bolted & (direction[:, 0] > 0.0)
             cohesion = np.where(slack, 0.0, cohesion)
@@ -278,12 +284,12 @@ class Bed:
         return BedForces(
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
-            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())), share, slopes,
+            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())), pressed,
         )  # fmt: skip
 
-    def _cohesion_of(self, share: Floats | None) -> Floats:
-        """Return the cohesion forces (g,) of contacts that are pressed on a share (k,) of them."""
-        return self.cohesion if share is None else self.cohesion * share[self.model.group_contact]
+    def _cohesion_of(self, pressed: PressedShare | None) -> Floats:
+        """Return the cohesion forces (g,) of contacts that are pressed on a share of them."""
+        return self.cohesion if pressed is None else self.cohesion * pressed.share[self.model.group_contact]
 
     def _compiled_forces(self, at: Floats, reduction: float, load: Floats, allowed: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
@@ -301,12 +307,12 @@ class Bed:
 
     def _by_laws(self, there: BedForces, at: Floats, reduction: float, load: Floats) -> BedForces:
         """The same with the strengths of curved laws at its normal forces, and of cohesion where it is pressed."""
-        share, slopes = self.pressed_share(at, reduction)
-        strength = self.strengths.at(there.normal, self._cohesion_of(share))
+        pressed = self.pressed_share(at, reduction)
+        strength = self.strengths.at(there.normal, self._cohesion_of(pressed))
         if self.bolted is not None:  # slack ones have none
             strength = np.where(self.bolted, there.strength, strength)
         there = self._compiled_forces(at, reduction, load, reduction * strength)
-        there.strength, there.pressed_share, there.share_slopes = strength, share, slopes
+        there.strength, there.pressed = strength, pressed
         return there
 
     def _dilation(self, reduction: float) -> Floats:
@@ -362,7 +368,7 @@ class Bed:
                 there.direction, there.friction, there.slip, self.elastic, local,
             )  # fmt: skip
             local = local - self._coupled(there, reduction) if curved else local
-            return local if there.share_slopes is None else local + self._shared(there, reduction)
+            return local if there.pressed is None else local + self._shared(there, reduction)
         carried = np.sqrt((there.friction * there.friction).sum(axis=1))
         sideways = self.spring.copy()
         if turning:
@@ -378,7 +384,7 @@ class Bed:
             reduction, _ = self.drive.at(parameter)
             if not self.dilates:
                 local -= self._coupled(there, reduction)
-                if there.share_slopes is not None:
+                if there.pressed is not None:
                     local += self._shared(there, reduction)
             else:
                 slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
@@ -388,8 +394,8 @@ class Bed:
                 dilation = np.where(there.slips, self._dilation(reduction), 0.0)
                 stiff = self.spring + dilation * self._pushed(follows, there)
                 dragged = self.strengths.rows(follows, rows)
-                if there.share_slopes is not None:
-                    dragged -= (reduction * self.cohesion)[:, None] * there.share_slopes[self.model.group_contact]
+                if there.pressed is not None:
+                    dragged -= (reduction * self.cohesion)[:, None] * there.pressed.slopes[self.model.group_contact]
                 dragged[~there.slips] = 0.0
                 beyond = (self.spring[:, None] * slipping + dragged) / stiff[:, None]
                 carries = np.where(there.slips, self.spring, 0.0)[:, None] * (slipping - beyond)
@@ -407,10 +413,10 @@ class Bed:
 
     def _shared(self, there: BedForces, reduction: float) -> Floats:
         """How friction that slips follows the pressed share of its contact: a stiffness (k, u, u)."""
-        assert there.share_slopes is not None
+        assert there.pressed is not None
         slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
         slipping *= np.where(there.slips, reduction * self.cohesion, 0.0)[:, None]
-        return self._by_contact(slipping)[:, :, None] * there.share_slopes[:, None, :]
+        return self._by_contact(slipping)[:, :, None] * there.pressed.slopes[:, None, :]
 
     def _pushed(self, follows: Floats, there: BedForces) -> Floats:
         """How strength grows with an even closing of what touches, (g,)."""
@@ -441,6 +447,9 @@ class Bed:
             dilation = np.where(there.slips, self._dilation(parameter), 0.0)
             pushed = self._pushed(parameter * self.strengths.slopes(there.normal), there)
             stiff = self.spring + dilation * pushed
+            if there.pressed is not None:
+                shared = parameter * self.cohesion * there.pressed.by_strength[self.model.group_contact]
+                weaker = weaker + np.where(there.slips, shared, 0.0)
             # where the joint dilates by all of its reduced friction angle that angle falls too
             steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)
             carried = np.sqrt((there.friction * there.friction).sum(axis=1))

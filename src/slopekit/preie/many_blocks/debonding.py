@@ -58,8 +58,8 @@ def debonding_limit(model: AssemblyModel, limit: float) -> tuple[float, float | 
 def _after(bed: Bed, flow: Flow) -> Bed:
     """Return the joints as they are after a rest."""
     bed = bed.with_slip_of(flow.at, flow.forces)
-    share = flow.forces.pressed_share
-    if share is None:
+    pressed = flow.forces.pressed
+    if pressed is None:
         return bed
-    opened = share == 0.0
+    opened = pressed.share == 0.0
     return bed.with_opened(opened if bed.have_opened is None else np.logical_or(opened, bed.have_opened))

@@ -106,12 +106,12 @@ class Groups:
         if gap > JUST or not limit.found:  # what all blocks vouch for is the last state at rest
             limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
             width = 0.0
-        share, outcome = forces.pressed_share, PathOutcome.SETTLED if limit.found else limit.outcome
+        pressed, outcome = forces.pressed, PathOutcome.SETTLED if limit.found else limit.outcome
         return replace(
             limit, outcome=outcome, width=width, group=len(solution[0].load),
             displacement=displacement, normal=forces.normal, friction=forces.friction,
             residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work, rounding=flow.rounding,
-            bond=bed.bond if share is None else share[self.model.pair_contact],
+            bond=bed.bond if pressed is None else pressed.share[self.model.pair_contact],
             touching=flow.forces.touching if flow.rounding else None,
         )  # fmt: skip
 
