@@ -28,6 +28,7 @@ _WEDGES = ("tests/closed_form/test_wedges.py", "tests/closed_form/test_wedge.py"
 _PLANES = ("tests/closed_form/test_planes.py", "tests/closed_form/test_plane.py")
 _RESTS = ("tests/preie/test_local_viscosity.py", "tests/preie/test_groups.py")
 _PATHS = ("tests/preie/test_path.py",)
+_CELLS = ("tests/preie/test_contact_cells.py",)
 _CASES = ("tests/studies/test_cases.py",)
 _FACTORS = ("tests/design/test_partial_factors.py",)
 _BASAL = ("tests/kinds/test_basal.py",)
@@ -111,10 +112,6 @@ MUTATIONS = (
          "excess = line(bond * model.cohesion, rest, normal_force) - friction",
          "excess = line(bond * model.cohesion, 1.01 * rest, normal_force) - friction",
          ("tests/preie/test_curved_limit.py", *_ONE_BLOCK)),
-        ("bonds of opened contacts, blocks", "preie/many_blocks/bonds.py",
-         "after = self.limit(np.where(new[self.model.pair_contact], 0.0, last.bond), False)",
-         "after = self.limit(np.where(new[self.model.pair_contact], 0.01, last.bond), False)",
-         ("tests/preie/test_path.py", "tests/preie/test_bonds.py")),
         ("friction of many blocks", "preie/programs/program.py",
          "line(program.cohesion, model.tan_friction, model.by_group(at.",
          "line(program.cohesion, 1.01 * model.tan_friction, model.by_group(at.", _BLOCKS),
@@ -432,9 +429,15 @@ MUTATIONS = (
          _RESTS),
         ("strength used up", "preie/elastic_path/rests.py", "axis=1))).sum()) * limit.parameter", "axis=1))).sum())",
          _RESTS),
-        ("the limit far down the path", "preie/elastic_path/proposal.py", "/ (ratio - 1.0)", "/ (ratio + 1.0)", _PATHS),
         ("strength that a limit state may use", "preie/elastic_path/path_limit.py", "spare = reduction * here.strength",
          "spare = 1.01 * reduction * here.strength", _PATHS),
+        ("the part of a cell", "preie/system/contact_cells.py", "np.where(is_alone, side, 1.0 - side)",
+         "np.where(is_alone, side, 1.0 - 1.01 * side)", _CELLS),
+        ("friction that follows the pressed share", "preie/elastic_path/bed.py",
+         "np.where(there.slips, reduction * self.cohesion, 0.0)",
+         "np.where(there.slips, 1.01 * reduction * self.cohesion, 0.0)", _CELLS),
+        ("contacts that have opened", "preie/elastic_path/bed.py", "share[self.have_opened] = 0.0",
+         "share[self.have_opened] = 0.01", _CELLS),
         ("slip along a limit state's motion", "preie/elastic_path/path_limit.py",
          "(forward[modes.slips].min(initial=0.0)) > -most",
          "(forward[modes.slips].min(initial=0.0)) > -1e9", _PATHS),
@@ -576,20 +579,13 @@ MUTATIONS = (
          _WORK),
         ("work within work", "preie/solvers/work_limit.py", "min(before, meter.spent + units)", "meter.spent + units",
          _WORK),
-        ("the factor of a last rest", "preie/elastic_path/path.py", "WorkSpentError(1.0 / rested[-1] if",
-         "WorkSpentError(1.01 / rested[-1] if", _WORK),
         ("a rest in another unit of strength", "preie/solvers/work_limit.py", "else by * self.rested",
          "else self.rested", _WORK),
-        ("a rest where cohesion may be lost", "preie/many_blocks/blocks.py", "rested=spent.rested if whole else None,",
-         "rested=spent.rested,", _WORK),
         ("a bracket in the load", "preie/many_blocks/ravelling.py",
          "(path.found or path.outcome is PathOutcome.BRACKET)",
          "path.found", _GAIN),
         ("where blocks run", "preie/many_blocks/ravelling.py", "path.peak is None else path.peak[1]",
          "path.peak is None else path.peak[0]", _GAIN),
-        ("a load's motion that did not settle", "preie/many_blocks/blocks.py",
-         "basis = basis if path_end.found else Basis.PEAK",
-         "basis = basis if path_end.found else Basis.SETTLED", _GAIN),
     ),
     *_group(
         "blocks on shaken ground",

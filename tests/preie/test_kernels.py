@@ -56,10 +56,10 @@ def close(found: np.ndarray, exact: np.ndarray, rounding: float = ROUNDING) -> b
 
 @compiled_only
 @pytest.mark.parametrize("name", BEDS)
-@given(st.integers(0, 10**6), st.booleans(), st.booleans(), st.booleans(), st.booleans())
+@given(st.integers(0, 10**6), st.booleans(), st.booleans())
 @settings(max_examples=15, deadline=None)
-def test_the_law_and_its_tangent(name, seed, freezes, coupled, turning, flows) -> None:
-    """Forces, modes, stiffness of the contacts and viscous forces at a random displacement, friction frozen or not."""
+def test_the_law_and_its_tangent(name, seed, turning, flows) -> None:
+    """Forces, modes, pressed shares, stiffness of the contacts and viscous forces at a random displacement."""
     model, rng = BEDS[name](0.0), np.random.default_rng(seed)
     plain, bed = both_ways(lambda: Bed(model, Drive(model.load.ravel())))
     assert plain._kernels is None
@@ -68,15 +68,17 @@ def test_the_law_and_its_tangent(name, seed, freezes, coupled, turning, flows) -
         plain.elastic_displacement
         + rng.uniform(0.0, 3.0) * rng.normal(size=bed.size) * np.abs(plain.elastic_displacement).mean()
     )
-    frozen = rng.uniform(0.0, 0.5, bed.groups) if freezes else None
-    there, exact = (each.forces(at, 0.6, frozen) for each in (bed, plain))
+    there, exact = (each.forces(at, 0.6) for each in (bed, plain))
     assert there.same_modes(exact)
     for field in dataclasses.fields(BedForces):
         one, other = getattr(there, field.name), getattr(exact, field.name)
+        if other is None:  # pressed shares, where no joint has cohesion
+            assert one is None
+            continue
         assert np.shape(one) == np.shape(other)
         assert close(one, other), field.name
     viscosity = 0.3 if flows else 0.0
-    one, other = (each.tangent(exact, 0.6, viscosity, coupled, turning) for each in (bed, plain))
+    one, other = (each.tangent(exact, 0.6, viscosity, turning) for each in (bed, plain))
     assert close(one, other)
     assert close(bed.viscous(at), plain.viscous(at))
     modes = plain.turned(exact, at)  # along given modes all is linear, and NumPy's in both

@@ -34,7 +34,6 @@ from tests.preie.block_scenes import (
     bench,
     boxes_in_space,
     first_part,
-    random_bench,
     rectangles,
     stack,
 )
@@ -679,8 +678,8 @@ def test_the_law_holds_at_any_displacement(name, psi, kernels) -> None:
     """N >= 0 and |T| <= λ r; T against the slip, at λ r where it slips and k_t A s below; pairs press as they close.
     Bolts do not push.
 
-    N = a <-opening + tan ψ p>, p the slip beyond the elastic one, c on the part of a contact that this presses, by
-    clipping its polygon: equation by equation.
+    N = a <-opening + tan ψ p>, p the slip beyond the elastic one; c on the part of a contact whose gap, less tan ψ times
+    all the slip at its centroid, is negative, by clipping its polygon: equation by equation.
     """
     model = BEDS[name](psi)
     bed = Bed(model, Drive(model.load.ravel()))
@@ -689,10 +688,14 @@ def test_the_law_holds_at_any_displacement(name, psi, kernels) -> None:
     size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, there.friction))
     spring = 0.4 * model.by_group(model.control_area)
     beyond = size - carried / spring
-    rises = np.minimum(model.tan_dilation, 0.6 * model.tan_friction) * beyond
+    dilation = np.minimum(model.tan_dilation, 0.6 * model.tan_friction)
+    rises = dilation * beyond
     pressed = model.control_area * np.maximum(rises[model.group_of_pair] - opening, 0.0)
     assert there.normal == pytest.approx(pressed, abs=1e-9 * pressed.max())
-    gaps = opening - rises[model.group_of_pair]
+    areas, contacts = model.by_group(model.control_area), len(model.plus)
+    middle = np.stack([np.bincount(model.group_contact, areas * along, contacts) for along in slip.T])
+    middle = np.sqrt((middle**2).sum(axis=0)) / np.bincount(model.group_contact, areas, contacts)
+    gaps = opening - dilation[model.group_of_pair] * middle[model.pair_contact]
     shares = pressed_shares(SCENES[name][0]().patches, model, gaps)
     strength = model.by_group(model.cohesion) * shares[model.group_contact]
     strength += model.tan_friction * model.by_group(there.normal)

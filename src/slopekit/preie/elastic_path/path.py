@@ -266,7 +266,8 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
         far = work > 1e3 * bed.elastic_work
-        settled = same and viscous < SAME_LIMIT and (changed < 1e-2 * SAME_LIMIT or (changed < SAME_LIMIT and far))
+        steady, slow = changed < 1e-2 * SAME_LIMIT, changed < SAME_LIMIT
+        settled = viscous < SAME_LIMIT and ((same and (steady or (slow and far))) or (steady and far))
         small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
         tries = small and viscous < VISCOUS_LEFT
         if failed is not None and forces.same_modes(failed):
