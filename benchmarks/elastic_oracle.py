@@ -14,7 +14,7 @@ import slopekit as sk
 from slopekit.core.errors import SlopekitError
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds import elastic, kind_of
-from slopekit.kinds.elastic_scene import ElasticScene, scene_of_one
+from slopekit.kinds.elastic import ElasticScene, scene_of_one
 from slopekit.result import Result
 
 MOST_STEPS = 3000  # of Newton's method, to both ends of a bracket

@@ -140,7 +140,7 @@ joints: {J1: {plane: 45/105}, J2: {plane: 60/235}}
 crack: {plane: 85/185, distance: 4 m, water: 3 m}
 strength: {j: {c: 20 kPa, phi: 30}}
 rock: {unit_weight: 26, modulus: 20 GPa, poisson: 0.25}
-analysis: {elastic: {edge: 5 m, bedrock: elastic}}
+analysis: {elastic: {edge: 5 m, bedrock: rigid}}
 """,
     "sheet surface": """\
 slopekit: 1

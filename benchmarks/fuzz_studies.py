@@ -1,6 +1,6 @@
 """Surveys and options of `slopekit sets` and `slopekit bench-design`, mutated: ``python -m benchmarks.fuzz studies``.
 
-A case is a survey (CSV, or a YAML file of sets) and options by the names of the command line. Each ends in a result
+A case is a survey (CSV) and options by the names of the command line. Each ends in a result
 that is JSON, or in a message with a code.
 """
 
@@ -34,16 +34,8 @@ N09,C,85,350,8,29,1.8,,2,14.0,1
 N10,,12,080,,40,,3,0,15.0,1
 """
 _BARE = "dip;dip direction\n" + "".join(f"{20 + 7 * k % 60};{(37 * k) % 360}\n" for k in range(24))
-_SETS = """\
-sets:
-  A: {plane: {dist: fisher, mean: 60/140, k: 60}, spacing: {dist: lognormal, mean: 2 m, sd: 0.6}, trace: 8 m, c: 5 kPa,
-      phi: {dist: normal, mean: 32, sd: 2}}
-  B: {plane: 50/215, scatter: 8, spacing: 4 m, spacing_scatter: 30 %, phi: 33, c: 0}
-  C: {plane: {dip: {dist: normal, mean: 80, sd: 3}, dip_direction: 355}, spacing: 1.5, trace: {dist: uniform, min: 2,
-      max: 9}, phi: 30, c: 0, strength: rough, offset: 0.2}
-"""
 #: Surveys by name: the file it is written to, its text.
-SURVEYS = {"list": ("survey.csv", _LIST), "bare": ("survey.csv", _BARE), "sets": ("survey.yaml", _SETS)}
+SURVEYS = {"list": ("survey.csv", _LIST), "bare": ("survey.csv", _BARE)}
 #: Options: sound values, extreme ones, and some just outside.
 OPTIONS: dict[str, dict[str, tuple[object, ...]]] = {
     "bench-design": {
@@ -67,8 +59,7 @@ OPTIONS: dict[str, dict[str, tuple[object, ...]]] = {
     "sets": {
         "n": (1, 2, 3, 9, 0, -1, 100), "ignore_sets": (True, False),
         "scanline": ("090/00", "045/45", "000/90", "090", "x", "400/10", "090/-5"),
-        "bias_angle": ("15", "0", "90", "91", "1e-6", "x"), "confidence": (0.95, 0.5, 0.9999, 1.0, 0.0, 2.0),
-        "contours": ("kamb", "schmidt", "fisher"), "seed": (1, 0, -1), "skip_bad": (True, False),
+        "bias_angle": ("15", "0", "90", "91", "1e-6", "x"), "skip_bad": (True, False),
         "convention": ("dip-direction", "right-hand-rule", "strike"), "columns": ("dip,dip_direction", "dip"),
     },
 }  # fmt: skip
@@ -83,7 +74,7 @@ def study_case(index: int, seed: int) -> tuple[str, str, bytes, dict[str, Any], 
     """Case `index` of a seed: the study, the file, its content, the options, how it was made."""
     rng = random.Random(f"{seed}/study/{index}")
     study = rng.choice(tuple(OPTIONS))
-    name = rng.choice(("list", "bare", "sets")) if study == "bench-design" else rng.choice(("list", "bare"))
+    name = rng.choice(("list", "bare"))
     file, text = SURVEYS[name]
     content, how = text.encode(), "as it is"
     if rng.random() < 0.6:
@@ -101,7 +92,7 @@ def study_case(index: int, seed: int) -> tuple[str, str, bytes, dict[str, Any], 
 
 
 def _of_a_cell(text: str, rng: random.Random) -> tuple[bytes, str]:
-    """One cell, or one value of a set, is another."""
+    """One cell is another."""
     lines = text.splitlines()
     k = rng.randrange(len(lines))
     mark = "," if "," in lines[k] else ";"

@@ -70,9 +70,6 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
                 "that of [lesson 4](tutorial/4-hand-over.md).", (_BOLTED, _plot("bolted", "elevation"))),
         Picture("scene", "Bolts stand in scenes too: rods and plates, drawn in front of the rock.",
                 (_BOLTED, _plot("bolted", "scene", "scene-bolts")), "bolts"),
-        Picture("elastic-tractions", "Normal tractions of each joint, rigid beside elastic; what is open is marked.",
-                ("slopekit wedge --dips 45/115 45/245 --shear-stiffness 1e5 --elastic -o elastic --no-pictures --quiet",
-                 _plot("elastic", "elastic-tractions"))),
     )),
     ("Many blocks", (
         Picture("scene", "A bench cut by three joint sets: what moves first, and what stays.",
@@ -125,8 +122,6 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
         Picture("reduction", "Failed node pairs and displacement over the reduction factor, as the paper's Figure 7.",
                 ("slopekit run templates/paper-footing.yaml -o footing --no-pictures --quiet",
                  _plot("footing", "reduction"))),
-        Picture("normals", "True normals of a curved surface against those of facets, which interlock.",
-                ("slopekit check templates/paper-ellipsoid.yaml -o ellipsoid --quiet", _plot("ellipsoid", "normals"))),
     )),
 )  # fmt: skip
 

@@ -46,10 +46,8 @@ _JOBS = ("tests/app/test_jobs.py",)
 _WIDGETS = ("tests/app/test_widgets.py",)
 _WORK = ("tests/preie/test_work_limit.py",)
 _GAIN = ("tests/preie/test_seismic_gain.py",)
-_BEDROCK = ("tests/elastic/test_bedrock.py",)
 _QUAKE = ("tests/studies/test_quake.py",)
 _REMEMBERED = ("tests/geometry/test_interfaces.py",)
-_RECORDS = ("tests/core/test_records.py",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -562,13 +560,6 @@ MUTATIONS = (
         ("scatter taken out", "app/jobs.py", "values_of(moment.design, [key], [key.value or 0.0])",
          "values_of(moment.design, [key], [1.01 * (key.value or 0.0)])", _JOBS),
         ("a job that does not run", "app/jobs.py", "if not number or number != self.running:", "if not number:", _JOBS),
-        ("the button of a notebook", "app/notebook.py", 'live == "button" and not analyse',
-         'live == "button" and analyse',
-         _WIDGETS),
-        ("the result of a notebook", "app/notebook.py", "answer, self._result = analysed(now, final)",
-         "answer, _ = analysed(now, final)", _WIDGETS),
-        ("sliders that a change makes", "app/notebook.py", "_paths(groups) != _paths(self.widget.groups)",
-         "_paths(groups) == _paths(self.widget.groups)", _WIDGETS),
     ),
     *_group(
         "work, and loads that grow",
@@ -632,21 +623,6 @@ MUTATIONS = (
          _QUAKE),
     ),
     *_group(
-        "elastic bedrock",
-        ("where a plane cuts an edge", "elastic/bedrock.py", "part = heights[a] / (heights[a] - heights[b])",
-         "part = 1.01 * heights[a] / (heights[a] - heights[b])", _BEDROCK),
-        ("how far the box reaches", "elastic/bedrock.py", "reach = margin * float(", "reach = 1.01 * margin * float(",
-         _BEDROCK),
-        ("what lies in the air", "elastic/bedrock.py", "if at[-1] > floor and any(", "if at[-1] > floor or any(",
-         _BEDROCK),
-        ("where the box is held", "elastic/bedrock.py", "for i in range(dim) for end in (box.lowest, box.highest)]",
-         "for i in range(dim) for end in (box.lowest,)]", _BEDROCK),
-        ("condensation", "elastic/flexibility.py", "flexibility_matrix = own @ np.linalg.solve(",
-         "flexibility_matrix = 1.01 * own @ np.linalg.solve(",
-         _BEDROCK),
-        ("how elements grow", "elastic/bedrock.py", "(1.0 + 1e-9))", "(2.0 + 1e-9))", _BEDROCK),
-    ),
-    *_group(
         "what is remembered, and records",
         ("a cut by rounded planes", "geometry/rock/cutting.py", "rock.offsets.tobytes(), rock.corners",
          "np.round(rock.offsets, 9).tobytes(), rock.corners", _REMEMBERED),
@@ -662,13 +638,6 @@ MUTATIONS = (
          "return _pairs_on(tuple(faces), min(refine, 1))", _REMEMBERED),
         ("pairs that can be written", "geometry/interfaces.py",
          "    for numbers in whole_numbers:\n        numbers.setflags(write=False)\n", "", _REMEMBERED),
-        ("a default that is made", "core/records.py", "values[name] = factory()", "values[name] = factory", _RECORDS),
-        ("what no field has", "core/records.py", "return placed == len(args) and by_name == len(named)",
-         "return placed == len(args)", _RECORDS),
-        ("a field by its name alone", "core/records.py", "if is_given and not kw_only and placed < len(args):",
-         "if is_given and placed < len(args):", _RECORDS),
-        ("what is not compared", "core/records.py", "for one in dataclasses.fields(record) if one.compare)",
-         "for one in dataclasses.fields(record))", _RECORDS),
         ("how far a crack cuts a basal wedge", "kinds/wedge/basal.py", "@ normal / along).max())",
          "@ normal / along).max()) / 1.01", _BASAL),
         ("a crack along the trace", "kinds/wedge/basal.py", "if abs(along) > _ACROSS else 0.0",

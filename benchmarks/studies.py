@@ -238,7 +238,7 @@ def quake_rows(records: int = 20, samples: int = 4000) -> list[str]:
     import slopekit as sk
     from slopekit.design.templates import path_of
     from slopekit.studies.quake.records import record_of
-    from slopekit.studies.quake.sliding import slide
+    from slopekit.studies.quake.six import slide
 
     rng, t = np.random.default_rng(2), 0.01 * np.arange(samples)
     made = []

@@ -103,11 +103,6 @@ assert_type(page.stat().st_size, int)
 files = sk.export(result, "wedge.stl", what=["blocks"], blocks="B1")
 assert_type(files.files, tuple[Path, ...])
 one.view()
-under = sk.explore(design, ["strength"])
-assert_type(under, sk.Explorer)
-under.set({"strength.weak.phi": 25})
-assert_type(under.result, sk.Result | None)
-assert_type(under.changed, list[str])
 try:
     sk.load("x")
 except sk.SlopekitError as error:

@@ -8,8 +8,7 @@ import pytest
 import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut
-from slopekit.kinds.assemblies.bolt_ends import last_left
-from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
+from slopekit.kinds.assemblies.many_blocks_scene import last_left, scene_loads
 from slopekit.loads import PointForce, assembly_loads, drained, without_anchors_of
 
 BLOCKS = {
@@ -159,14 +158,6 @@ def test_an_anchor_goes_with_the_block_at_either_end() -> None:
         assert left.live[0][name] == pytest.approx(own.live[0][name])
         assert len(left.anchors.head) == 0
     assert without_anchors_of(tied.assembly, loads, np.zeros(3, dtype=bool)) is loads
-
-
-def test_an_anchor_between_two_blocks_is_exported_with_both_its_ends(tmp_path) -> None:
-    found = sk.run(stacked(3.0))
-    sk.export(found, split=tmp_path)
-    again = sk.run(tmp_path / "blocks.yaml")
-    assert again.fos.limit == pytest.approx(found.fos.limit, rel=1e-9)
-    assert sorted(force.block for force in again.design.forces) == ["A", "B"]
 
 
 WALL = {

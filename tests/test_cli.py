@@ -37,7 +37,7 @@ def test_the_sheet_of_the_papers_wedge() -> None:
     assert "FoS       1.557  PRE-IE\n" in run.stdout
     assert "1.557  Hoek & Bray closed form, forces only     AGREE within 0.0001 %" in run.stdout
     assert "1.587  upper bound (associated flow), not for design" in run.stdout
-    assert "J1 45/115  dips 45° toward 115 (ESE), strike 025" in run.stdout
+    assert "J1 45/115  dips 45° toward 115 (ESE)" in run.stdout
     assert "NOT GIVEN example values used: face, upper, height, c, φ, density" in run.stdout
     assert [line[:10].strip() for line in lines[1:] if not line.startswith(" ")] == [
         "PLANES", "SIZE", "LOADS", "STATUS", "FoS", "NOT GIVEN",
@@ -54,7 +54,7 @@ def test_the_full_sheet_has_the_details() -> None:
     assert [label.split()[0] for label in labels] == [
         "PLANES", "SIZE", "LOADS", "FORCES", "STATUS", "FoS", "MODEL", "MOVES", "TIME", "SENSITIVITY", "NOT",
     ]  # fmt: skip
-    assert "          face 60/180  dips 60° toward 180 (S), strike 090" in full
+    assert "          face 60/180  dips 60° toward 180 (S)" in full
 
 
 def test_json_is_one_document_with_the_contracts_keys() -> None:
@@ -197,9 +197,7 @@ def test_text_is_folded_to_the_terminal(columns, widest, monkeypatch) -> None:
     [
         ("kin", ["kinematic"]),
         ("templates show wedge-", ["wedge-basal", "wedge-scatter"]),
-        ("explain E32", ["E322", "E325", "E328", "E329"]),
         ("plot result.json ex", ["exploded"]),
-        ("combos --convention l", ["left-hand-rule"]),
     ],
 )
 def test_the_shell_completes(typed, wanted) -> None:
@@ -232,8 +230,7 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
 @pytest.mark.parametrize(
     ("before", "is_ended_by_python"),
     [
-        ("", False), ("import logging", True), ("import cProfile", True), ("sys.setprofile(lambda *_: None)", True),
-        ("threading.Thread(target=time.sleep, args=(1,)).start()", True),
+        ("", False), ("import cProfile", True), ("threading.Thread(target=time.sleep, args=(1,)).start()", True),
     ],
 )  # fmt: skip
 def test_a_process_ends_when_all_is_written(before, is_ended_by_python) -> None:
@@ -371,7 +368,7 @@ def test_a_command_that_is_stopped_while_it_loads_ends_quietly(library, tmp_path
     assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")
 
 
-@pytest.mark.parametrize("command", ["explain --all", "wedge --dips 45/115 45/245 --json"])
+@pytest.mark.parametrize("command", ["wedge --dips 45/115 45/245 --json"])
 def test_a_pipe_that_closes_is_no_criterion(command, tmp_path) -> None:
     """`slopekit ... | head -1`: 141 as of other programs in a shell, not 1, which says that a criterion is not met."""
     line = f"{sys.executable} -m slopekit.cli {command} | true; exit ${{PIPESTATUS[0]}}"

@@ -111,7 +111,7 @@ def _without(library: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", program, library, *arguments], capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("library", ["numpy", "typer", "manifold3d"])
+@pytest.mark.parametrize("library", ["numpy", "typer"])
 def test_a_command_says_which_library_it_misses(library) -> None:
     run = _without(library, "wedge", "--dips", "45/115", "45/245")
     assert run.returncode == 2

@@ -59,7 +59,7 @@ OF_A_FILE = [
     ("W328", "surface", {"loads": {"seismic": "0.1@180"}}, "the seismic load acts across the movement"),
     ("W324", "surface", {"acceptance": {"rules": ["fos >= 1.362"]}}, "the limit meets fos >= 1.362, Fellenius"),
     ("W322", "sphere", {"slope.profile": [[5, -8.09017], [-30, 9.4098301]]}, "the mass reaches"),
-    ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the static bound"),
+    ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the upper bound"),
     ("W323", "plane", {"loads": {"seismic": "0.2@270"}}, "the seismic load acts off the section: 0 % of it"),
     ("W302", "footing", {"weak_plane.length": 8000}, "the blocks are 5142 m high, higher"),
     ("W302", "blocks", {"blocks": {"base": {"polygon": [[0, 0], [9000, 0], [9000, -1000], [0, -1000]], "fixed": True},
@@ -69,7 +69,7 @@ OF_A_FILE = [
     ("W302", "blocks", {"water": {"pressures": {"base/B1": 900}}}, "a mean water pressure of 900 kPa is that of 91.7"),
     ("W302", "topple", {"water": {"pressures": {"base": 2000}}}, "a mean water pressure of 2000 kPa is that"),
     ("W302", "wedge", {"strength.weak": {"law": "power", "a": 200, "b": 0.75}}, "power curve 200 σ^0.75 kPa resists 6"),
-    ("W325", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
+    ("W325", "paper-ellipsoid", {"slip.normals": "facet", "slip.edge": 12}, "facet normals interlock like a ratchet"),
 ]  # fmt: skip
 
 
@@ -199,10 +199,10 @@ def test_there_are_few_codes() -> None:
 
 
 def test_most_sheets_of_ordinary_cuts_have_no_notice() -> None:
-    """60 random cuts; 500 of them: `python -m benchmarks.ordinary_cuts`."""
-    sheets, without = notices_of_sheets(60, 7)
-    assert without >= 2 / 3 * 60
-    assert max(sheets.values()) <= 60 / 5
+    """30 random cuts; 500 of them: `python -m benchmarks.ordinary_cuts`."""
+    sheets, without = notices_of_sheets(30, 7)
+    assert without >= 2 / 3 * 30
+    assert max(sheets.values()) <= 30 / 5
 
 
 @pytest.mark.parametrize("height", [0.3, 15.0, 900.0])

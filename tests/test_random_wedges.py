@@ -10,7 +10,7 @@ from slopekit.result import Result
 from tests.kinds.test_factors import same
 from tests.support import random_wedge
 
-COUNT = 60
+COUNT = 48
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from slopekit.api import analyse, load, plot, report, run, wedge
-    from slopekit.app.notebook import Explorer as Explorer
-    from slopekit.app.notebook import explore
     from slopekit.core.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
     from slopekit.exchange.export import export
     from slopekit.result import Result as Result
@@ -46,7 +44,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
-    "bench_design", "check", "combos", "explore", "export", "kinematic", "load", "plot", "prob", "quake", "report",
+    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "quake", "report",
     "run", "sets", "solve", "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
@@ -58,7 +56,7 @@ _LATER = {
     **dict.fromkeys(("DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError"), "core.errors"),
     "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
     "Check": "studies.check", "Combos": "studies.combos",
-    "explore": "app.notebook", "Explorer": "app.notebook", "export": "exchange.export", "JointSets": "studies.sets",
+    "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob",
     "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
     "SolutionForAll": "studies.solve.for_cases", "Support": "studies.support",

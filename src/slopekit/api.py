@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 ELASTIC = Option("Elastic blocks beside the rigid ones (extra: elastic).")
 
 
-_OF_ELASTIC = ("modulus", "poisson", "edge", "bedrock")
+_OF_ELASTIC = ("modulus", "poisson", "edge")
 _NO_INPUTS = ("desk", "elastic")
 
 
@@ -64,7 +64,6 @@ def wedge(
     modulus: Annotated[Any, Option("Young's modulus of elastic rock [20 GPa].")] = None,
     poisson: Annotated[Any, Option("Its Poisson's ratio [0.25].")] = None,
     edge: Annotated[Any, Option("Longest edge of its finite elements [auto].")] = None,
-    bedrock: Annotated[str | None, Option("rigid, or elastic as the wedge [rigid].")] = None,
     elastic: Annotated[bool, ELASTIC] = False,
     desk: Workplace = DESK,
     **unknown: Any,
@@ -316,10 +315,7 @@ def plot(
     path: str | os.PathLike[str] | None = None,
     *,
     show: Literal[False] = False,
-    equal_angle: bool = False,
     test: str | None = None,
-    explode: float | None = None,
-    magnify: float | None = None,
     step: int = 1,
 ) -> "Drawing": ...
 
@@ -331,10 +327,7 @@ def plot(
     path: None = None,
     *,
     show: Literal[True],
-    equal_angle: bool = False,
     test: str | None = None,
-    explode: float | None = None,
-    magnify: float | None = None,
     step: int = 1,
 ) -> None: ...
 
@@ -345,10 +338,7 @@ def plot(
     path: str | os.PathLike[str] | None = None,
     *,
     show: bool = False,
-    equal_angle: bool = False,
     test: str | None = None,
-    explode: float | None = None,
-    magnify: float | None = None,
     step: int = 1,
 ) -> "Drawing | dict[str, str] | None":
     """Draw a picture of a result or a study (extra: plot). Without `what` it lists the pictures that this one can give.
@@ -357,12 +347,11 @@ def plot(
     ----------
     source : what `sk.run`, `sk.wedge`, `sk.sweep`, ... return, their `to_dict()`, or the path of their JSON or folder
     what : scene, exploded, tractions, forces, displacement, mechanism, factors, ravelling, stereonet, elevation,
-        histogram, curve, contour, tornado, speed-error, reduction or normals [nothing is drawn: the words that it can
+        histogram, curve, contour, tornado, speed-error or reduction [nothing is drawn: the words that it can
         give]
     path : the file: .png, .svg or .pdf; scenes .png, .glb or .gltf [beside the JSON, or in this folder: NAME-WHAT.png]
     show : a window in place of a file
-    equal_angle, test : of stereonets
-    explode : of exploded; magnify : of displacement and mechanism; step : of mechanism
+    test : of the stereonet of a kinematic study; step : of mechanism
 
     Returns
     -------
@@ -402,7 +391,7 @@ def plot(
         message = "these are load cases: a picture is of one of them"
         advice = f"Give its result, .cases[{next(iter(plots.by_case(document)))!r}]."
         raise DesignError([Fault("E313", message, what, advice)])
-    options = plots.PlotOptions(show, "angle" if equal_angle else "area", test, explode, magnify, step)
+    options = plots.PlotOptions(show, test, step)
     plots.draw(document, what, None if show else target, options, name)
     return None if show else Drawing(target)
 

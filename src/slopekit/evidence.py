@@ -149,7 +149,7 @@ class WithoutBasal:
     `closed_form` is None where it has no factor.
     """
 
-    NAME: ClassVar = "without_basal"
+    NAME: ClassVar = "whole_wedge"
     BRIEF: ClassVar = "whole wedge"
     WHAT: ClassVar = "the whole wedge without the basal joint"
     status: str

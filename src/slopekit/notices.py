@@ -102,7 +102,7 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
 def _static_bound_judged(design: Design) -> Iterator[Notice]:
     """A rule on what is no answer."""
     if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
-        yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
+        yield Notice("W332", "a rule judges the upper bound, which is unsafe as an answer")
 
 
 def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:

@@ -98,7 +98,7 @@ METHODS: Mapping[str, str] = {
 JUDGED: Mapping[str, str] = {
     "residual": "residual strength",
     "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
-    "static_bound": "static bound", "without_basal": "whole wedge, without the basal joint",
+    "static_bound": "upper bound", "whole_wedge": "whole wedge, without the basal joint",
     **METHODS, "all_equilibrium": "columns in all equilibrium",
 }  # fmt: skip
 _SAME = 5e-5  # factors that differ by less than this part look the same

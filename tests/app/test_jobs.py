@@ -78,7 +78,7 @@ def test_a_scatter_of_the_design_can_be_taken_out():
 def test_bolts_are_those_of_the_study():
     moment = Session.of_template("wedge").now
     found = run_job("support", moment, {"fos": 1.6}, silent)
-    own = support(moment.design, 1.6, acts="active").built[0]
+    own = support(moment.design, 1.6, acts="active").cases[0]
     assert found["force"] == own.force
     assert found["direction"] == {"trend": own.toward.trend_deg, "plunge": own.toward.plunge_deg}
     assert found["bolts"] == own.support["bolts"]

@@ -356,15 +356,15 @@ def test_a_pair_of_a_survey_becomes_the_design(page, tmp_path) -> None:
 
 
 def test_many_updates_leave_nothing_behind(page) -> None:
-    """Heap, nodes and listeners after 120 answers as before; one canvas, in the same WebGL context."""
+    """Heap, nodes and listeners after 48 answers as before; one canvas, in the same WebGL context."""
     page.script("document.querySelector('#view canvas').dataset.kept = 'yes'")
-    page.updates(PHI, [20 + 0.1 * (k % 50) for k in range(20)])
+    page.updates(PHI, [20 + 0.1 * (k % 50) for k in range(8)])
     before, nodes = page.heap(), page.counters()
-    page.updates(PHI, [20 + 0.1 * (k % 50) for k in range(120)])
+    page.updates(PHI, [20 + 0.1 * (k % 50) for k in range(48)])
     after, then = page.heap(), page.counters()
-    assert after - before < 0.5e6
-    assert then["nodes"] - nodes["nodes"] < 150
-    assert then["jsEventListeners"] - nodes["jsEventListeners"] < 30
+    assert after - before < 0.2e6
+    assert then["nodes"] - nodes["nodes"] < 60
+    assert then["jsEventListeners"] - nodes["jsEventListeners"] < 12
     assert page.script("return document.querySelectorAll('canvas').length") == 1
     assert page.script("return document.querySelector('#view canvas').dataset.kept") == "yes"
     assert page.fos() == expected(page)

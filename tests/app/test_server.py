@@ -18,9 +18,8 @@ from slopekit.app.answers import analysed, answer_of, net_of
 from slopekit.app.controls import values_of
 from slopekit.app.desk import Desk, Wanted
 from slopekit.app.messages import LARGEST, LARGEST_SURVEY, parsed
-from slopekit.app.server import HEADERS, application
+from slopekit.app.server import HEADERS, application, take
 from slopekit.app.session import Session, opened_file, opened_template
-from slopekit.app.verbs import take
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
@@ -172,7 +171,7 @@ def test_a_page_goes_on_while_another_opens_a_large_file(desk, monkeypatch):
         assert free.wait(20)
         return opened_template("plane")
 
-    monkeypatch.setattr("slopekit.app.verbs.opened_text", reading)
+    monkeypatch.setattr("slopekit.app.server.opened_text", reading)
 
     async def scene():
         async with Page(desk) as page, Page(desk) as other:
@@ -246,7 +245,7 @@ def test_messages_that_come_too_fast_wait(desk):
     assert asyncio.run(scene()) > 1.9
 
 
-def test_ten_thousand_messages_of_any_kind_leave_it_standing(desk):
+def test_four_thousand_messages_of_any_kind_leave_it_standing(desk):
     """Mostly broken ones; each is answered, none by a bug, and nothing piles up."""
     generator = random.Random(20)
     paths = [DIP, "slope.height", "strength.weak.phi", "title", "a.b", "", "joints.J1.plane", "water.mode", "x" * 300]
@@ -274,7 +273,7 @@ def test_ten_thousand_messages_of_any_kind_leave_it_standing(desk):
         async with Page(desk) as page:
             await page.begin()
             for batch in range(10):
-                texts = [message(k) for k in range(1000)]
+                texts = [message(k) for k in range(400)]
                 for k, text in enumerate(texts):
                     page.say(text)
                     if k % 100 == 99:
@@ -287,7 +286,7 @@ def test_ten_thousand_messages_of_any_kind_leave_it_standing(desk):
                     gc.collect()
                     sizes.append(len(gc.get_objects()))
             assert (await page.ask(do="set", values={DIP: 50}))["lead"] is not None
-        assert max(sizes) - min(sizes) < 3000, sizes  # objects, of some two hundred thousand
+        assert max(sizes) - min(sizes) < 1200, sizes  # objects, of some two hundred thousand
 
     asyncio.run(scene())
 
@@ -331,7 +330,7 @@ SHARED = [("joints.J2.strength", "rough"), BASAL]
 
 
 @pytest.mark.parametrize(("template", "sets"), [
-    ("wedge-scatter", []), ("wedge-basal", []), ("rough", [BASAL]), ("rough", SHARED), ("plane", []), ("footing", []),
+    ("wedge-scatter", []), ("wedge-basal", []), ("rough", SHARED), ("plane", []), ("footing", []),
 ])  # fmt: skip
 def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
     """Its sliders moved as it says give the factor that it says: all strengths where it is said of all."""
@@ -525,7 +524,6 @@ def test_saving_goes_by_what_was_seen(on_disk):
     [
         {DIP: 50, "strength.weak.phi": 24, "water.fill": 0.25},
         {"rock.unit_weight": 26, "title": "it's {new}", "water.mode": "full"},
-        {"loads.seismic.k": 0.05, "slope.upper.dip": 4, "strength.weak.c": "20 kPa", "water.pressures.J1": 3},
     ],
 )
 def test_the_command_line_gives_the_same_numbers(on_disk, values):

@@ -95,11 +95,9 @@ def full_disk() -> Iterator[None]:
     ("command", "kept"),
     [
         ("run wedge.yaml -o results --quiet --no-pictures", "results"),
-        ("sweep wedge.yaml slope.height=20:60:80 -o results --quiet", "results"),
         ("export results -o out/a.stl", "out"),
         ("export results -o out/a.vtu", "out"),
         ("export results -o out/a.dxf", "out"),
-        ("export results --split out", "out"),
         ("report results -o out/a.html --no-pictures", "out"),
         ("plot results stereonet -o out/a.svg", "out"),
         ("templates new wedge out/b.yaml", "out"),

@@ -132,7 +132,7 @@ def test_published_nearest_matrix() -> None:
     )  # fmt: skip
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(impossible(), st.integers(0, 2**32 - 1))
 def test_the_nearest_matrix_is_valid_and_nearest(given, seed) -> None:
     """Nearest of a convex set: (A - X) : (Y - X) <= 0 for every other Y of it, which is necessary and sufficient.
@@ -158,7 +158,7 @@ def test_the_nearest_matrix_is_valid_and_nearest(given, seed) -> None:
     assert np.linalg.norm(matrix - found) <= np.linalg.norm(matrix - scaled) + 1e-9
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(impossible())
 def test_what_is_printed_can_be_typed_in(given) -> None:
     """Three decimals, valid as they stand, the pairs that are not given still 0, and within 0.02 of the nearest."""
@@ -179,7 +179,7 @@ def test_ranks_and_normals() -> None:
     assert normal_correlation(np.array([-1.0, 0.0, 1.0])).tolist() == [-1.0, 0.0, 1.0]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(impossible())
 def test_the_factor_of_any_possible_matrix(given) -> None:
     """L Lᵀ is the matrix, to 1e-6: these are singular, and √ halves the digits of what is left of their pivots."""

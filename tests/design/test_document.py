@@ -208,8 +208,8 @@ def test_files_that_are_too_large(tmp_path) -> None:
 
 
 def test_a_file_of_a_hundred_thousand_lines(tmp_path) -> None:
-    path = written(tmp_path, "# remark\n" * 90_000 + "".join(f"k{k}: {k}\n" for k in range(10_000)))
-    assert at(load_document(path).root, "k9999").place.line == 100_000
+    path = written(tmp_path, "# remark\n" * 99_000 + "".join(f"k{k}: {k}\n" for k in range(1_000)))
+    assert at(load_document(path).root, "k999").place.line == 100_000
 
 
 # -- overrides --------------------------------------------------------------------------------------------------------
@@ -346,7 +346,7 @@ def test_mutated_files_give_faults_and_no_traceback(tmp_path) -> None:
     pieces = ["{", "}", "[", "]", ":", ": ", "- ", "\t", "\n", "'", '"', "&a ", "*a", "!", "!!x ", "|", ">", "%", "@",
               "<<: ", "? ", "---\n", "...\n", "#", "\\", "\x00", "\x07", "\x85", " ", "ÿ", "~", ",", "\r"]  # fmt: skip
     faults, loaded = [], 0
-    for _ in range(500):
+    for _ in range(200):
         text = WALL
         for _ in range(rng.randint(1, 4)):
             k, n = rng.randrange(len(text)), rng.randint(0, 6)
@@ -357,7 +357,7 @@ def test_mutated_files_give_faults_and_no_traceback(tmp_path) -> None:
         except DesignError as error:
             faults += error.faults
     assert all(fault.code.startswith("E1") and fault.where for fault in faults)
-    assert 35 < loaded < 465
+    assert 14 < loaded < 186
 
 
 def test_a_library_that_lacks_an_attribute_is_no_fault_of_the_file(tmp_path, monkeypatch) -> None:

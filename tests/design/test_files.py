@@ -515,7 +515,7 @@ def test_a_mesh_of_too_many_triangles(tmp_path, monkeypatch) -> None:
 
 @pytest.mark.parametrize("normals", ["true", "smoothed"])
 def test_an_edge_too_fine_to_solve_is_refused(normals, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(sliding_mass, "MOST_TRIANGLES", 1000)
+    monkeypatch.setattr(sliding_mass, "MOST_TRIANGLES", 300)
     text = SURFACE.replace("radius: 44", f"radius: 44, edge: 1 mm, normals: {normals}")
     with pytest.raises(sk.DesignError) as caught:
         sk.run(_written(tmp_path, text))

@@ -64,7 +64,7 @@ def test_a_file_of_a_seed_is_always_the_same() -> None:
 
 def test_files_with_uplift_and_water_in_a_crack_are_run_or_refused(tmp_path) -> None:
     """Every file ends with a result or with codes."""
-    each = [run(case(index, _SEED_OF_OTHERS, _WET), tmp_path) for index in range(40)]
+    each = [run(case(index, _SEED_OF_OTHERS, _WET), tmp_path) for index in range(25)]
     assert not [one.escaped for one in each if one.escaped]
     assert all(one.codes for one in each if one.exit_code in (2, 3))
     assert {one.exit_code for one in each} >= {0, 2}
@@ -78,7 +78,7 @@ def test_every_key_stands_in_a_seed() -> None:
 
 def test_surveys_and_options_of_two_studies_are_run_or_refused(tmp_path) -> None:
     """`sets` and `bench-design`: lists with a cell wrong, broken files, options outside their range."""
-    each = study_outcomes(36, _SEED_OF_OTHERS, tmp_path)
+    each = study_outcomes(44, _SEED_OF_OTHERS, tmp_path)
     assert not [one.escaped for one in each if one.escaped]
     assert all(one.codes for one in each if one.exit_code in (2, 3))
     assert sum(one.stage == "result" for one in each) >= 10

@@ -52,7 +52,7 @@ def test_a_mesh_outside_the_folder_of_the_design_is_not_read(file, folders) -> N
     assert "--allow-outside" in fault.advice
 
 
-@pytest.mark.parametrize("file", ["../there/joints.csv", "TMP/there/joints.csv", "link.csv", "folder/joints.csv"])
+@pytest.mark.parametrize("file", ["TMP/there/joints.csv", "link.csv"])
 def test_a_joint_list_outside_is_read_where_that_is_allowed(file, folders) -> None:
     path = folders / "here" / "wedge.yaml"
     error = _faults(path, LIST.replace("FILE", file.replace("TMP", str(folders))))

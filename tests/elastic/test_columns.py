@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from slopekit.elastic.flexibility import Elements, Rock, flexibility
 from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_evenly
-from slopekit.elastic.model import ElasticModel, on_bedrock, with_blocks
+from slopekit.elastic.model import ElasticModel, with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.preie.system.contact import JointStiffness
@@ -55,27 +55,6 @@ def test_a_column_settles_as_strength_of_materials_says(edge: float) -> None:
     # pairs of 1/12 and 3/4 integrate what elements of order two do, where no pair's triangle crosses an element
     assert seen == pytest.approx([mean, *exact], rel=1e-12)
     assert found.forces.reshape(-1, 3)[:, 0] == pytest.approx(GAMMA * H * model.area, rel=1e-12)
-
-
-def test_a_column_on_elastic_rock_with_meshes_that_do_not_match() -> None:
-    """Patch test in space: block, bedrock and node pairs each cut the base in their own way; the column on a shaft of
-    rock of its own width and depth h_b settles by γ h h_b / E more, exactly."""
-    depth = 6.0
-    down = BOX - [0.0, 0.0, H]
-    down[:, 2] *= depth / H
-    shaft = Elements(split_evenly(mesh_of(down, cells_of(down, fanned(FACES))), 8.0), Rock(E, NU))
-    nodes = shaft.basis.get_dofs(lambda x: np.abs(x[2] + depth) < 1e-9).all()
-    pairs = node_pairs({0: BOX[[0, 3, 2, 1]]}, 3)
-    column = Elements(box_mesh(5.0), Rock(E, NU))
-    assert {len(np.unique(one.mesh.p[0, np.abs(one.mesh.p[2]) < 1e-9])) for one in (shaft, column)} == {2, 5}
-    by_force = shaft.held_at((3 * nodes[:, None] + np.arange(3)).ravel(), pairs.points, local_axes(pairs.normals))
-    model = on_bedrock(on_its_base(column, pairs), by_force)
-    found = RestSearch(model, JointStiffness(normal=K_N, tangential=1e5)).rest(1.0)
-    assert found.stands
-    exact = -(GAMMA * H * H / 3.0 / E + GAMMA * H / K_N + GAMMA * H * depth / E)
-    seen = found.motion[2] + model.seen_of(0, found.forces, found.motion, 1.0)[0, 2]
-    assert seen == pytest.approx(exact, rel=1e-12)
-    assert found.forces.reshape(-1, 3)[:, 0] == pytest.approx(GAMMA * H * model.area, rel=1e-11)
 
 
 @pytest.mark.parametrize("elastic", [False, True])

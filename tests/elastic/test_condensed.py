@@ -14,7 +14,7 @@ from slopekit.elastic import rest
 from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
-from slopekit.kinds.elastic_scene import scene_of_many
+from slopekit.kinds.elastic import scene_of_many
 
 
 def wall(cohesion: float = 0.0, high: int = 4) -> dict:

@@ -13,7 +13,7 @@ from slopekit.elastic.flexibility import body
 from slopekit.elastic.model import with_blocks
 from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import cut
-from slopekit.kinds.elastic_scene import scene_of_many
+from slopekit.kinds.elastic import scene_of_many
 from slopekit.preie.system.contact import ContactMode
 from slopekit.preie.system.model import local_axes
 from tests.elastic.test_rest import STIFFNESS, blocks
@@ -186,7 +186,7 @@ def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(DesignError) as caught:
         RestSearch(scene.model, scene.stiffness)
     assert [fault.code for fault in caught.value.faults] == ["E125"]
-    monkeypatch.setattr("slopekit.kinds.elastic_scene._MOST_OF_MANY", 50)
+    monkeypatch.setattr("slopekit.kinds.elastic._MOST_OF_MANY", 50)
     with pytest.raises(DesignError) as caught:
         scene_of_many(design, cut(design), found)
     assert [fault.code for fault in caught.value.faults] == ["E125"]

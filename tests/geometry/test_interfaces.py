@@ -13,7 +13,6 @@ from slopekit.geometry.rock import cutting
 from slopekit.geometry.rock.cutting import cut_wedge
 from slopekit.geometry.rock.rockmass import J1, J2, UPPER, RockMass, wedge_rock_mass
 from slopekit.preie.system.patch_pairs import fan_rule
-from slopekit.studies.prob.sources import _series
 from slopekit.views.charts.stereonet import cells
 
 TRIANGLE = [(0.0, 0.0), (4.0, 0.0), (1.0, 3.0)]
@@ -176,5 +175,5 @@ def test_wedges_that_are_nearly_equal_are_never_taken_for_each_other(change) -> 
 
 def test_no_array_that_is_remembered_can_be_written() -> None:
     """Several designs, studies and threads hold the same one."""
-    for array in (*fan_rule(4, 1), _series(100), *cells("area")):
+    for array in (*fan_rule(4, 1), *cells()):
         assert not array.flags.writeable

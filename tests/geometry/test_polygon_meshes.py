@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from slopekit.core.errors import DesignError
 from slopekit.exchange.picking import volume_of
-from slopekit.geometry.solids.meshes import read_mesh
-from slopekit.geometry.solids.polygon_faces import triangulated
+from slopekit.geometry.solids.meshes import read_mesh, triangulated
 
 ELL = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]  # 5 m²
 ARROW = [(0.0, 0.0), (4.0, 2.0), (0.0, 4.0), (1.0, 2.0)]  # a concave quadrilateral, 6 m²

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.hard_cases import sweeps
 from tests.hard_cases.catalogue import SWEEPS, apart
 from tests.hard_cases.sweeps import point, verdict, walk
 
@@ -16,6 +17,26 @@ NAMES = [f"{sweep.picture}: {sweep.name}" for sweep in SWEEPS]
 @pytest.fixture(scope="module")
 def walked() -> dict:
     """The points of each sweep, once."""
+    return {}
+
+
+@pytest.fixture(autouse=True)
+def _each_design_once(monkeypatch, analysed) -> None:
+    """What one sweep compares the factor of, another has the volume of."""
+    run = sweeps.analyse
+
+    def once(case):
+        name = repr((case.kind, case.design))
+        if name not in analysed:
+            analysed[name] = run(case)
+        return analysed[name]
+
+    monkeypatch.setattr(sweeps, "analyse", once)
+
+
+@pytest.fixture(scope="module")
+def analysed() -> dict:
+    """The results of designs."""
     return {}
 
 

@@ -34,16 +34,16 @@ TROUGH = {
 
 @cache
 def random_ones() -> list[Compared]:
-    return compared_until(60)
+    return compared_until(30)
 
 
-def test_sixty_random_wedges_agree_with_the_closed_form_to_1e_9() -> None:
+def test_thirty_random_wedges_agree_with_the_closed_form_to_1e_9() -> None:
     """`closed_form.basal` shares no line with the solver; where moments govern, the forces alone are compared."""
     blocks = [one for one in random_ones() if one.status[0] != "E"]
-    assert len(blocks) == 60
+    assert len(blocks) == 30
     assert all(one.agree for one in blocks)
     differences = [one.difference for one in blocks if one.difference is not None]
-    assert len(differences) > 45
+    assert len(differences) > 22
     assert max(differences) < 1e-9
     assert {"slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal", "slides_on_J1_and_J2"} <= {
         one.status for one in blocks
@@ -105,7 +105,7 @@ def test_what_it_shares_with_the_wedge_of_two_joints() -> None:
     assert steep.forces_only == pytest.approx(two.forces_only, rel=1e-9)
 
 
-@pytest.mark.parametrize("number", [1, 4, 7, 20, 33])
+@pytest.mark.parametrize("number", [1, 4, 20])
 def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
     """By the closed form; c grows with the size."""
     one = [one.design for one in random_ones() if one.status[0] != "E"][number]
@@ -287,7 +287,7 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     above, whole_row = found.to_dict()["mechanisms"]
     assert (above["mechanism"], above["fos"], above["mass_t"]) == ("block_above_basal", found.fos.limit, found.mass_t)
     assert (whole_row["mechanism"], whole_row["fos"]) == ("whole_wedge", found.without_basal.closed_form)
-    assert f"without_basal {whole.fos.closed_form:.3f}" in found.line or found.fos.limit < whole.fos.closed_form
+    assert f"whole_wedge {whole.fos.closed_form:.3f}" in found.line or found.fos.limit < whole.fos.closed_form
 
 
 def test_a_crack_may_be_fuller_than_the_joints() -> None:

@@ -39,8 +39,8 @@ def slab_on_an_incline(folder, suffix: str, up: str, key: str = "") -> str:
 @pytest.mark.parametrize(
     ("suffix", "up", "key"),
     [
-        ("obj", "z", ""), ("stl", "z", ""), ("ply", "z", ""), ("off", "z", ""), ("glb", "y", ""), ("gltf", "y", ""),
-        ("glb", "y", "y"), ("glb", "z", "z"), ("obj", "y", "y"), ("off", "y", "y"), ("stl", "y", "y"),
+        ("obj", "z", ""), ("stl", "z", ""), ("ply", "z", ""), ("glb", "y", ""), ("gltf", "y", ""), ("glb", "z", "z"),
+        ("off", "y", "y"),
     ],
 )  # fmt: skip
 def test_a_slab_slides_down_the_dip_of_its_file(tmp_path, suffix, up, key) -> None:
@@ -78,7 +78,7 @@ def test_the_hash_of_a_design_knows_which_way_is_up(tmp_path) -> None:
     assert [stated[key].inputs()["blocks"][0]["mesh"].get("up") for key in ("", "y", "z")] == ["y", "y", None]
 
 
-@pytest.mark.parametrize("suffix", ["glb", "gltf", "obj", "stl"])
+@pytest.mark.parametrize("suffix", ["glb", "stl"])
 def test_blocks_that_were_exported_are_the_same_blocks(tmp_path, suffix) -> None:
     result = sk.run(slab_on_an_incline(tmp_path, "obj", "z"))
     for name in ("base", "slab"):
@@ -91,7 +91,7 @@ def test_blocks_that_were_exported_are_the_same_blocks(tmp_path, suffix) -> None
     np.testing.assert_allclose(*middles, atol=1e-6)
 
 
-@pytest.mark.parametrize("first", range(6))
+@pytest.mark.parametrize("first", [0, 3])
 def test_a_block_on_a_face_that_is_not_convex(tmp_path, first) -> None:
     """An L of 5 m² and 100 kN, pushed by 0.9 of its weight: (5 c + 100 tan φ) / 90; fans gave 7 m² and 1.4111."""
     (tmp_path / "ell.obj").write_bytes(as_obj(*prism(ELL, first)))

@@ -51,7 +51,7 @@ def test_both_methods_are_the_hand_formula(uplift, ends) -> None:
         assert result.forces.water["weak plane"] == pytest.approx(force, rel=1e-12)
 
 
-@pytest.mark.parametrize("at", [1.0, 2.0])
+@pytest.mark.parametrize("at", [1.0])
 @pytest.mark.parametrize("toe_part", [0.0, 0.4])
 def test_it_overturns_where_the_moments_about_the_toe_say_so(at, toe_part) -> None:
     """P a = (p_toe + 2 p_heel) L² / 6 at the brink; a load of 1500 kN, no cohesion, φ = 40°."""

@@ -51,7 +51,7 @@ LOADS = {
 }
 
 
-@pytest.mark.parametrize("kind", ["wedge", "plane", "footing", "bench"])
+@pytest.mark.parametrize("kind", ["wedge", "plane", "footing", "blocks"])
 @pytest.mark.parametrize("path", LOADS)
 def test_no_sheet_denies_a_load(kind, path) -> None:
     try:

@@ -23,7 +23,7 @@ from slopekit.kinds.bench import cut as cut_bench
 from slopekit.kinds.wedge import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.result import Result
-from slopekit.views.solid.dimensions import dimensions
+from slopekit.views.solid.scenes import dimensions
 from slopekit.views.solid.stage import Stage
 from tests.closed_form.extents import block_extents
 

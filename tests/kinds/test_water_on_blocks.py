@@ -105,7 +105,7 @@ def test_a_column_in_a_pond_by_hand(level) -> None:
 
 
 @pytest.mark.parametrize("more", [
-    {"water": {"mode": "table", "points": [[0, 0], [20, 14], [60, 45]]}}, {"water": {"pond": "9 m"}},
+    {"water": {"mode": "table", "points": [[0, 0], [20, 14], [60, 45]]}},
     {"water": {"pressures": {"base": 20, "sides": 6}}}, {"loads": {"surcharge": {"C4": 60, "C8": 30}}},
 ], ids=str)  # fmt: skip
 def test_goodman_and_bray_with_water(more) -> None:

@@ -1,14 +1,12 @@
 """Water tables, ponds, surcharge and the worst crack: against hydrostatics by hand, quadrature and Hoek & Bray."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError, MisfitError
-from slopekit.exchange.split import lost_of_strength_and_water
 from slopekit.geometry.pressure import Height, Pressure, in_strips, under_planes
 from slopekit.kinds import kind_named
 
@@ -111,8 +109,8 @@ def test_a_level_table_on_a_plane_by_hand(level, is_ponded) -> None:
 
 
 @pytest.mark.parametrize("water", [
-    {"mode": "table", "depth": "4 m"}, {"mode": "table", "depth": "4 m", "pond": "6 m"},
-    {"mode": "table", "points": [[0, 0], [6, 5], [20, 12]]}, {"mode": "table", "plane": "10/185@0m", "pond": 2},
+    {"mode": "table", "depth": "4 m"}, {"mode": "table", "points": [[0, 0], [6, 5], [20, 12]]},
+    {"mode": "table", "plane": "10/185@0m", "pond": 2},
 ], ids=str)  # fmt: skip
 @pytest.mark.parametrize(
     "crack",
@@ -400,13 +398,3 @@ def test_tables_that_are_none_for_blocks(water, code) -> None:
     with pytest.raises(DesignError) as found:
         sk.load(section_of_blocks(water))
     assert code in found.value.codes
-
-
-def test_what_blocks_that_are_written_lose() -> None:
-    """An export as kind blocks says that the table, and residual strength, are not in it."""
-    strength = {"s": {"c": 25, "phi": 37, "residual": {"c": 0, "phi": 30}}}
-    design = {**section_of_blocks({"mode": "table", "points": [[0, 0], [6, 8]]}), "strength": strength}
-    lost = lost_of_strength_and_water(SimpleNamespace(document=sk.run(design).to_dict(), has_many=True))
-    assert [one.partition(":")[0] for one in lost] == ["residual strength", "the water table"]
-    dry = sk.run(section_of_blocks({"mode": "dry"})).to_dict()
-    assert lost_of_strength_and_water(SimpleNamespace(document=dry, has_many=True)) == []

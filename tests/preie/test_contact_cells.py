@@ -190,7 +190,7 @@ def test_a_bonded_block_debonds_nowhere_and_slides_at_its_closed_form(space) -> 
 
 @pytest.mark.parametrize("cohesion", [5.0, 500.0])
 def test_a_face_that_nothing_presses_holds_no_block_back(cohesion) -> None:
-    """Two blocks beside each other slide down 20° together: nothing presses the bonded face between them, tan φ / tan β."""
+    """Two blocks beside each other slide down 20° together: nothing presses the bonded face between."""
     model = rectangles([(0, 2, 0, 1), (2, 4, 0, 1)], 20.0, joint_of_base=1).model([30.0, 25.0], [cohesion, 0.0])
     exact = math.tan(math.radians(25.0)) / math.tan(math.radians(20.0))
     stable, fails = debonding_limit(model, exact)

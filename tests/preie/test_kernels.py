@@ -28,7 +28,7 @@ from slopekit.preie.programs.program import BlockProgram, NewtonEquations, Resid
 from slopekit.preie.solvers.fronts import Fronts
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.patterns import ContactPattern, compiled_contacts
-from tests.preie.block_scenes import bench, boxes_in_space, columns, random_bench, stack, wall
+from tests.preie.block_scenes import boxes_in_space, columns, random_bench, stack, wall
 from tests.preie.path_oracle import model_of
 from tests.preie.test_bound_of_many import MODELS, bolted
 from tests.preie.test_cracked import dam
@@ -187,7 +187,6 @@ LIMITS = {
     "stack": lambda: stack(5, width=8.0).model(35.0),
     "columns": lambda: columns().model(38.15),
     "boxes": lambda: boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(30.0, 1.0),
-    "bench": lambda: bench((("45/170", 6.0), ("80/350", 8.0), ("85/80", 9.0))).model(30.0),
     "bolted": lambda: BEDS["bolted section"](0.0),
     "dilating": lambda: BEDS["section"](8.0),
     **{f"section {k}": lambda k=k: model_of(populations.section(k)) for k in (0, 4, 7, 13)},

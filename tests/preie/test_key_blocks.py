@@ -36,7 +36,7 @@ def one_by_one(normals, force, cohesion, tan_friction) -> float:
     return lowest
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_all_blocks_at_once_are_one_after_the_other(seed) -> None:
     """200 blocks of one to eight faces, some of them in one plane, some blocks without weight."""
     rng = np.random.default_rng(seed)

@@ -106,7 +106,7 @@ def test_a_twisted_square_that_dilates_has_cohesion_where_it_touches_alone(psi) 
     assert found.bond @ model.control_area == pytest.approx(area / 4.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("psi", [2.0, 12.0, 14.0])
+@pytest.mark.parametrize("psi", [2.0, 14.0])
 def test_a_wedge_that_would_dilate_as_it_twists_slides_on_one_joint(psi) -> None:
     """J2 is not pressed: (c A + W cos δ tan φ) / (W sin δ) on J1 by hand, dilation or not."""
     found = sk.wedge(dips=("40/160", "80/220"), c=100, dilation=psi)

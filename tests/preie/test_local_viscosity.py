@@ -28,7 +28,7 @@ def admissible(model: AssemblyModel, factor: float, normal, friction, strength) 
     assert normal.min() >= 0.0
 
 
-@pytest.mark.parametrize("spacing", [1.6, 1.2])
+@pytest.mark.parametrize("spacing", [1.2])
 def test_from_one_rest_straight_to_another(monkeypatch, spacing) -> None:
     """A hair before the limit by steps from a tenth before it: forces that balance each block, all joints admissible.
 
@@ -46,7 +46,7 @@ def test_from_one_rest_straight_to_another(monkeypatch, spacing) -> None:
     assert rest_from(bed, first.at, 1.0 / (1.01 * LIMIT)) is None
 
 
-@pytest.mark.parametrize("spacing", [1.6, 1.2])
+@pytest.mark.parametrize("spacing", [1.2])
 def test_from_joints_that_stick_straight_to_a_rest(monkeypatch, spacing) -> None:
     """A hair before the limit at once, and none beyond it."""
     model = model_of_bench(monkeypatch, spacing)

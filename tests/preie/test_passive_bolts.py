@@ -151,8 +151,8 @@ def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
 def test_random_wedges_with_passive_bolts() -> None:
     """Where the limit state opens no joint with cohesion the two are one (`benchmarks.wedge_paths`)."""
     rng = np.random.default_rng(4)
-    words = [compared(rng, passive=True) for _ in range(15)]
-    assert sum(word == "alike" for word, _ in words) >= 6
+    words = [compared(rng, passive=True) for _ in range(8)]
+    assert sum(word == "alike" for word, _ in words) >= 4
     assert not [off for word, off in words if word == "DIFFER"]
 
 

@@ -26,7 +26,7 @@ from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie import path_oracle
 from tests.preie.block_scenes import boxes_in_space, first_part, wall
 
-SECTIONS = [("wall", 0), ("wall", 3), ("section", 3)]
+SECTIONS = [("wall", 0), ("section", 3)]
 
 
 def bed_of(model: AssemblyModel) -> Bed:
@@ -78,7 +78,7 @@ def test_sharpened_states_are_those_of_the_joints() -> None:
     assert exact.parameter == pytest.approx(sharp.reduction, rel=1e-7)
 
 
-@pytest.mark.parametrize("number", [33, 85, 117])
+@pytest.mark.parametrize("number", [33, 85])
 def test_limits_are_those_of_histories(number) -> None:
     """Benches that run at a peak and come to rest again farther on, each with what is left of its cohesion.
 
@@ -92,7 +92,7 @@ def test_limits_are_those_of_histories(number) -> None:
     assert found.factor == pytest.approx(history.factor, rel=3e-6)
 
 
-@pytest.mark.parametrize("number", [27, 85])
+@pytest.mark.parametrize("number", [85])
 def test_the_order_of_blocks_does_not_matter(number) -> None:
     part = first_part(populations.bench(number))
     model = replace(part.model, cohesion=part.model.cohesion * part.limit.bond)
@@ -108,8 +108,8 @@ def test_blocks_that_all_slide_at_one_strength() -> None:
 
 
 def test_a_wall_of_many_blocks_that_slides_on_its_base() -> None:
-    """232 blocks in running bond: tan φ / tan β by hand."""
-    model = wall(15, 15, 20.0).model(35.0)
+    """105 blocks in running bond: tan φ / tan β by hand."""
+    model = wall(10, 10, 20.0).model(35.0)
     found = follow(bed_of(model), 2.0 / static_bound(model).factor)
     assert found.found
     exact = math.tan(math.radians(35.0)) / math.tan(math.radians(20.0))

@@ -69,7 +69,7 @@ def small_pieces(monkeypatch, kernels) -> None:
 
 @pytest.mark.parametrize("way", [*WAYS, None])
 @given(st.sampled_from(list(SCENES)), st.booleans(), st.booleans(), st.booleans(), st.integers(0, 10**6))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 def test_each_way_against_a_sparse_solve(way, name, untouched, symmetric, heavy, seed) -> None:
     """Same matrix, same shift; both solutions may be off by their rounding, 1e-16 times the condition, below 1e6."""
     model = model_of(name, untouched)

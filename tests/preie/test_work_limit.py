@@ -82,8 +82,8 @@ def test_with_enough_work_nothing_changes() -> None:
 
 
 @pytest.mark.parametrize(("units", "static_bound", "known"), [
-    (1e7, 0.965924, ["were last at rest with their strength divided by 0.6685", "beyond 0.9659, the static bound"]),
-    (1e6, None, ["no rest of all blocks that would say anything was seen", "no static bound was found"]),
+    (1e7, 0.965924, ["were last at rest with their strength divided by 0.6685", "beyond 0.9659, the upper bound"]),
+    (1e6, None, ["no rest of all blocks that would say anything was seen", "no upper bound was found"]),
 ])  # fmt: skip
 def test_the_sheet_says_what_is_known(units: float, static_bound: float | None, known: list[str]) -> None:
     with allowed(units):
@@ -118,12 +118,12 @@ def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
     assert "divided by" not in said["W360"]
     assert "held where they are" not in said["W360"]
     assert result.fos.static_bound == pytest.approx(1.24858, rel=1e-4)
-    assert "beyond 1.249, the static bound" in said["W360"]
+    assert "beyond 1.249, the upper bound" in said["W360"]
 
 
-@pytest.mark.parametrize("number", [132, 1187])
+@pytest.mark.parametrize("number", [1187])
 def test_benches_of_the_fuzz_that_took_a_minute_end_with_their_work(tmp_path, number) -> None:
-    """Files 132 and 1187 of seed 777: a bench 61 m high, and 39 blocks under a seismic coefficient of 1."""
+    """File 1187 of seed 777: 39 blocks under a seismic coefficient of 1."""
     write_files(tmp_path)
     outcome = fuzz.run(case(number, 777), tmp_path, work=1e7)
     assert outcome.escaped == ""

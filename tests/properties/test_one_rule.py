@@ -74,9 +74,9 @@ def test_the_limit_is_the_lower_of_hoek_and_bray_and_an_independent_bed(case) ->
 
 
 def test_more_strength_never_lowers_the_limit_of_ordinary_cuts() -> None:
-    """200 random cuts, one change of `stronger` each; all on 2,000: `python -m benchmarks.ordinary_cuts`."""
+    """70 random cuts, one change of `stronger` each; all on 2,000: `python -m benchmarks.ordinary_cuts`."""
     broken = {}
-    for number, (inputs, found) in enumerate(cuts(200, 7)):
+    for number, (inputs, found) in enumerate(cuts(70, 7)):
         changes = list(stronger(inputs))
         said = broken_rules(inputs, found, [changes[number % len(changes)]])
         if said:

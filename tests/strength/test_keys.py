@@ -197,9 +197,9 @@ def test_studies_ask_the_law() -> None:
     for jrc, factor in zip((6.0, 8.0, 10.0), found, strict=True):
         own = sk.run({**WEDGE, "strength": {"rough": {**ROUGH, "jrc": jrc}}})
         assert factor == pytest.approx(own.fos.closed_form, rel=1e-12)
-    solved = sk.solve(design, "strength.rough.jrc", fos=found[1])
+    solved = sk.solve(design, "strength.rough.jrc", fos=found[1], within=(6.0, 10.0))
     assert [root.value for root in solved.closed_form.roots] == pytest.approx([8.0], rel=1e-9)
-    drawn = sk.prob(design, n=60, seed=3, confirm=4, fos=found[1])
+    drawn = sk.prob(design, n=30, seed=3, confirm=2, fos=found[1])
     assert 0.2 < drawn.all_samples.share < 0.8  # F rises with JRC, which lies below 8 in half of the samples
 
 

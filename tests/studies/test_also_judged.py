@@ -12,7 +12,6 @@ import pytest
 import slopekit as sk
 from benchmarks import populations
 from slopekit.core.errors import Notice
-from slopekit.design.templates import path_of
 from slopekit.evidence import WithoutBasal
 from slopekit.studies import points
 from slopekit.studies.points import Point
@@ -42,7 +41,7 @@ def closed_form(design: dict, values: dict) -> float:
 @pytest.mark.parametrize(
     "more",
     [
-        {}, {"water": "full"}, {"crack": {"plane": "85/180", "distance": 6}, "water": "full"},
+        {"crack": {"plane": "85/180", "distance": 6}, "water": "full"},
         {"support": {"bolts": [{"force": 900, "toward": "000/05", "head": [0, 5, 12], "length": 30}]}},
     ],
 )  # fmt: skip
@@ -66,7 +65,7 @@ def test_of_each_sample_the_lower_of_block_and_whole_wedge_counts(more) -> None:
     assert only > 0
     (said,) = notices(found, "W507")
     assert said.startswith(f"in {only} of 12 samples the whole wedge without the basal joint falls short of 1.2")
-    assert any(name.startswith("without_basal_slides") for name in found.counts)
+    assert any(name.startswith("whole_wedge_slides") for name in found.counts)
 
 
 def test_samples_taken_one_by_one_are_judged_alike() -> None:
@@ -119,7 +118,7 @@ def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     assert found.exit_code == 1
     assert found.all_samples.share == 1.0
     assert (found.confirmation.unsafe, found.confirmation.safe) == (0, 0)
-    assert found.to_dict()["at_means"]["without_basal"]["closed_form"] == pytest.approx(0.693, abs=1e-3)
+    assert found.to_dict()["at_means"]["whole_wedge"]["closed_form"] == pytest.approx(0.693, abs=1e-3)
     assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
 
 
@@ -147,7 +146,7 @@ def test_a_sweep_says_where_the_whole_wedge_falls_short() -> None:
         "1 of 3 points, at strength.joint.phi = 30°",
     ]  # fmt: skip
     assert found.margin == pytest.approx(alone[0])
-    assert [row["without_basal"]["closed_form"] for row in found.to_dict()["points"]] == pytest.approx(alone)
+    assert [row["whole_wedge"]["closed_form"] for row in found.to_dict()["points"]] == pytest.approx(alone)
     curve = next(section for section in str(found.sheet).split("\n") if section.startswith("CURVE"))
     assert "whole wedge" in curve
     assert max(map(len, str(found.sheet).split("\n"))) <= 100
@@ -180,34 +179,6 @@ def test_a_slope_whose_whole_wedge_does_not_stand_is_shaken_by_nothing() -> None
 # -- blocks that turn -------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def split(tmp_path_factory):
-    """The template's block, which slides on J1 and the basal joint, written as a design of kind blocks."""
-    folder = tmp_path_factory.mktemp("split")
-    result = sk.run(path_of("wedge-basal"))
-    return result, sk.export(result, split=folder), folder / "blocks.yaml"
-
-
-def test_a_block_that_turns_as_one_of_many_is_accepted_by_what_the_wedge_has(split) -> None:
-    """Of a wedge no credit is taken for turning, which the closed form knows nothing of."""
-    wedge, _, path = split
-    found = sk.run(path)
-    assert found.fos.highest > 1.3 > wedge.fos.limit  # the elastic path, on which it turns
-    assert found.fos.limit == pytest.approx(wedge.fos.closed_form, rel=1e-9)
-    assert found.accepted is wedge.accepted is False
-    assert found.exit_code == wedge.exit_code == 1
-    assert found.margin == pytest.approx(wedge.margin, rel=1e-9)
-    assert f"fos >= 1.3 (limit {wedge.fos.limit:.3f} of the critical block or group" in " ".join(
-        str(found.sheet).split()
-    )
-    (row,) = found.to_dict()["mechanisms"]
-    assert (row["mechanism"], row["status"], row["fos"]) == ("single_block", "slides", found.fos.limit)
-    assert row["volume_m3"] == pytest.approx(wedge.geometry.volume_m3, rel=1e-6)
-    other = sk.run(path, set={"acceptance.rules": "fos.static_bound >= 1.3"})
-    assert other.accepted is True
-    assert other.margin == pytest.approx(other.fos.static_bound / 1.3, rel=1e-9)
-
-
 def test_studies_of_a_block_that_turns_have_its_factor_without() -> None:
     """Bench 130: B8 turns; see `tests/properties/test_not_unique.py`, where a wedge of its own has the lower number."""
     design, target = sk.load(populations.bench(130)), 5.9  # between the 5.53 of the wedge and its limit
@@ -215,19 +186,6 @@ def test_studies_of_a_block_that_turns_have_its_factor_without() -> None:
     (factors,) = (point.factors for point in swept.points)
     assert factors.limit == pytest.approx(5.5309, rel=1e-4)
     assert swept.margin == factors.limit < target
-
-
-def test_blocks_of_what_does_not_fail_first_are_not_written(split, tmp_path) -> None:
-    """The wedge that its basal joint is cut from has 0.872, the block above 1.97: no mesh of the block says so."""
-    _, done, path = split
-    assert path.is_file()  # the whole wedge has more there: it is named alone
-    (said,) = (notice.message for notice in done.warnings)
-    assert "the whole wedge, which the basal joint is cut from (slides on both, F 3.171)" in said
-    low = sk.export(sk.run(CUT, set={"strength.joint.phi": 36, "strength.bedding.c": 0}), split=tmp_path)
-    (said,) = (notice.message for notice in low.warnings)
-    assert said.startswith("no blocks.yaml is written: the whole wedge, without the basal joint, fails before")
-    assert not (tmp_path / "blocks.yaml").exists()
-    assert len(low.files) == 4
 
 
 # -- the other history of many blocks ---------------------------------------------------------------------------------

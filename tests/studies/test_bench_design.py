@@ -23,8 +23,7 @@ from slopekit.geometry.rock.rockmass import wedge_rock_mass
 from slopekit.studies.bench_design import confirmed
 from slopekit.studies.bench_design.bench import BenchSite, bench_of
 from slopekit.studies.bench_design.outcomes import along, quantiles, steps_of
-from slopekit.studies.bench_design.run import accepted
-from slopekit.studies.bench_design.said import notices_of
+from slopekit.studies.bench_design.run import accepted, notices_of
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, drawn_trials, wilson
 from slopekit.views.pages.report import report_of
 from slopekit.views.plots import draw

@@ -138,7 +138,7 @@ def test_support_satisfies_every_case() -> None:
 def test_bolts_without_an_answer_in_a_case_do_not_meet_it(monkeypatch, lost) -> None:
     """Of a method without an answer no level is compared: the other one's counted as met."""
     found = sk.support(sk.load({**DESIGN, "cases": {"a": {"accept": "fos >= 1.5"}}}), acts="active").cases
-    (case,) = found["a"].built
+    (case,) = found["a"].cases
     assert for_cases._tried("active", "a", case, found).met
     honest = for_cases.factors_of
     lost = lost | ({"closed_form": None} if "closed_status" in lost else {})
@@ -149,7 +149,7 @@ def test_bolts_without_an_answer_in_a_case_do_not_meet_it(monkeypatch, lost) -> 
 def test_support_raises_the_force_where_a_case_lacks_it() -> None:
     """Half of the bolts that a case needs, raised until they are enough: the force that the search found."""
     found = sk.support(sk.load({**DESIGN, "cases": {"a": {"accept": "fos >= 1.5"}}}), acts="active").cases
-    (case,) = found["a"].built
+    (case,) = found["a"].cases
     bolts = case.bolts
     half = tuple(replace(bolt, force_kn=bolt.force_kn / 2.0) for bolt in bolts)
     short = for_cases._tried("active", "a", replace(case, bolts=half), found)

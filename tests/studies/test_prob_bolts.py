@@ -61,7 +61,7 @@ def faces_met(block, head: np.ndarray, way: np.ndarray) -> list[tuple[float, int
     return sorted(found)
 
 
-@pytest.mark.parametrize(("name", "values"), [("wedge", WEDGE), ("crack", CRACKED), ("plane", PLANE)])
+@pytest.mark.parametrize(("name", "values"), [("crack", CRACKED), ("plane", PLANE)])
 def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, values) -> None:
     design = load(values)
     drawn, before, kind = samples(design.variables, (), 25, 5), as_laid_out(design), kind_of(design)
@@ -95,9 +95,10 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
     assert seen == {True, False}
 
 
-@pytest.mark.parametrize("acts", ["active", "passive"])
-@pytest.mark.parametrize("values", [WEDGE, PLANE | {"slope": PLANE["slope"] | {"face": "65/180"}}],
-                         ids=["wedge", "plane"])  # fmt: skip
+@pytest.mark.parametrize(
+    ("values", "acts"), [(WEDGE, "passive"), (PLANE | {"slope": PLANE["slope"] | {"face": "65/180"}}, "active")],
+    ids=["wedge", "plane"],
+)  # fmt: skip
 def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     """PRE-IE cuts, loads and asks each sample by itself; its heads lie on that sample's face."""
     values = copy.deepcopy(values)

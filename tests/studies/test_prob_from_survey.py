@@ -10,7 +10,6 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.reading.files import load
-from slopekit.studies.prob.from_survey import surveyed
 from tests.commands import slopekit
 
 ROOT = Path(__file__).parents[2]
@@ -66,40 +65,11 @@ def test_limits_by_resampling(wedge, joints) -> None:
     assert (found.resampled[0].low, found.resampled[0].high) == pytest.approx((low, high), abs=0.02)
 
 
-def test_sets_of_no_scatter_are_their_planes(wedge) -> None:
-    """Two sets of joints alike: half the pairs are of both, and form the wedge of the two planes."""
-    alike = [*["45/115"] * 15, *["45/245"] * 15]
-    found = sk.prob(wedge, 2000, target=5.0, confirm=0, near=0, survey=alike, draw="sets").survey
-    assert found is not None
-    assert found.resampled is None
-    assert found.occurrence.share == pytest.approx(15 / 29, abs=0.035)
-    assert found.failure.share == 1.0
-    design, source = surveyed(wedge, alike, "sets", "monte-carlo", 1, "survey")
-    drawn = source.samples(None, design.variables, 50, 1)
-    assert {(round(dip), round(way)) for dip, way in drawn.values[:, :2]} == {(45, 115), (45, 245)}
-    assert drawn.settings(0).keys() == {"joints.J1.plane", "joints.J2.plane"}
-
-
-def test_planes_of_sets_scatter_as_the_sets_do(wedge, joints) -> None:
-    """20,000 planes drawn by sets: mean and K of each set, from planes that lie nearest to it, as they were fitted."""
-    from slopekit.core.orientation import normals
-
-    design, source = surveyed(wedge, joints, "sets", "monte-carlo", 1, "survey")
-    first, _, _ = source.pairs(20_000, 3)
-    values = source.samples(None, design.variables, 20_000, 3).values
-    for one in source.found:
-        own = np.isin(first, one.members)
-        assert own.mean() == pytest.approx(len(one.members) / 58, abs=0.015)
-        cosine = np.abs(normals(values[own, 0], values[own, 1]) @ one.axes.mean)
-        assert 1.0 / (1.0 - cosine.mean()) == pytest.approx(one.axes.k, rel=0.05)
-
-
 def test_the_command_and_what_it_says(tmp_path) -> None:
     template = str(ROOT / "templates" / "wedge-scatter.yaml")
     run = slopekit("prob", template, "--survey", LIST, "-n", "300", "--confirm", "3", "--near", "0.1%", "--json")
     assert run.returncode == 0, run.stderr
     document = json.loads(run.stdout)
-    assert document["survey"]["draw"] == "joints"
     assert document["survey"]["times"] == 400
     both = document["probability_of_failure"]["all_samples"]["probability"]
     assert document["survey"]["both"]["probability"] == both
@@ -115,9 +85,8 @@ def test_bad_input_is_refused(wedge, tmp_path) -> None:
         return caught.value.codes
 
     plane = load(ROOT / "templates" / "plane.yaml")
-    assert refused(plane, draw="bootstrap", method="sobol") == ("E288", "E126", "E126")
+    assert refused(plane, method="sobol") == ("E288", "E126")
     assert refused(wedge, survey=["45/115"]) == ("E190",)
-    assert refused(wedge, survey=["45/115", "80/020", "10/300"], draw="sets") == ("E190",)
     path = tmp_path / "linked.yaml"
     scatter = "{plane: {dip: {dist: normal, mean: 45, sd: 2}, dip_direction: 115}}"
     text = PLAIN.replace("{plane: 45/115}", scatter).replace("phi: 30", "phi: {dist: normal, mean: 30, sd: 2}")

@@ -15,11 +15,11 @@ from scipy.optimize import brentq
 
 import slopekit as sk
 from slopekit.design.templates import path_of
+from slopekit.studies.quake import run as quake_run
 from slopekit.studies.quake.records import record_of
 from slopekit.studies.quake.regressions import REGRESSIONS, median_m
 from slopekit.studies.quake.run import _of_six
-from slopekit.studies.quake.six import InSix, _in_space, _settled, _velocity_at
-from slopekit.studies.quake.sliding import slide
+from slopekit.studies.quake.six import InSix, _in_space, _settled, _velocity_at, slide
 from tests.commands import slopekit
 
 G = 9.81
@@ -29,7 +29,24 @@ PLANE = {
     "joints": {"J1": {"plane": "35/180", "strength": "bedding"}}, "strength": {"bedding": {"c": 20, "phi": 30}},
     "rock": {"density": 2600},
 }  # fmt: skip
-COARSE = {"slip.edge": 3}  # of a sphere of radius 10 m
+_SEARCHED: dict[str, tuple] = {}
+
+
+@pytest.fixture(autouse=True)
+def _each_design_is_searched_once(monkeypatch) -> None:
+    """The yield coefficients of a design: for all tests of the file that shake it."""
+    search = quake_run.yields_of
+
+    def once(static, crew, advance):
+        name = static.input_hash()
+        if name not in _SEARCHED:
+            _SEARCHED[name] = search(static, crew, advance)
+        return _SEARCHED[name]
+
+    monkeypatch.setattr(quake_run, "yields_of", once)
+
+
+COARSE = {"slip.edge": 5}  # of a sphere of radius 10 m
 
 
 def _sine(samples: int, peak: float, period: float = 1.0, after: float = 2.0):
@@ -145,7 +162,7 @@ def test_the_wedge_of_the_paper(wedge) -> None:
     assert wedge.exit_code == 0
 
 
-@pytest.mark.parametrize(("dip", "phi", "cohesion"), [(35.0, 30.0, 20.0), (25.0, 35.0, 0.0), (50.0, 20.0, 30.0)])
+@pytest.mark.parametrize(("dip", "phi", "cohesion"), [(35.0, 30.0, 20.0), (25.0, 35.0, 0.0)])
 def test_a_plane_gains_by_cos_of_dip_less_phi_over_cos_phi(dip, phi, cohesion) -> None:
     b, f = math.radians(dip), math.radians(phi)
     changes = {"joints.J1.plane": f"{dip}/180", "strength.bedding.phi": phi, "strength.bedding.c": cohesion}
@@ -267,7 +284,7 @@ def test_toward_into_the_slope_is_said_with_the_way_out(wedge) -> None:
     assert nowhere.coefficient is None
     assert [notice.code for notice in nowhere.warnings] == ["W328", "W462"]
     assert "--toward 200" in nowhere.warnings[0].message
-    for trend in (100, 180, 240):
+    for trend in (100, 240):
         assert "W328" not in [n.code for n in sk.quake(sk.load(PLANE), "sine:0.5g,1Hz", toward=trend).warnings]
 
 

@@ -84,7 +84,7 @@ def test_ctrl_c_as_workers_start_is_for_the_one_who_asked(tmp_path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
-@pytest.mark.parametrize("number", ["SIGKILL", "SIGTERM"])
+@pytest.mark.parametrize("number", ["SIGKILL"])
 @pytest.mark.parametrize("work", ["pool", "app"])
 def test_workers_end_with_the_process_that_started_them(work, number, tmp_path) -> None:
     """They stayed, 106 MB each, and who read their output waited without end."""

@@ -135,21 +135,20 @@ def test_axes_of_one_two_and_alike() -> None:
     assert two.k == pytest.approx(1.0 / (2.0 - 2.0 * math.cos(half)))  # (N - 1) / (N - R)
 
 
-@pytest.mark.parametrize(("contours", "method"), [("kamb", "exponential_kamb"), ("schmidt", "schmidt")])
-def test_density_against_mplstereonet(contours, method) -> None:
+def test_density_against_mplstereonet() -> None:
     stereonet = pytest.importorskip("mplstereonet")
     rng = np.random.default_rng(5)
     poles, _ = drawn(rng, anywhere=15)
     weights = rng.uniform(0.5, 2.0, len(poles))
     angles = np.array(planes(poles))
     lon, lat, theirs = stereonet.density_grid(
-        angles[:, 1] - 90.0, angles[:, 0], method=method, gridsize=25, weights=weights.copy()
+        angles[:, 1] - 90.0, angles[:, 0], method="exponential_kamb", gridsize=25, weights=weights.copy()
     )
     down, east, north = stereonet.stereonet_math.sph2cart(lon.ravel(), lat.ravel())
-    ours = density(np.column_stack([east, north, -down]), poles, weights, float(len(poles)), contours)
+    ours = density(np.column_stack([east, north, -down]), poles, weights, float(len(poles)))
     assert ours == pytest.approx(theirs.ravel(), rel=1e-9, abs=1e-9)
-    at, most = densest(poles, weights, float(len(poles)), contours)
-    assert most == pytest.approx(density(at[None], poles, weights, float(len(poles)), contours)[0])
+    at, most = densest(poles, weights, float(len(poles)))
+    assert most == pytest.approx(density(at[None], poles, weights, float(len(poles)))[0])
     assert most >= 0.9 * theirs.max()
 
 
@@ -353,7 +352,7 @@ def test_json_sheet_and_files(tmp_path) -> None:
         assert one.axes.resultant == pytest.approx(other.axes.resultant, abs=1e-6)
 
 
-@pytest.mark.parametrize("arguments", [(), ("--ignore-sets", "--contours", "schmidt", "--scanline", "090/0")])
+@pytest.mark.parametrize("arguments", [(), ("--ignore-sets", "--scanline", "090/0")])
 def test_the_picture(tmp_path, arguments) -> None:
     from slopekit.views.charts.drawing import new_figure
     from slopekit.views.charts.set_charts import draw_sets
@@ -362,13 +361,12 @@ def test_the_picture(tmp_path, arguments) -> None:
     run = slopekit("sets", LIST, *arguments, "--json")
     document = json.loads(run.stdout)
     assert misfit(document, need_of("stereonet", "sets")) == ""
-    for net in ("area", "angle"):
-        figure = new_figure("x")
-        draw_sets(figure, document, net)
-        said = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-        assert sum(text.startswith("mean S") for text in said) == len(document["sets"])
-        assert sum("S1 (" in text for text in said) == 1
-        assert sum("(Kamb)" in text or "(Schmidt)" in text for text in said) == 1
+    figure = new_figure("x")
+    draw_sets(figure, document)
+    said = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert sum(text.startswith("mean S") for text in said) == len(document["sets"])
+    assert sum("S1 (" in text for text in said) == 1
+    assert sum("(Kamb)" in text for text in said) == 1
 
 
 def test_bad_input_is_refused(tmp_path) -> None:
@@ -376,10 +374,8 @@ def test_bad_input_is_refused(tmp_path) -> None:
     assert refused(joints=["45/115"], n=2).codes == ("E137",)
     assert refused(scanline="east").codes == refused(scanline="400/0").codes == ("E104",)
     assert refused(bias_angle=0).codes == refused(bias_angle="91").codes == ("E307",)
-    assert refused(confidence=1.5).codes == refused(contours="kam").codes == ("E307",)
-    assert refused(seed=-1).codes == ("E307",)
     path = survey(tmp_path, "dip,dd,spacing,trace,ends\n45,120,-1,2,2\n46,121,1 kg,0,3\n")
-    assert refused(joints=path, n=7, contours="x").codes == ("E193", "E108", "E193", "E193", "E307")
+    assert refused(joints=path, n=7, bias_angle=0).codes == ("E193", "E108", "E193", "E193", "E307")
     assert sk.combos(path, face="65/180", c=0, phi=30).joints.joints[0].spacing_m is None  # not read there
     wrong = slopekit("sets", LIST, "--sets", "many", "--scanline", "x", "--json")
     assert wrong.returncode == 2

@@ -60,9 +60,8 @@ def put_back(design: dict, key: str, found, target: float, again: float = 1e-6) 
 
 
 OF_A_WEDGE = [
-    ("strength.weak.phi", 1.3), ("strength.weak.c", 1.3), ("water.fill", 1.2), ("loads.seismic.k", 1.2),
-    ("slope.face.dip", 1.5), ("slope.height", 1.2), ("support.bolts.0.force", 2.0), ("rock.density", 1.7),
-    ("joints.J1.plane.dip", 1.7),
+    ("strength.weak.phi", 1.3), ("water.fill", 1.2), ("loads.seismic.k", 1.2), ("support.bolts.0.force", 2.0),
+    ("rock.density", 1.7), ("joints.J1.plane.dip", 1.7),
 ]  # fmt: skip
 
 
@@ -82,7 +81,7 @@ def test_a_wedge(key, target) -> None:
 
 @pytest.mark.parametrize(
     ("key", "target"),
-    [("strength.weak.phi", 1.3), ("strength.weak.c", 1.3), ("slope.height", 1.2), ("slope.face.dip", 1.5)],
+    [("strength.weak.phi", 1.3), ("slope.face.dip", 1.5)],
 )
 def test_a_wedge_against_corner_points_and_vectors(key, target) -> None:
     """tests/studies/wedge_oracle.py, which shares no line with slopekit."""
@@ -145,7 +144,7 @@ def test_a_plane_against_exact_expressions(target) -> None:
 
 @pytest.mark.parametrize(
     ("key", "target"),
-    [("joints.J1.plane.dip", 1.5), ("slope.face.dip", 1.35), ("slope.height", 1.2)],
+    [("joints.J1.plane.dip", 1.5), ("slope.height", 1.2)],
 )
 def test_a_plane_put_back(key, target) -> None:
     put_back(PLANE, key, solve(sk.load(PLANE), key, fos=target), target)

@@ -21,7 +21,7 @@ from slopekit.preie.solvers import work_limit
 from slopekit.studies.points import Point
 from slopekit.studies.quake import yielding
 from slopekit.studies.running import ALONE
-from slopekit.studies.solve import by_factor, by_load, factor_request
+from slopekit.studies.solve import by_factor, factor_request
 from slopekit.studies.solve.roots import RootSearch, Sample
 
 COLUMN = {
@@ -75,11 +75,11 @@ def test_both_ways_to_the_yield_of_a_slab_are_one() -> None:
     assert found.warnings == ()
 
 
-@pytest.mark.parametrize(("part", "runs"), [(0.8, None), (1.3, None), (0.8, 0.9), (1.3, 1.31)])
+@pytest.mark.parametrize(("part", "runs"), [(1.3, None), (0.8, 0.9), (1.3, 1.31)])
 def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, part, runs) -> None:
     """Wherever another history ended, k is where the factor is the target; the other end is said."""
     other = AtLoad(part * YIELD, "slides", None if runs is None else runs * YIELD)
-    monkeypatch.setattr(by_load, "_path_in_load", lambda _: other)
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: other)
     found = sk.solve(_slab(), KEY, fos=1.0)
     assert found.answer.value == pytest.approx(YIELD, rel=2e-6)
     assert found.answer.factor == pytest.approx(1.0, rel=1e-6)
@@ -95,7 +95,7 @@ def test_a_force_is_looked_for_from_none_upwards(monkeypatch, part) -> None:
     """W (sin β + k cos β) with k W the force, which could also be negative and a million times as large."""
     pushed = with_values(_slab(), {"loads.forces": [{"force": "10 kN", "block": "B1", "toward": "270/0"}]})
     weight = 20.0 * 25.0
-    monkeypatch.setattr(by_load, "_path_in_load", lambda _: AtLoad(part * YIELD * weight, "slides", None))
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(part * YIELD * weight, "slides", None))
     found = sk.solve(pushed, "loads.forces.0.force", fos=1.0)
     assert found.answer.value == pytest.approx(YIELD * weight, rel=2e-6)
     assert found.pre_ie.evaluations <= 9
@@ -119,7 +119,7 @@ def test_the_end_of_the_path_stands_where_no_factor_is_found_beyond_it(monkeypat
 
 def test_a_jump_beyond_the_end_of_the_other_history_says_both(monkeypatch) -> None:
     """The column that tips at 1/2, where another history is said to end before: both stand on the sheet."""
-    monkeypatch.setattr(by_load, "_path_in_load", lambda _: AtLoad(0.45, "topples", None))
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.45, "topples", None))
     found = sk.solve(sk.load(COLUMN), KEY, fos=1.0)
     assert found.answer.value == pytest.approx(0.5, rel=1e-4)
     assert found.answer.value <= 0.5
@@ -133,7 +133,7 @@ def test_a_jump_beyond_the_end_of_the_other_history_says_both(monkeypatch) -> No
 def test_an_earthquake_takes_the_lower_of_two_histories(monkeypatch, part, runs, taken) -> None:
     """Where the load comes on last, or where the factor is 1 with the strength divided last, limit or rest."""
     other = AtLoad(part * YIELD, "slides", None if runs is None else runs * YIELD)
-    monkeypatch.setattr(by_load, "_path_in_load", lambda _: other)
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: other)
     found = by_factor.for_factor(_slab(), KEY, 1.0, None, ALONE, lambda _: None, lower=True)
     assert found.answer.value == pytest.approx(taken * YIELD, rel=2e-6)
 
@@ -177,7 +177,7 @@ def test_an_earthquake_that_was_not_looked_at_to_the_end_has_no_yield(monkeypatc
 
 def test_a_yield_of_another_history_has_no_factor_of_the_motion(monkeypatch) -> None:
     """The path in the load is said to end beyond the k at which the factor is 1: its motion is none of that k."""
-    monkeypatch.setattr(by_load, "_path_in_load", lambda _: AtLoad(1.3 * YIELD, "slides", None))
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(1.3 * YIELD, "slides", None))
     (ours,) = yielding.yields_of(_slab(), ALONE, lambda _: None)
     assert ours.coefficient == pytest.approx(YIELD, rel=2e-6)
     assert ours.factor is None
@@ -186,7 +186,7 @@ def test_a_yield_of_another_history_has_no_factor_of_the_motion(monkeypatch) -> 
 
 def test_no_jump_is_claimed_where_none_was_seen(monkeypatch) -> None:
     """A path in the load that ends where the factor, put back, stays above the target: the other history, W477."""
-    monkeypatch.setattr(by_load, "_path_in_load", lambda _: AtLoad(0.2, "slides", None))
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(0.2, "slides", None))
     found = sk.solve(with_values(_slab(), {"strength.joint.phi": 75.0, "loads.seismic.toward": 90.0}), KEY, fos=1.0)
     (said,) = found.warnings
     assert said.code == "W477"
@@ -256,7 +256,7 @@ def _cut_short(_: object) -> None:
 @pytest.mark.parametrize("lower", [False, True])
 def test_a_history_cut_short_is_said_not_to_be_compared(monkeypatch, lower) -> None:
     """W477: the value is right, but only one of the two histories was followed to its end."""
-    monkeypatch.setattr(by_load, "_path_in_load", _cut_short)
+    monkeypatch.setattr(by_factor, "_path_in_load", _cut_short)
     found = by_factor.for_factor(_slab(), KEY, 1.0, None, ALONE, lambda _: None, lower=lower)
     assert found.answer.value == pytest.approx(YIELD, rel=2e-6)
     (said,) = found.warnings
@@ -267,7 +267,7 @@ def test_a_history_cut_short_is_said_not_to_be_compared(monkeypatch, lower) -> N
 
 def test_a_factor_that_was_not_found_is_said_not_to_be_compared(monkeypatch) -> None:
     """The path in the load has its limit state; its factor with the strength divided last would take too much."""
-    monkeypatch.setattr(by_load, "_PUT_BACK", 1.0)
+    monkeypatch.setattr(by_factor, "_PUT_BACK", 1.0)
     found = sk.solve(_slab(), KEY, fos=1.0)
     assert found.answer.value == pytest.approx(YIELD, rel=1e-9)
     assert [notice.code for notice in found.warnings] == ["W477", "W360"]
@@ -278,7 +278,7 @@ def test_an_earthquake_says_that_histories_were_not_compared(monkeypatch) -> Non
     """W477 on the sheet of `quake`, and none where both histories have ended."""
     records = "sine:0.5g,1Hz"
     assert "W477" not in str(sk.quake(_slab(), records))
-    monkeypatch.setattr(by_load, "_path_in_load", _cut_short)
+    monkeypatch.setattr(by_factor, "_path_in_load", _cut_short)
     found = sk.quake(_slab(), records)
     assert "W477 the order of loads was not compared" in str(found)
     assert found.to_dict()["yield"][0]["not_compared"]
@@ -286,7 +286,7 @@ def test_an_earthquake_says_that_histories_were_not_compared(monkeypatch) -> Non
 
 def test_a_path_that_ends_beyond_the_range_is_said(monkeypatch) -> None:
     """Blocks that lock, and fail at k 6.2 only: no value up to 2 gives the target, and why is said (W302)."""
-    monkeypatch.setattr(by_load, "_path_in_load", lambda _: AtLoad(6.2, "slides_up", None))
+    monkeypatch.setattr(by_factor, "_path_in_load", lambda _: AtLoad(6.2, "slides_up", None))
     locked = with_values(_slab(), {"loads.seismic.toward": 90.0, "strength.joint.phi": 75.0})
     found = sk.solve(locked, KEY, fos=1.0)
     assert found.answer is None
@@ -298,7 +298,7 @@ def test_a_path_that_ends_beyond_the_range_is_said(monkeypatch) -> None:
     assert [notice.code for notice in shaken.warnings] == ["W462", "W302"]
 
 
-@pytest.mark.parametrize(("height", "said"), [(0.8, True), (0.995, True), (1.005, False)])
+@pytest.mark.parametrize(("height", "said"), [(0.995, True), (1.005, False)])
 def test_a_coefficient_beyond_any_earthquake_is_said(height, said) -> None:
     """A block 1 m wide tips at 1 / height: more than 1 g is no earthquake's."""
     blocks = COLUMN["blocks"] | {"B1": {"polygon": [[0, 0], [1, 0], [1, height], [0, height]]}}
@@ -342,13 +342,13 @@ def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_d
     assert [message for message in said if message in of_bonds] == of_bonds
 
 
-@pytest.mark.parametrize(("without", "said"), [(1.02, True), (1.0005, False), (0.9, False)])
+@pytest.mark.parametrize(("without", "said"), [(1.02, True), (1.0005, False)])
 def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, said) -> None:
     """W477 names the strength whose cohesion is better gone: what rests without it rests with it, another way."""
     given = _bench(97)
     cohesive = [name for name, strength in given.strengths if strength.cohesion_kpa > 0.0]
     asked_first = []
-    real = by_load._path_in_load
+    real = by_factor._path_in_load
 
     def path(asked):
         if not asked_first:
@@ -357,7 +357,7 @@ def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, s
         gone = dict(asked.design.strengths)[cohesive[0]].cohesion_kpa == 0.0
         return replace(whole, multiplier=whole.multiplier * without) if gone else whole
 
-    monkeypatch.setattr(by_load, "_path_in_load", path)
+    monkeypatch.setattr(by_factor, "_path_in_load", path)
     found = sk.solve(given, KEY, fos=1.0)
     (whole,) = asked_first
     assert found.answer.value == pytest.approx(whole.multiplier, rel=1e-9)
@@ -402,7 +402,7 @@ def test_from_both_ends_of_a_load_it_is_looked_for_where_they_point_and_not_half
 
     search = RootSearch(sample, 1.0, resolution=1e-7, near=4e-7)
     one, other = search.add([0.0, 1.0])
-    by_load._close_in(search, one, other)
+    by_factor._close_in(search, one, other)
     (crossing,) = factor_request.crossings_of(search)
     assert (crossing.how, round(crossing.best.at, 6)) == ("root", round(0.1 / 0.11, 6))
     assert len(asked) <= 4

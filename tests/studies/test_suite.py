@@ -269,7 +269,7 @@ def test_a_false_design_fails(monkeypatch) -> None:
     ("change", "says"),
     [
         ({"status": "not_converged"}, "did not converge"),
-        ({"fos": sk.result.FactorsOfSafety(1.2124, None, 1.2)}, "the limit lies above its static bound"),
+        ({"fos": sk.result.FactorsOfSafety(1.2124, None, 1.2)}, "the limit lies above its upper bound"),
         ({"agree": False}, "disagree"),
     ],
 )

@@ -234,13 +234,13 @@ def test_json_is_strict_and_the_same_twice_but_for_times(curve) -> None:
     assert first["points"][0] | {"code": "E203", "values": [20.0], "limit": None} == first["points"][0]
 
 
-def test_pictures(curve, grid, tmp_path) -> None:
+def test_pictures(tmp_path) -> None:
     pytest.importorskip("matplotlib")
     steep = sweep(sk.load(WEDGE, {"support.bolts": [{"force": 1, "toward": "000/-05"}]}),
                   {"support.bolts.0.force": [1e5, 2e6, 2.2e6, 9e6]}, methods="closed-form", fos=2.0)  # fmt: skip
     wet = sweep(sk.load(WET), {"water.pressures.J1": [0, 300, 360, 900], "water.pressures.J2": [0, 450, 900]},
                 methods="closed-form")  # fmt: skip
-    for k, swept in enumerate((curve, grid, steep, wet)):
+    for k, swept in enumerate((steep, wet)):
         target = tmp_path / f"{k}.png"
         sk.plot(swept, "curve" if len(swept.keys) == 1 else "contour", target)
         assert target.read_bytes().startswith(b"\x89PNG")
@@ -270,7 +270,7 @@ def command(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:
         (
             ("slope.face.dip=60", "--quiet"),
             0,
-            "1 point  limit, PRE-IE 1.557 to 1.557  closed form 1.557 to 1.557  agree",
+            "1 point  PRE-IE 1.557 to 1.557  closed form 1.557 to 1.557  agree",
         ),
         (("slope.face.dip=15,20", "--closed-form", "--quiet"), 3, "W359"),
         (("slope.face.dip",), 2, "E312 slope.face.dip has no values"),
@@ -307,7 +307,6 @@ def test_the_command_writes_its_files(monkeypatch, capsys, tmp_path) -> None:
     ("varied", "named"),
     [
         ("slope.face.dip=70,80", ["strength.weak.c", "strength.weak.phi"]),
-        ("strength.weak.phi=18,22", ["strength.weak.c"]),
         ("strength.weak.phi.mean=18,22", ["strength.weak.c"]),
         ("strength.weak.phi.sd=1,2", ["strength.weak.c", "strength.weak.phi"]),  # its mean is taken all the same
     ],

@@ -70,7 +70,7 @@ def scattered(values: dict, *paths: tuple) -> dict:
     return values
 
 
-def check(values: dict, n: int = 5) -> None:
+def check(values: dict, n: int = 2) -> None:
     """All at once, and each argument that of the sample read by itself."""
     design = load(values)
     drawn = samples(design.variables, (), n, 3)

@@ -296,7 +296,7 @@ class Arch:
 
 @pytest.mark.parametrize(
     ("thickness", "voussoirs", "embrace", "phi"),
-    [(0.12, 27, 180, 40), (0.2, 9, 180, 20), (0.07, 12, 157.5, 40), (0.045, 12, 140, 40), (0.0115, 40, 100, 40)],
+    [(0.12, 27, 180, 40), (0.07, 12, 157.5, 40), (0.045, 12, 140, 40)],
 )
 def test_the_friction_that_an_arch_needs(thickness, voussoirs, embrace, phi) -> None:
     """A line of thrust within the joints, no steeper to them than φ: a linear program in three unknowns, bisected."""

@@ -94,7 +94,7 @@ def test_goodman_and_brays_columns() -> None:
     assert "c 0 kPa φ 38.15°" in columns
     assert part(text, "STATUS") == "blocks topple: 10 topple (C4 to C13), 2 slide (C2, C3), 4 stay"
     fos = part(text, "FoS")
-    assert fos.startswith("1.001 limit of the elastic path 1.000 Goodman & Bray closed form AGREE within 0.06")
+    assert fos.startswith("1.001 limit of the elastic path 0.99996 Goodman & Bray closed form AGREE within 0.06")
     assert " % none range for other load paths and locked-in stresses: not found 1.190 upper bound" in fos
     assert fos.endswith("upper bound (associated flow), not for design, 19.0 % above the limit")
     moves = part(text, "MOVES")
@@ -229,12 +229,10 @@ def test_ten_thousand_blocks_on_one_screen() -> None:
 
 def test_the_sets_in_words() -> None:
     found = part(str(bench()), "SETS")
-    assert found.startswith(
-        "S1 30/175 dips 30° toward 175 (S), strike 085, every 3 m bedding: c 0 kPa φ 42° area 5123.4 m²"
-    )
-    assert "every 3.5 m (one plane 0.5 m above mid- toe) joint: c 0 kPa φ 40°" in found
+    assert found.startswith("S1 30/175 dips 30° toward 175 (S), every 3 m bedding: c 0 kPa φ 42° area 5123.4 m²")
+    assert "every 3.5 m (one plane 0.5 m above mid-toe) joint: c 0 kPa φ 40°" in found
     assert "normals scatter by 3° and distances scatter by 20 % (seed 7)" in found
-    assert "face 70/180 dips 70° toward 180 (S), strike 090 upper 0/180 level" in found
+    assert "face 70/180 dips 70° toward 180 (S) upper 0/180 level" in found
     assert "bench 20 m along the strike, rock modelled to 10 m behind the crest" in found
     assert "contact area cut at the ends 3 m²" in part(str(bench()), "SIZE")  # of no set: not dropped
 
@@ -300,7 +298,7 @@ def test_loads_name_their_block() -> None:
     found = part(text, "LOADS")
     assert found.startswith("water u = 5 kPa on base/B1 seismic 0.1 g toward 090 (x is 090) force (-50, 0, 0) kN")
     assert "force (-57, 0, 0) kN east, north, up on B2 at (10.000, 0.000, 2.000) ... and 4 more forces" in found
-    assert found.endswith("bolt 50 kN toward 270/20.0 on B1, active (a load)")
+    assert found.endswith("bolt 50 kN toward 270/20.0 on B1, active")
 
 
 def test_the_users_blocks_and_their_strengths() -> None:

@@ -17,10 +17,11 @@ from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
 from slopekit.views.plots import draw as draw_any
 from slopekit.views.plots import offers
+from slopekit.views.solid import rendering
 from slopekit.views.solid.layers import ACTIVE_BOLT, PASSIVE_BOLT, Bar, Picture
 from slopekit.views.solid.rendering import Camera, write_words
 from slopekit.views.solid.scene_parts import kinds_of_loads
-from slopekit.views.solid.scenes import SceneOptions, compose
+from slopekit.views.solid.scenes import compose
 from slopekit.views.solid.viewer_data import viewer_data
 from tests.bolted import bolted
 
@@ -44,7 +45,7 @@ def document(name: str) -> dict[str, Any]:
 @pytest.mark.parametrize("name", NAMES)
 def test_rods_reach_from_head_to_end(name: str, what: str) -> None:
     """Their heads and ends are vertices, moved as the block of the head where blocks are drawn apart."""
-    bolts, picture = bolted(name).scene.bolts, compose(document(name), what, SceneOptions())
+    bolts, picture = bolted(name).scene.bolts, compose(document(name), what)
     layers = {layer.name: layer for layer in picture.layers}
     for acts, own, colour in (("active", ~bolts.passive, ACTIVE_BOLT), ("passive", bolts.passive, PASSIVE_BOLT)):
         assert (f"bolts, {acts}: rods" in layers) == bool(own.any())
@@ -65,21 +66,21 @@ def test_rods_reach_from_head_to_end(name: str, what: str) -> None:
 
 def test_what_is_not_drawn_is_said() -> None:
     for what in ("scene", "exploded", "forces"):
-        notes = compose(document("three"), what, SceneOptions()).notes
+        notes = compose(document("three"), what).notes
         assert "bolt 3 has no head and is not drawn: a force through the centroid" in notes
         assert "bolts without a length are drawn to where they leave their block" in notes
 
 
 def test_equal_arrows_share_a_line_with_the_numbers_of_the_design() -> None:
     """48 bolts one line; a lone one keeps the number that the design lists it by, not that among its sort."""
-    legend = [text for text, _, _ in compose(document("pattern"), "forces", SceneOptions()).legend]
+    legend = [text for text, _, _ in compose(document("pattern"), "forces").legend]
     (said,) = [text for text in legend if "bolt" in text]
     assert said.startswith("48 passive bolts: ")
     assert " each" in said
     one = copy.deepcopy(document("three"))
-    said = " | ".join(text for text, _, _ in compose(one, "forces", SceneOptions()).legend)
+    said = " | ".join(text for text, _, _ in compose(one, "forces").legend)
     assert "passive bolt 2: " in said
-    bench = [text for text, _, _ in compose(document("bench"), "forces", SceneOptions()).legend]
+    bench = [text for text, _, _ in compose(document("bench"), "forces").legend]
     assert any(text.startswith("3 active bolts: 150 kN each") for text in bench)  # not "forces"
 
 
@@ -130,10 +131,10 @@ def test_legend_scale_compass_and_bar_never_overlap(lines: int) -> None:
     """From any side, with a legend of forty long lines and a colour bar; the names of the arrows lie on no arrow."""
     from dataclasses import replace
 
-    plain = compose(document("three"), "scene", SceneOptions())
+    plain = compose(document("three"), "scene")
     legend = [(f"W{k} " + "a legend entry of capital LETTERS WWWWW that is long", (9, 9, 9), 1.0) for k in range(lines)]
     labels = tuple((point, f"block {k}") for k, point in enumerate(plain.layers[0].vertices[:60]))
-    for eye in eyes()[:: 1 if lines == 4 else 6]:
+    for eye in eyes()[:: 3 if lines == 4 else 6]:
         figure, renderer = words_of(
             replace(plain, eye=eye, legend=tuple(legend), bar=Bar("what it is", 0.5, 2.5), labels=labels, beside=True)
         )
@@ -208,7 +209,8 @@ def test_who_offers_an_elevation(tmp_path: Path) -> None:
 # -- files ------------------------------------------------------------------------------------------------------------
 
 
-def test_run_writes_the_schedule_and_the_elevation(tmp_path: Path) -> None:
+def test_run_writes_the_schedule_and_the_elevation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rendering, "save", lambda picture, path: path.write_bytes(b"drawn elsewhere"))
     bolts = "[{force: 30 kN, toward: 000/-5, head: [0, 0.57735, 1], length: 6 m}]"
     design, out = str(path_of("plane")), tmp_path / "out"
     run = CliRunner().invoke(app, ["run", design, "--set", f"support.bolts={bolts}", "--quiet", "-o", str(out)])

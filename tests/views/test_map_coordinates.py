@@ -59,13 +59,6 @@ def template(name: str) -> dict[str, Any]:
     return design
 
 
-def bench() -> dict[str, Any]:
-    design = template("bench")
-    bolt = {"force": 200, "head": [EAST + 0.125, NORTH + 0.95, UP + 2.5], "toward": "000/05", "length": 9}
-    slope = {**design["slope"], "height": 5, "length": 8, "depth": 5, "origin": [EAST, NORTH, UP]}
-    return {**design, "slope": slope, "support": {"bolts": [bolt]}}
-
-
 def blocks() -> dict[str, Any]:
     design = template("blocks")
     moved = {
@@ -83,7 +76,7 @@ def surface() -> dict[str, Any]:
     return {**design, "slope": {"profile": profile}, "slip": slip}
 
 
-@pytest.mark.parametrize("design", [WEDGE, bench(), blocks(), surface()], ids=["wedge", "bench", "blocks", "surface"])
+@pytest.mark.parametrize("design", [WEDGE, blocks(), surface()], ids=["wedge", "blocks", "surface"])
 def test_results(design, tmp_path) -> None:
     """Sheet, texts of the JSON, notebook, client page and schedule of bolts."""
     result = sk.run(design)

@@ -49,10 +49,10 @@ def test_the_factor_that_acceptance_hangs_on_leads(template, rules, name) -> Non
     assert document.get("leading") == ({"name": name, "fos": value} if name else None)
     assert first_factor(result).split()[0] == factor_text(value).strip()
     assert answer(document, [])["exact"] == factor_text(value).strip()
-    assert re.search(r"\d\.\d{3}", result.line).group() == f"{value:.3f}"
-    assert re.search(r"FoS (\d\.\d{3})", picture_title(result)).group(1) == f"{value:.3f}"
+    assert re.search(r"\d\.\d{3,}", result.line).group() == factor_text(value).strip()
+    assert re.search(r"FoS (\d\.\d{3,})", picture_title(result)).group(1) == factor_text(value).strip()
     for text in (str(result), answer(document, [])["what"] if name else "", result.line, picture_title(result)):
-        texts = {f"{limit:.3f}", judged_factor(limit, result.design.rules)}
+        texts = {factor_text(limit).strip(), judged_factor(limit, result.design.rules)}
         assert any(shown in text for shown in texts) or not text  # the limit stands below, by its name
 
 
@@ -112,16 +112,16 @@ def test_every_notice_stands_in_the_line() -> None:
 
 
 def assemblies() -> list:
-    """Designs, and how many mechanisms; the template's bench has what bench 8 has, and takes as long as all others.
+    """Designs, and how many mechanisms; benches take as long as all others.
 
-    Bench 5 names ranges, 8 what follows at once and then another. Of the first 60 sections two to four of each sort:
+    Bench 5 names ranges. Of the first 60 sections two to four of each sort:
     one row, two and three, names one by one and in ranges, more blocks than are named, what no strength holds.
     """
     every = [name for name in names() if name != "bench" and isinstance(sk.load(path_of(name)), AssemblyDesign)]
     one, two, three, stand = (2, 16), (10, 28, 33, 49), (17, 38), (29, 44, 52, 53)
     return [
         *(pytest.param(path_of(name), 6, id=name) for name in every),
-        *(pytest.param(partial(bench, number), 6, id=f"bench {number}") for number in (5, 8)),
+        *(pytest.param(partial(bench, number), 6, id=f"bench {number}") for number in (5,)),
         *(pytest.param(section(number), 6, id=f"section {number}") for number in (*one, *two, *three, *stand)),
     ]
 

@@ -12,12 +12,11 @@ from slopekit.core.orientation import Line
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
 from slopekit.kinds.single_block import ladders
-from slopekit.kinds.surface import normals_rungs
 from slopekit.views.charts.stereonet import project
 
 pytest.importorskip("matplotlib")
 from slopekit.studies.kinematic.criteria import planes_of_poles
-from slopekit.views.charts.charts import draw_normals, draw_reduction, draw_speed_errors
+from slopekit.views.charts.charts import draw_reduction, draw_speed_errors
 from slopekit.views.charts.drawing import misfit, new_figure
 from slopekit.views.charts.kinematic_charts import draw_kinematic
 from slopekit.views.charts.orientation_charts import draw_orientations, orientations_of
@@ -198,34 +197,7 @@ def test_speed_against_error(monkeypatch) -> None:
         if rung["error"] is not None
     }
     assert times == expected
-    assert document["normals"] == []
     assert misfit(document, need_of("speed-error")) == ""
-
-
-def test_facet_normals_against_true_ones() -> None:
-    """METHOD.md: facets interlock. With cohesion kept they lie above the surface's factor, falling with the edge."""
-    design = sk.load(path_of("cylinder"), set={"slip.edge": 4})
-    result = sk.analyse(design)
-    rungs = normals_rungs(design, result, [
-        ladders.Rung("mesh", "as analysed", result.model.node_pairs, 0, result.fos.limit, 0.1, result.geometry.edge_m)
-    ])  # fmt: skip
-    facets = sorted((rung.edge_m, rung.cohesive, rung.factor) for rung in rungs if rung.normals == "facet")
-    true = [rung for rung in rungs if rung.normals == "true"]
-    assert len(facets) >= 2
-    assert len(true) == 1
-    assert all(rung.factor == pytest.approx(result.fos.limit, rel=1e-5) and rung.cohesive is None for rung in true)
-    kept = [value for _, value, _ in facets]
-    assert kept == sorted(kept)
-    assert kept[0] > 1.2 * result.fos.limit
-    document = plain(result) | {"normals": [
-        {"normals": rung.normals, "edge_m": rung.edge_m, "fos": rung.factor, "fos_cohesion_kept": rung.cohesive}
-        for rung in rungs
-    ]}  # fmt: skip
-    assert misfit(document, need_of("normals")) == ""
-    axes = figure_of(draw_normals, document).axes[0]
-    assert labelled(axes, "facet normals, cohesion kept").tolist() == [[edge, value] for edge, value, _ in facets]
-    assert labelled(axes, "true normals")[:, 1] == pytest.approx(result.fos.limit, rel=1e-5)
-    assert axes.get_xlabel().startswith("mean edge of the triangles of the slip surface, m")
 
 
 def test_reduction_is_the_papers_figure() -> None:
@@ -285,7 +257,7 @@ def test_friction_circles_in_the_colour_of_their_joint() -> None:
         joint = next(line for label, line in lines.items() if label.startswith(f"{name} 45/"))
         assert circle.get_color() == joint.get_color()
     assert "steeper than φ 20°, the least" in legend(figure)
-    assert f"FoS {factor_text(document['fos']['limit'])} (limit, PRE-IE)" in figure.texts[0].get_text()
+    assert f"FoS {factor_text(document['fos']['limit'])} (PRE-IE)" in figure.texts[0].get_text()
 
 
 def test_the_crack_of_a_plane_is_upright() -> None:
@@ -299,7 +271,7 @@ def test_a_plane_has_the_zone_of_poles() -> None:
     assert "poles here daylight, steeper than φ 37°" in said
     assert "lines here" not in said
     assert "friction circle" not in said
-    vectors, inside = cells("area")
+    vectors, inside = cells()
     some = np.linspace(0, len(vectors) - 1, 2000).astype(int)
     planes = planes_of_poles(vectors[some])
     asked = list(zip(planes.dips_deg, planes.dip_directions_deg, strict=True))
@@ -311,12 +283,12 @@ def test_a_plane_has_the_zone_of_poles() -> None:
 
 def test_zones_say_which_friction_angle() -> None:
     """Of joints with their own angles the zones take the least, direct toppling the greatest."""
-    said = legend(figure_of(draw_kinematic, plain(sk.kinematic("examples/joints.csv", face="65/180", phi=30)), "area"))
+    said = legend(figure_of(draw_kinematic, plain(sk.kinematic("examples/joints.csv", face="65/180", phi=30))))
     assert "critical at φ 27°, the least" in said
     assert "primary zone at φ 27°, the least" in said
     assert "direct at φ 35°, the greatest" in said
     alike = plain(sk.kinematic(["40/175", "35/090"], face="65/180", phi=30))
-    assert "the least" not in legend(figure_of(draw_kinematic, alike, "area"))
+    assert "the least" not in legend(figure_of(draw_kinematic, alike))
 
 
 def test_orientations_of_other_documents() -> None:
@@ -330,10 +302,9 @@ def test_orientations_of_other_documents() -> None:
 
 def test_the_stereonets_of_a_survey() -> None:
     """Counts in the legend are the study's; the shaded share of the net is that of the critical cells."""
-    net = "angle"
     study = sk.kinematic("examples/joints.csv", face="65/180", phi=30)
     document, counts = plain(study), study.counts
-    figure = figure_of(draw_kinematic, document, net)
+    figure = figure_of(draw_kinematic, document)
     said = legend(figure)
     assert len(figure.axes) == 4
     assert f"slides ({counts['planar']})" in said or not counts["planar"]
@@ -343,9 +314,9 @@ def test_the_stereonets_of_a_survey() -> None:
     assert "mean of S1: 55/227" in said
     ringed = labelled(figure.axes[2], "topples")
     critical = -study.joints.normals()[study.modes.flexural]
-    assert ringed == pytest.approx(project(critical, net), abs=1e-12)
+    assert ringed == pytest.approx(project(critical), abs=1e-12)
     image = figure.axes[0].images[-1].get_array()
-    assert image.shape[:2] == cells(net)[1].shape
+    assert image.shape[:2] == cells()[1].shape
     assert 0.0 < (image[..., 3] > 0).mean() < 0.2
 
 
@@ -354,7 +325,7 @@ def test_the_stereonets_of_a_survey() -> None:
 def test_stereonets_of_odd_surveys(joints, face) -> None:
     """One joint, level and upright ones; a face that is level, upright, or lets nothing slide: all are drawn."""
     document = plain(sk.kinematic(joints, face=face, phi=30))
-    figure = figure_of(draw_kinematic, document, "area", "planar")
+    figure = figure_of(draw_kinematic, document, "planar")
     assert len(figure.axes) == 1
     at = labelled(figure.axes[0], "poles")
     assert len(at) == len(joints)
@@ -393,7 +364,7 @@ def test_offers(scattered) -> None:
     assert set(offers(plain(result_of("paper-footing")))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
-    assert len(set(EVERY)) == len(EVERY) == 23
+    assert len(set(EVERY)) == len(EVERY) == 21
 
 
 def test_whole_documents_have_what_pictures_need(scattered) -> None:

@@ -1,6 +1,7 @@
 """Scenes: what is drawn stands where the result has it; PNG, GLB and glTF hold it."""
 
 import json
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from slopekit.views.solid import rendering
 from slopekit.views.solid.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
 from slopekit.views.solid.rendering import Camera
 from slopekit.views.solid.scene_parts import resultants
-from slopekit.views.solid.scenes import SCENES, SceneOptions, compose, draw
+from slopekit.views.solid.scenes import SCENES, compose, draw
 from slopekit.views.solid.stage import Stage
 from tests.support import result_of
 
@@ -33,7 +34,7 @@ def document(name: str) -> dict[str, Any]:
 
 
 def made(name: str, what: str, **asked: Any) -> Picture:
-    return compose(document(name), what, SceneOptions(**asked))
+    return compose(document(name), what, **asked)
 
 
 def part(picture: Picture, name: str) -> Floats:
@@ -80,17 +81,17 @@ def test_the_rock_and_its_block_fill_the_slope(name: str) -> None:
 
 
 def test_exploded_blocks_move_out_and_keep_their_shape() -> None:
-    picture = made("goodman-bray", "exploded", explode=1.0)
+    picture = made("goodman-bray", "exploded")
     scene = BlockScene.from_dict(document("goodman-bray")["scene"])
     rock = scene.shapes.centroids[scene.shapes.fixed].mean(axis=0)
     first = scene.shapes.solids.triangles[scene.shapes.solids.block == 0]
     corners = part(picture, "blocks")[: len(first)]
-    expected = scene.shapes.solids.vertices[first] + (scene.shapes.centroids[0] - rock)
+    expected = scene.shapes.solids.vertices[first] + 0.35 * (scene.shapes.centroids[0] - rock)
     np.testing.assert_allclose(corners, expected, atol=1e-9)
 
 
 def test_contacts_are_coloured_on_both_blocks() -> None:
-    picture = made("blocks", "exploded", explode=0.5)
+    picture = made("blocks", "exploded")
     scene = BlockScene.from_dict(document("blocks")["scene"])
     count = sum(len(contact) for contact in (np.flatnonzero(scene.shapes.contacts.joint == 0),))
     assert len(part(picture, "joint")) == 2 * 2 * 2 * count  # two triangles, on two blocks, and a ribbon on their sides
@@ -150,39 +151,42 @@ def test_forces_are_shown_of_blocks_in_equilibrium() -> None:
 
 
 def test_displacement_is_magnified_as_said() -> None:
-    picture = made("wedge", "displacement", magnify=5000.0)
+    picture = made("wedge", "displacement")
+    times = float(re.search(r"magnified ([\d,]+) times", picture.notes[0])[1].replace(",", ""))
     scene = BlockScene.from_dict(document("wedge")["scene"])
     assert scene.displacement is not None
     moved, rest = part(picture, "displaced"), part(picture, "at rest")
     np.testing.assert_allclose(
-        (moved - rest).mean(axis=(0, 1)), 5000.0 * scene.displacement[0, :3], rtol=1e-3, atol=1e-9
+        (moved - rest).mean(axis=(0, 1)), times * scene.displacement[0, :3], rtol=1e-3, atol=1e-9
     )
-    assert "5,000 times" in picture.notes[0]
     size = np.linalg.norm(scene.displacement[0, :3])
     assert f"centroid {size * 1e3:.3g} mm" in picture.notes[0]
 
 
 def test_displacement_of_many_blocks() -> None:
-    picture = made("wall", "displacement", magnify=1.0)
+    picture = made("wall", "displacement")
+    times = float(re.search(r"magnified ([\d,]+) times", picture.notes[0])[1].replace(",", ""))
     one = document("wall")["at_factor_one"]
     size = np.linalg.norm(one["displacement_m"])
     assert f"centroid of {one['block']} {size * 1e3:.3g} mm" in picture.notes[0]
     shift = np.linalg.norm(part(picture, "displaced") - part(picture, "at rest"), axis=2)
-    assert size * 0.99 < shift.max() < 1.5 * size
+    assert size * 0.99 < shift.max() / times < 1.5 * size
 
 
 def test_a_mechanism_keeps_proportions_and_shape() -> None:
-    picture = made("goodman-bray", "mechanism", magnify=4.0)
+    picture = made("goodman-bray", "mechanism")
     scene = BlockScene.from_dict(document("goodman-bray")["scene"])
     moved, rest = part(picture, "moving"), part(picture, "where they were")
     own = scene.order[scene.shapes.solids.block] == 1
     of = scene.shapes.solids.block[own]
+    drawn = []
     for block in (0, 9):
         centre = np.linalg.norm(scene.velocity[block, :3])
         shift = (moved - rest)[of == block]
-        assert np.abs(np.linalg.norm(shift.mean(axis=(0, 1))) / (4.0 * centre) - 1.0) < 0.3
+        drawn.append(np.linalg.norm(shift.mean(axis=(0, 1))) / centre)
         lengths = [np.linalg.norm(body[of == block][:, 1] - body[of == block][:, 0], axis=1) for body in (moved, rest)]
         np.testing.assert_allclose(lengths[0], lengths[1], rtol=1e-9)  # turned, not stretched
+    assert drawn[0] == pytest.approx(drawn[1], rel=0.3)
     words = {text for text, _, _ in picture.legend}
     assert {"slides: 3", "topples: 10", "at rest"} <= words
 
@@ -245,8 +249,8 @@ def test_a_mechanism_that_did_not_settle_is_not_shown_as_fact() -> None:
 def test_a_later_mechanism_has_its_own_factor() -> None:
     result = sk.run(path_of("goodman-bray"), set={"analysis.mechanisms": 2})
     later = result.findings.mechanisms[1].fos
-    picture = compose(result.to_dict(), "mechanism", SceneOptions(step=2))
-    factor = "no factor of safety" if later is None else f"FoS {factor_text(later)} (limit, PRE-IE)"
+    picture = compose(result.to_dict(), "mechanism", step=2)
+    factor = "no factor of safety" if later is None else f"FoS {factor_text(later)} (PRE-IE)"
     assert factor in picture.subtitle
     assert picture.subtitle.startswith("mechanism 2: ")
 
@@ -292,8 +296,6 @@ def test_arrows_stand_in_front_in_stills_alone() -> None:
     [
         ("goodman-bray", "displacement", {}, "E273"),
         ("goodman-bray", "mechanism", {"step": 2}, "E273"),
-        ("wedge", "exploded", {"explode": -1.0}, "E307"),
-        ("wedge", "displacement", {"magnify": float("nan")}, "E307"),
     ],
 )
 def test_what_cannot_be_drawn(name: str, what: str, asked: dict[str, Any], code: str) -> None:

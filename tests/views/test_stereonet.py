@@ -22,7 +22,6 @@ from slopekit.views.charts.stereonet import (
 EXACT = 1e-9  # of the net's radius: issue 7
 RNG = np.random.default_rng(20260722)
 DIPS, DIRECTIONS = RNG.uniform(0.0, 90.0, 1000), RNG.uniform(0.0, 360.0, 1000)
-NETS = ["area", "angle"]
 
 
 @pytest.fixture(scope="module")
@@ -30,11 +29,10 @@ def oracle():
     """mplstereonet, and points of its nets: (longitude, latitude) in radians to (n, 2) of a net of radius 1."""
     pytest.importorskip("matplotlib")
     module = pytest.importorskip("mplstereonet")
-    from mplstereonet.stereonet_transforms import LambertTransform, StereographicTransform
+    from mplstereonet.stereonet_transforms import LambertTransform
 
-    def points(longitude, latitude, net):
-        kind = LambertTransform if net == "area" else StereographicTransform
-        transform = kind(0.0, 0.0, 1)
+    def points(longitude, latitude):
+        transform = LambertTransform(0.0, 0.0, 1)
         flat = np.column_stack([np.ravel(longitude), np.ravel(latitude)])
         radius = transform.transform(np.array([[math.pi / 2.0, 0.0]]))[0, 0]
         return transform.transform(flat) / radius
@@ -42,32 +40,29 @@ def oracle():
     return module, points
 
 
-@pytest.mark.parametrize("net", NETS)
-def test_poles_and_lines(oracle, net) -> None:
+def test_poles_and_lines(oracle) -> None:
     """1,000 planes as poles, and the same angles as trend and plunge of lines."""
     module, points = oracle
-    expected = points(*module.stereonet_math.pole(DIRECTIONS - 90.0, DIPS), net)
-    assert np.abs(project(normals(DIPS, DIRECTIONS), net) - expected).max() < EXACT
-    expected = points(*module.stereonet_math.line(DIPS, DIRECTIONS), net)
+    expected = points(*module.stereonet_math.pole(DIRECTIONS - 90.0, DIPS))
+    assert np.abs(project(normals(DIPS, DIRECTIONS)) - expected).max() < EXACT
+    expected = points(*module.stereonet_math.line(DIPS, DIRECTIONS))
     lines = np.array([Line(trend, plunge).vector() for trend, plunge in zip(DIRECTIONS, DIPS, strict=True)])
-    assert np.abs(project(lines, net) - expected).max() < EXACT
+    assert np.abs(project(lines) - expected).max() < EXACT
 
 
-@pytest.mark.parametrize("net", NETS)
-def test_great_circles(oracle, net) -> None:
+def test_great_circles(oracle) -> None:
     """Nineteen points of each of 1,000 great circles, from one end of the strike to the other."""
     module, points = oracle
     longitude, latitude = module.stereonet_math.plane(DIRECTIONS - 90.0, DIPS, segments=19)  # (19, 1000)
     worst = 0.0
     for k, (dip, direction) in enumerate(zip(DIPS, DIRECTIONS, strict=True)):
-        own = project(great_circle(Plane(dip, direction), 19), net)
-        other = points(longitude[:, k], latitude[:, k], net)
+        own = project(great_circle(Plane(dip, direction), 19))
+        other = points(longitude[:, k], latitude[:, k])
         worst = max(worst, min(np.abs(own - other).max(), np.abs(own - other[::-1]).max()))
     assert worst < EXACT
 
 
-@pytest.mark.parametrize("net", NETS)
-def test_cones(oracle, net) -> None:
+def test_cones(oracle) -> None:
     """Small circles about 200 lines: each point of mplstereonet's is ours at the same turn about the axis."""
     module, points = oracle
     worst = 0.0
@@ -82,18 +77,17 @@ def test_cones(oracle, net) -> None:
         ours = cone(axis, angle, np.arctan2(theirs @ side, theirs @ up))
         worst = max(worst, np.abs(ours - theirs).max())
         below = theirs[:, 2] < -1e-6
-        drawn = project(ours[below], net) - points(longitude[below], latitude[below], net)
+        drawn = project(ours[below]) - points(longitude[below], latitude[below])
         worst = max(worst, np.abs(drawn).max(initial=0.0))
     assert worst < EXACT
 
 
-@pytest.mark.parametrize("net", NETS)
-def test_back_from_the_net(net) -> None:
-    """`unproject` gives the downward vector back; both nets have their known radii: 60° from the vertical."""
+def test_back_from_the_net() -> None:
+    """`unproject` gives the downward vector back; its radius is known: 60° from the vertical."""
     down = lower(normals(DIPS, DIRECTIONS))
-    assert unproject(project(down, net), net) == pytest.approx(down, abs=1e-12)
-    at = project(Line(90.0, 30.0).vector()[None], net)[0]
-    expected = math.sqrt(2.0) * math.sin(math.radians(30.0)) if net == "area" else math.tan(math.radians(30.0))
+    assert unproject(project(down)) == pytest.approx(down, abs=1e-12)
+    at = project(Line(90.0, 30.0).vector()[None])[0]
+    expected = math.sqrt(2.0) * math.sin(math.radians(30.0))
     assert at == pytest.approx([expected, 0.0], abs=1e-15)
 
 

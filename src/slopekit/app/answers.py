@@ -72,7 +72,7 @@ def analysed(moment: Moment, final: bool = True, with_scene: bool = True) -> tup
 def told(moment: Moment, result: Result, final: bool = True) -> Answer:
     """What a result says, without its scene."""
     keys, fos = values_of(moment.design), result.fos
-    lead, lead_of = fos.limit, "limit, PRE-IE"
+    lead, lead_of = fos.limit, "PRE-IE"
     if result.leading is not None:
         name, lead = result.leading
         lead_of = JUDGED.get(name, name.replace("_", " "))

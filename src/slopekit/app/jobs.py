@@ -192,7 +192,7 @@ def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Resu
 
 def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     from slopekit.core.sheet import Verbatim
-    from slopekit.studies.support import support
+    from slopekit.studies.support import Support, support
 
     target = number_in(options, "fos", 1.5)
     acts = options.get("acts", "active")
@@ -206,9 +206,8 @@ def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
         entry for section in study.sheet.sections if section.label not in ("PASTE", "TIME")
         for entry in section.content if isinstance(entry, str) and not isinstance(entry, Verbatim)
     ]  # fmt: skip
-    built = next((case for case in getattr(study, "built", ()) if case.bolts), None)
-    if built is None:
-        built = next(iter(getattr(study, "built", ())), None)
+    cases = study.cases if isinstance(study, Support) else ()  # load cases have no bolts in common
+    built = next((case for case in cases if case.bolts), next(iter(cases), None))
     pattern = getattr(built, "pattern", None)
     toward = getattr(built, "toward", None)
     return {

@@ -9,7 +9,7 @@ from slopekit._version import __version__
 from slopekit.cli.common import CASE, JSON, folder_of, json_text
 from slopekit.cli.progress import watched
 from slopekit.core.errors import DesignError, Fault
-from slopekit.studies.protocol import number_of, whole_number
+from slopekit.studies.protocol import whole_number
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import Written
@@ -38,17 +38,13 @@ def plot(
     output: Annotated[str | None, typer.Option("-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, "
                                                "scenes .png .glb .gltf.")] = None,
     show: Annotated[bool, typer.Option("--show", help="Open a window, write nothing.")] = False,
-    equal_angle: Annotated[bool, typer.Option("--equal-angle", help="Stereonet: equal angle, not equal area.")] = False,
     test: Annotated[str | None, typer.Option(help=_TEST)] = None,
-    explode: Annotated[str | None, typer.Option(help="exploded: how far blocks are drawn apart.")] = None,
-    magnify: Annotated[str | None, typer.Option(help="displacement, mechanism: drawn times this.")] = None,
     step: Annotated[str, typer.Option(help="mechanism: which one, 1 the first.")] = "1",
 ) -> None:  # fmt: skip
     """A picture of any JSON that slopekit wrote (extra: plot).
 
     Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet elevation
-    histogram curve contour tornado speed-error reduction normals
-    elastic-tractions motion six. Without WHAT: those that the file can give.
+    histogram curve contour tornado speed-error reduction motion six. Without WHAT: those that the file can give.
     """
     from slopekit.views import plots
 
@@ -59,11 +55,7 @@ def plot(
         cases = ", ".join(documents)
         typer.echo(_listed(path, given, f"{path.name}, load cases {cases}," if cases else path.name))
         return
-    options = plots.PlotOptions(
-        show=show, net="angle" if equal_angle else "area", test=test,
-        explode=None if explode is None else number_of(explode, "--explode"),
-        magnify=None if magnify is None else number_of(magnify, "--magnify"), step=whole_number(step, "--step"),
-    )  # fmt: skip
+    options = plots.PlotOptions(show=show, test=test, step=whole_number(step, "--step"))
     wanted = {name: one for name, one in documents.items() if len(documents) == 1 or what in plots.offers(one)}
     for name, document in (wanted or documents).items():
         own = f"-{name}" if name and (case is None or output is None) else ""
@@ -92,9 +84,7 @@ def _listed(path: Path, given: dict[str, str], own: str) -> str:
 
 def export(
     result: Annotated[str, typer.Argument(help="A result: DIR of run -o DIR, or its result.json.", metavar="RESULT")],
-    output: Annotated[
-        str | None, typer.Option("-o", help="The file: .stl .obj .glb .gltf .vtu .dxf (extra: cad).", metavar="FILE")
-    ] = None,
+    output: Annotated[str, typer.Option("-o", help="The file: .stl .obj .glb .vtu .dxf (extra: cad).", metavar="FILE")],
     case: Annotated[str | None, CASE] = None,
     what: Annotated[
         str | None,
@@ -103,10 +93,6 @@ def export(
     blocks: Annotated[str | None, typer.Option(help="Only these: B1,B7.", metavar="NAMES")] = None,
     moving: Annotated[bool, typer.Option("--moving", help="Leave bedrock out.")] = False,
     binary: Annotated[bool, typer.Option("--binary", help="STL in binary: float32, smaller.")] = False,
-    split: Annotated[
-        str | None, typer.Option(help="A folder for one mesh a block and blocks.yaml that reads them.", metavar="DIR")
-    ] = None,
-    split_as: Annotated[str, typer.Option("--as", help="Meshes of --split: stl or obj.")] = "stl",
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="The names of the files only.")] = False,
 ) -> None:
@@ -114,10 +100,7 @@ def export(
     from slopekit.exchange.export import export as export_result
 
     with watched("export"):
-        done = export_result(
-            result, None if output is None else Path(output), what=what, blocks=blocks, moving=moving, binary=binary,
-            split=None if split is None else Path(split), split_as=split_as, case=case,
-        )  # fmt: skip
+        done = export_result(result, Path(output), what=what, blocks=blocks, moving=moving, binary=binary, case=case)
     if as_json:
         typer.echo(json_text({"slopekit": __version__, **done.to_dict()}))
     elif quiet:
@@ -127,9 +110,6 @@ def export(
             typer.echo("\n".join(_lines(one)))
         for notice in done.warnings:
             typer.echo(f"NOTE      {notice}")
-        for one in done.written if split is not None else ():
-            if one.files[0].suffix == ".yaml":
-                typer.echo(f"try: slopekit run {one.files[0]}")
 
 
 def _lines(one: "Written") -> list[str]:

@@ -2,11 +2,11 @@
 
 >>> heard = []
 >>> with onlooker(lambda stage, value, head: heard.append((stage, value))):
-...     say("static bound")
+...     say("upper bound")
 ...     say("path: strength divided by", 1.5)
 >>> say("nobody looks on")
 >>> heard
-[('static bound', None), ('path: strength divided by', 1.5)]
+[('upper bound', None), ('path: strength divided by', 1.5)]
 """
 
 import time

@@ -28,7 +28,7 @@ class Plane:
     """The orientation of a plane: dip and dip direction in degrees.
 
     >>> print(Plane(45, 115).in_words())
-    dips 45° toward 115 (ESE), strike 025
+    dips 45° toward 115 (ESE)
     """
 
     dip_deg: float
@@ -40,12 +40,9 @@ class Plane:
         return normal
 
     def in_words(self) -> str:
-        """The plane as an engineer would say it; the strike (right-hand rule) only as an echo."""
-        strike = (self.dip_direction_deg - 90.0) % 360.0
-        return (
-            f"dips {number(self.dip_deg)}° toward {bearing(self.dip_direction_deg)} "
-            f"({compass_point(self.dip_direction_deg)}), strike {bearing(strike)}"
-        )
+        """The plane as an engineer would say it."""
+        direction = self.dip_direction_deg
+        return f"dips {number(self.dip_deg)}° toward {bearing(direction)} ({compass_point(direction)})"
 
     def __str__(self) -> str:
         return f"{number(self.dip_deg)}/{bearing(self.dip_direction_deg)}"

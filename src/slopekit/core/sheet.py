@@ -30,6 +30,8 @@ LABEL = 10
 TIME = "TIME"  # a section of the full text alone: no two runs have the same
 Row = TypeVar("Row")
 
+_ROUNDING = 1e-6  # below 1 by less than this is 1
+_TO_THREE = 5e-4  # below 1 by less than this three decimals say 1
 _AT_ONCE = 8192  # rows of a CSV whose columns are made at once
 
 
@@ -334,8 +336,16 @@ def _folded(text: str, indent: str) -> list[str]:
 
 
 def factor_text(value: float | None) -> str:
-    """A factor of safety with three decimals, five columns wide below 10."""
-    return " none" if value is None else f"{value:.3f}" if value < 1e3 else f"{value:.4g}"
+    """A factor of safety with three decimals, five columns wide below 10; below 1 with as many as show it.
+
+    >>> factor_text(1.5574), factor_text(0.9996), factor_text(1.0 - 1e-12)
+    ('1.557', '0.9996', '1.000')
+    """
+    if value is None:
+        return " none"
+    below_one = 1.0 - value
+    digits = math.ceil(-math.log10(below_one)) if _ROUNDING < below_one <= _TO_THREE else 3
+    return f"{value:.{digits}f}" if value < 1e3 else f"{value:.4g}"
 
 
 def counted(count: int, one: str, many: str = "") -> str:

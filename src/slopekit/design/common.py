@@ -163,8 +163,8 @@ class Design:
         doc="longest edge of an element at contacts, for --elastic; `auto`: an eighth of the longest of the block",
     )  # fmt: skip
     elastic_bedrock: str | None = text(
-        "analysis.elastic.bedrock", default=None, words=("rigid", "elastic"), code="E288", left_out="rigid",
-        example="rigid", doc="`elastic`: a body of the same rock around one block, for --elastic",
+        "analysis.elastic.bedrock", default=None, words=("rigid",), code="E288", left_out="rigid",
+        example="rigid", doc="rock under elastic blocks does not give",
     )  # fmt: skip
     water_unit_weight_kn_m3: float = number(
         "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,

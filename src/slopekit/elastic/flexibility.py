@@ -255,45 +255,6 @@ class Elements:
         stiffness: Floats = 0.5 * (own + own.T)
         return stiffness, load, mean, by_load
 
-    def held_at(self, fixed: Ints, points: Floats, axes: Floats) -> Floats:
-        """D (3m, 3m): displacements at points (m, 3) in their local axes (m, 3, 3) per force there, held at `fixed`.
-
-        The unknowns of the elements that hold the points come last, so what is left of K once all others are
-        eliminated is theirs: D takes one small system, not a solution of the whole for each force.
-        """
-        dim = len(self.space)
-        at = sparse.block_diag(list(axes), format="csr") @ self.shapes(points)
-        nodes, held = np.arange(self.degrees // dim), np.unique(fixed // dim)
-        seen = np.setdiff1d(np.unique(at.tocoo().col // dim), held)
-        others = np.setdiff1d(nodes, np.concatenate([seen, held]))
-        order = (dim * np.concatenate([others[self._order(others)], seen])[:, None] + np.arange(dim)).ravel()
-        first = len(order) - dim * len(seen)
-        factor = splu(
-            self.stiffness[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )  # fmt: skip
-        own = at[:, order][:, first:].toarray()
-        place = factor.perm_c[first:] - first
-        if place.min() < 0 or not np.array_equal(factor.perm_r, factor.perm_c):  # what SuperLU may do, and has not done
-            right = np.zeros((len(order), len(own)))
-            right[first:] = own.T
-            flexibility_matrix: Floats = own @ factor.solve(right)[first:]
-        else:
-            lower, upper = (part[:, first:][first:].toarray() for part in (factor.L, factor.U))
-            flexibility_matrix = own @ np.linalg.solve((lower @ upper)[np.ix_(place, place)], own.T)
-        return 0.5 * (flexibility_matrix + flexibility_matrix.T)
-
-    def _order(self, nodes: Ints) -> Ints:
-        """The order in which nodes (n,) are eliminated with little fill: minimum degree, of a number a node."""
-        dim = len(self.space)
-        pattern = self.stiffness[::dim][:, ::dim][nodes][:, nodes].tocoo()
-        off = pattern.row != pattern.col
-        graph = sparse.coo_matrix((np.ones(int(off.sum())), (pattern.row[off], pattern.col[off])), shape=pattern.shape)
-        whole = (sparse.diags(np.asarray(graph.sum(axis=1)).ravel() + 1.0) - graph).tocsc()
-        factor = splu(whole, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        order: Ints = np.argsort(factor.perm_c)
-        return order
-
 
 def _cleaned(shapes: Any) -> Any:
     """Shape functions (3q, degrees) of the nodes on a contact alone, their sum kept."""

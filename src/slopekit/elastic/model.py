@@ -112,11 +112,6 @@ def with_blocks(
     return replace(model, give=frozen(give), give_load=frozen(give_load), seen=blocks, bends=True)
 
 
-def on_bedrock(model: ElasticModel, by_force: Floats) -> ElasticModel:
-    """One elastic block on elastic bedrock, which gives by (3n, 3n) per force: D + D_r."""
-    return replace(model, give=frozen(np.asarray(model.give) + by_force))
-
-
 def dense_or_sparse(rows: Any) -> Any:
     """Rows in the form that their size asks for."""
     if rows.shape[0] <= _DENSE:

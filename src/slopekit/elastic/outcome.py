@@ -44,7 +44,6 @@ class ElasticBlocks:
         cohesion to lose there; joints : by name
     displacement_m, rigid_displacement_m : (3,) mean of the block, of many blocks of the one that moves most: `block`
     modulus_kpa, poisson, edge_m, order : the rock and its elements; taken : which of them were not given
-    bedrock : `rigid` or `elastic`
     unknowns : of the finite elements, with three a pair and those of the blocks; cells : the finite elements
     residual : of balance and displacements, in parts; steps : of Newton's method, in all
     """
@@ -69,7 +68,6 @@ class ElasticBlocks:
     poisson: float
     edge_m: float
     order: int
-    bedrock: str
     taken: tuple[str, ...]
     residual: float
     steps: int

@@ -16,7 +16,6 @@ from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.picking import WHAT, Picked, WrittenBlock, names_of, picked, volume_of, with_bolts, words_of_what
 from slopekit.exchange.solids import Files, binary_rounding, write_binary_stl, write_glb, write_obj, write_stl
 from slopekit.exchange.source import ExportSource, Given, sources_of
-from slopekit.exchange.split import write_split
 from slopekit.exchange.vtu import write_vtu
 
 if TYPE_CHECKING:
@@ -102,14 +101,12 @@ class Export:
 
 def export(
     result: Given,
-    path: str | os.PathLike[str] | None = None,
+    path: str | os.PathLike[str],
     *,
     what: str | Sequence[str] | None = None,
     blocks: str | Sequence[str] | None = None,
     moving: bool = False,
     binary: bool = False,
-    split: str | os.PathLike[str] | None = None,
-    split_as: str = "stl",
     case: str | None = None,
 ) -> Export:
     """Write the blocks, interfaces, node pairs or bolts of a result to a file of another program.
@@ -122,9 +119,8 @@ def export(
         format holds both]
     blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
     binary : STL in binary, float32
-    split : a folder for one closed mesh a block with a design blocks.yaml that reads them; split_as : "stl" or "obj"
     case : one of the load cases of the result, by name; without it each has a file of its own, NAME-CASE.dxf beside
-        `path`, and a folder of its name in `split`
+        `path`
 
     Raises
     ------
@@ -145,41 +141,23 @@ def export(
     (1, 209461)
     """
     words = words_of_what("blocks" if what is None else what)
-    target = None if path is None else _target(Path(path), words, binary)
-    if target is None and split is None:
-        raise DesignError(
-            [Fault("E313", "no file to write is named", "-o", f"Give -o FILE ({' '.join(FORMATS)}) or --split.")]
-        )
-    folder = None if split is None else Path(split)
-    suffix = f".{split_as.lower().lstrip('.')}"
-    if folder is not None:
-        _check_split(folder, suffix)
+    target = _target(Path(path), words, binary)
     sources, names = sources_of(result, case), names_of(blocks)
-    has_bolts = target is not None and what is None and "bolts" in FORMATS[target.suffix.lower()].parts
-    chosen = {name: picked(one.scene, words, names, moving, one.is_section) for name, one in sources.items()
-              } if target is not None else {}  # fmt: skip
-    meshes = {name: picked(one.scene, ("blocks",), names, moving, one.is_section) for name, one in sources.items()
-              } if folder is not None else {}  # fmt: skip
+    has_bolts = what is None and "bolts" in FORMATS[target.suffix.lower()].parts
+    chosen = {name: picked(one.scene, words, names, moving, one.is_section) for name, one in sources.items()}
     written, said = list[Written](), dict[Notice, list[str]]()
     for name, source in sources.items():
-        alone, own = case is not None or not name, list[Notice]()
-        if target is not None:
-            part = with_bolts(chosen[name], names, moving) if has_bolts else chosen[name]
-            file = target if alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
-            written.append(_written_file(file, part, name, binary))
-            own += _notices(source, part, file, binary)
-        if folder is not None:
-            below = folder if alone else folder / name
-            meshed, lost = _written_folder(below, source, meshes[name], name, suffix)
-            written.append(meshed)
-            own += [*_notices(source, meshes[name], below, False), *lost]
-        for notice in dict.fromkeys(own):
+        part = with_bolts(chosen[name], names, moving) if has_bolts else chosen[name]
+        is_alone = case is not None or not name
+        file = target if is_alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
+        written.append(_written_file(file, part, name, binary))
+        for notice in dict.fromkeys(_notices(source, part, file, binary)):
             said.setdefault(notice, []).append(name)
     notices = [
         one if len(whose) == len(sources) else Notice(one.code, f"{', '.join(whose)}: {one.message}")
         for one, whose in said.items()
     ]
-    return Export(tuple(written), (*notices, *_alike(list(sources), list((chosen or meshes).values()))))
+    return Export(tuple(written), (*notices, *_alike(list(sources), list(chosen.values()))))
 
 
 def _written_file(path: Path, part: Picked, name: str, binary: bool) -> Written:
@@ -188,16 +166,6 @@ def _written_file(path: Path, part: Picked, name: str, binary: bool) -> Written:
     with writing(path), whole_files(path.parent) as staging:  # VTU has a file more for each part
         files, precision = form.write(staging / path.name, part)
     return _described(form, [path.with_name(file.name) for file in files], precision, part, name)
-
-
-def _written_folder(
-    path: Path, source: ExportSource, part: Picked, name: str, suffix: str
-) -> tuple[Written, Sequence[Notice]]:  # fmt: skip
-    """A folder of meshes and their design, of one case; and what that design has lost."""
-    with writing(path, "the folder "):
-        path.mkdir(exist_ok=True)
-    files, lost = write_split(path, source, part, suffix, FORMATS[suffix].write)
-    return _described(FORMATS[suffix], *files, part, name), lost
 
 
 def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:
@@ -264,16 +232,6 @@ def _refuse_unwritable(folder: Path) -> None:
 
     with writing(folder, "the folder "), tempfile.TemporaryFile(dir=folder):
         pass
-
-
-def _check_split(folder: Path, suffix: str) -> None:
-    meshes = (".stl", ".obj")
-    if suffix not in meshes:
-        message = f"the blocks are split into files of a mesh each, not {suffix}"
-        raise DesignError([Fault("E313", message, f"--as {suffix.lstrip('.')}", f"There are: {' '.join(meshes)}.")])
-    with writing(folder, "the folder "):
-        folder.mkdir(parents=True, exist_ok=True)
-    _refuse_unwritable(folder)
 
 
 def _described(form: Format, files: Sequence[Path], precision: str, chosen: Picked, case: str) -> Written:

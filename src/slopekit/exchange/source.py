@@ -1,24 +1,15 @@
-"""Where what is exported comes from: a result, its JSON as a dict, or the file that holds it.
-
-What it says of its joints, strength and mean water pressure, is read whatever the kind of its design.
-"""
+"""Where what is exported comes from: a result, its JSON as a dict, or the file that holds it."""
 
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
 from slopekit.block_scene import BlockScene
-from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-from slopekit.exchange.panels import areas_of
-from slopekit.kinds import known_kind
-from slopekit.kinds.protocol import Carried, CarriedJoint
 
 if TYPE_CHECKING:
     from slopekit.result import Result
@@ -27,7 +18,6 @@ if TYPE_CHECKING:
 _MOST_BYTES = 2_000_000_000
 _RESULT = "result.json"  # what `run -o DIR` calls it
 _MAKE = "slopekit run design.yaml -o DIR makes one: DIR/result.json."
-Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,20 +28,9 @@ class ExportSource:
     scene: BlockScene
 
     @property
-    def has_many(self) -> bool:
-        """Whether there are many blocks, bedrock among them; one block has none."""
-        return self.document.get("assembly") is not None
-
-    @property
     def is_curved(self) -> bool:
         """Whether the block lies on a curved slip surface."""
         return "slip" in (self.document.get("inputs") or {})
-
-    @property
-    def carried(self) -> Carried:
-        """What of its design goes over into one of kind blocks."""
-        kind = known_kind(self.document.get("kind"))
-        return Carried() if kind is None else kind.carried
 
     @property
     def is_section(self) -> bool:
@@ -150,46 +129,6 @@ def _read(path: Path) -> Mapping[str, Any]:
     return document
 
 
-# -- strengths and water ----------------------------------------------------------------------------------------------
-
-
-def joints_of(source: ExportSource) -> Mapping[str, CarriedJoint]:
-    """The joints of a result by name; those without a strength (a tension crack) are left out."""
-    return source.carried.joints(source.document["inputs"], source.scene.shapes.joints)
-
-
-@dataclass(frozen=True, slots=True)
-class InterfaceJoints:
-    """The interfaces of a scene: joint by pair of blocks (the one of most area), and pairs that had several."""
-
-    joint: Mapping[Pair, str]
-    mixed: tuple[str, ...]
-
-
-def pairs_of(source: ExportSource, rock: Mapping[int, str], joints: Mapping[str, CarriedJoint]) -> InterfaceJoints:
-    """The interfaces between named blocks.
-
-    Parameters
-    ----------
-    rock : names of the bedrock behind contacts (by their index) that no block of the scene stands for
-    """
-    shapes = source.scene.shapes
-    contacts, area = shapes.contacts, areas_of(shapes.contacts)
-    shares: dict[Pair, dict[str, float]] = {}
-    for k in range(len(contacts)):
-        name = shapes.joints[contacts.joint[k]]
-        ends = [shapes.names[one] if one >= 0 else rock.get(k, "") for one in (contacts.plus[k], contacts.minus[k])]
-        if all(ends) and name in joints:
-            pair = (min(ends), max(ends))
-            share = shares.setdefault(pair, {})
-            share[name] = share.get(name, 0.0) + float(area[k])
-    mixed = tuple(
-        "/".join(pair) for pair, share in shares.items()
-        if len({(joints[name].strength, joints[name].pressure) for name in share}) > 1
-    )  # fmt: skip
-    return InterfaceJoints({pair: max(share, key=share.__getitem__) for pair, share in shares.items()}, mixed)
-
-
 #: One load of several of its kind.
 NUMBERED = re.compile(r"^(active bolt|passive bolt|force) (\d+)(,.*)?$")
 
@@ -214,8 +153,3 @@ def bolt_of_load(document: Mapping[str, Any], name: str) -> tuple[str, int] | No
             return None
     own = [k for k, bolt in enumerate(inputs.get("bolts") or [], 1) if bolt["acts"] == acts]
     return (acts, own[number - 1]) if 0 < number <= len(own) else None
-
-
-def direction_deg(force: Floats | Sequence[float]) -> float:
-    """The trend (degrees from north) of a horizontal vector."""
-    return float(np.degrees(np.arctan2(force[0], force[1])) % 360.0)

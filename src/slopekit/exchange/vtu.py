@@ -14,7 +14,7 @@ import numpy as np
 
 from slopekit.block_scene import MODES
 from slopekit.core.arrays import Floats, Ints
-from slopekit.exchange.panels import panel_states
+from slopekit.exchange.panels import areas_of
 from slopekit.exchange.picking import Picked
 from slopekit.exchange.solids import Files
 
@@ -68,13 +68,12 @@ def _blocks(picked: Picked) -> bytes:
 
 def _interfaces(picked: Picked) -> bytes:
     scene, own = picked.scene, picked.contacts
-    contacts, states = scene.shapes.contacts, panel_states(scene)
+    contacts = scene.shapes.contacts
     sizes = np.diff(contacts.first)[own]
     at = np.repeat(contacts.first[own] - np.cumsum(sizes) + sizes, sizes) + np.arange(sizes.sum())
     data: dict[str, Floats | Ints] = {
         "joint": contacts.joint[own], "plus_block": contacts.plus[own], "minus_block": contacts.minus[own],
-        "area_m2": states.area_m2[own], "normal_stress_kpa": states.normal_stress_kpa[own],
-        "shear_stress_kpa": states.shear_stress_kpa[own], "mode": states.mode[own],
+        "area_m2": areas_of(contacts)[own],
     }  # fmt: skip
     cells = {"connectivity": np.arange(len(at)), "offsets": np.cumsum(sizes), "types": np.full(len(own), _POLYGON)}
     return _file(contacts.corners[at], cells, data, _names(picked))

@@ -1,9 +1,8 @@
 """A bench cut into blocks by joint sets."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -19,14 +18,13 @@ from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.kinds.assemblies.many_blocks import (
     Blocks,
-    carried_strengths,
     kind_of_many_blocks,
     named_strength,
     no_closed_form,
 )
 from slopekit.kinds.assemblies.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_loads
-from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
+from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.sizes import Crest
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
 from slopekit.preie.many_blocks.ravelling import Failure
@@ -301,11 +299,6 @@ def _surface(name: str, plane: Plane) -> str:
     return f"{name} {plane}  " + (plane.in_words() if plane.dip_deg else "level")
 
 
-def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
-    strengths = carried_strengths(inputs)
-    return {one["name"]: replace(strengths[one["strength"]], pressure=one["pressure_kpa"]) for one in inputs["sets"]}
-
-
 OWN = Blocks(
     Words(
         "bench cut by joint sets", "bench", "the way the face dips", "closed form", "", BLOCKS_STATUSES,
@@ -315,5 +308,5 @@ OWN = Blocks(
 )  # fmt: skip
 KIND = kind_of_many_blocks(
     "bench", BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    with_areas=lambda design: {one.name for one in design.sets}, carried=Carried(_carried), answered="button",
+    with_areas=lambda design: {one.name for one in design.sets}, answered="button",
 )  # fmt: skip

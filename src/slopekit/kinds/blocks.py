@@ -26,7 +26,6 @@ from slopekit.geometry.patches import Patches
 from slopekit.geometry.sections.polygons import fault_of_polygon
 from slopekit.kinds.assemblies.many_blocks import (
     Blocks,
-    carried_strengths,
     kind_of_many_blocks,
     no_closed_form,
     no_notices,
@@ -40,7 +39,6 @@ from slopekit.kinds.assemblies.many_blocks_design import (
     water_by,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_ground, with_loads
-from slopekit.kinds.protocol import Carried
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, strength_in_words
 from slopekit.result import Result, Words
 
@@ -557,5 +555,4 @@ OWN = Blocks(
 )  # fmt: skip
 KIND = kind_of_many_blocks(
     "blocks", BlocksDesign, read_blocks, OWN, _slope, _pressures,
-    carried=Carried(lambda inputs, _: carried_strengths(inputs), lambda inputs: inputs["pressures_kpa"]),
 )  # fmt: skip

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 D = TypeVar("D", bound=Design)
 T = TypeVar("T")
 #: The numbers of a strength as the JSON of inputs has them.
-STRENGTH_INPUTS = ("cohesion_kpa", "friction_angle_deg", "dilation_deg", "tension_kpa")
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,46 +139,6 @@ class Gain:
 
 
 @dataclass(frozen=True, slots=True)
-class CarriedJoint:
-    """A joint of a result: the name of its strength, c (kPa), φ, dilation (degrees), tension, water pressure (kPa)."""
-
-    strength: str
-    cohesion: float
-    friction: float
-    dilation: float
-    tension: float
-    pressure: float = 0.0
-
-
-def carried_joint(name: str, inputs: Mapping[str, Any]) -> CarriedJoint:
-    """A joint from the JSON of its strength."""
-    cohesion, friction, dilation, tension = (inputs[key] for key in STRENGTH_INPUTS)
-    return CarriedJoint(name, cohesion, friction, dilation, tension)
-
-
-@dataclass(frozen=True, slots=True)
-class Carried:
-    """What of a result goes over into a design of kind blocks, from the JSON of its inputs; one joint by default.
-
-    Attributes
-    ----------
-    joints : (inputs, names of the scene's joints) the joints by name, those without a strength left out
-    pressures : mean water pressures (kPa) where pairs of blocks have their own, not those of their joints
-    apart : (inputs, names of the blocks) pairs of blocks side by side that do not touch
-    mixed : what is said where interfaces with one strength have several pressures
-    bedrock_is_last : the last block of the scene is the bedrock that contacts do not name
-    """
-
-    joints: Callable[[Mapping[str, Any], Sequence[str]], Mapping[str, CarriedJoint]] = lambda inputs, names: {
-        names[0]: carried_joint("joint", inputs["strength"])
-    }
-    pressures: Callable[[Mapping[str, Any]], Sequence[tuple[str, str, float]]] | None = None
-    apart: Callable[[Mapping[str, Any], Sequence[str]], Sequence[tuple[str, str]]] = lambda inputs, names: ()
-    mixed: str = ""
-    bedrock_is_last: bool = False
-
-
-@dataclass(frozen=True, slots=True)
 class Kind(Generic[D]):
     """A kind of design.
 
@@ -206,7 +165,6 @@ class Kind(Generic[D]):
         kinds of one block, whose k_y with a force along the sliding says it
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
     paper_keys : how keys begin whose defaults stand for numbers of the slope
-    carried : what goes over into a design of kind blocks
     drawn_planes : keys of the two planes that a survey may say in the design's place; None of other kinds
     in_section : the part of an earthquake that acts in the section of a design; None of kinds that know all of it
     falls_west : the slope falls toward -x where nothing of a result says the way
@@ -233,7 +191,6 @@ class Kind(Generic[D]):
     seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()
-    carried: Carried = Carried()
     drawn_planes: Callable[[D], tuple[str, str]] | None = None
     in_section: Callable[[D], float] | None = None
     falls_west: bool = False

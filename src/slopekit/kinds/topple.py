@@ -1,7 +1,7 @@
 """Columns on a stepped base, with Goodman & Bray's table beside those of PRE-IE."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -26,7 +26,7 @@ from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.findings import Mechanism, ToppleColumn
-from slopekit.kinds.assemblies.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
+from slopekit.kinds.assemblies.many_blocks import Blocks, kind_of_many_blocks, named_strength
 from slopekit.kinds.assemblies.many_blocks_design import (
     MOST_BLOCKS,
     NamedDesign,
@@ -37,7 +37,7 @@ from slopekit.kinds.assemblies.many_blocks_design import (
     water_by,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
-from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm, Gain
+from slopekit.kinds.protocol import ClosedForm, Gain
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last
 from slopekit.preie.many_blocks.ravelling import Failure
 from slopekit.result import Result, Words
@@ -414,17 +414,6 @@ def _slope(design: ToppleDesign, _: Result) -> Section:
     return Section("COLUMNS", entries)
 
 
-def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
-    strengths, (base, side) = carried_strengths(inputs), inputs["pressures_kpa"]
-    pressures = {"base": ("base", base), "sides": ("sides", side), "riser": ("base", 0.0)}
-    return {joint: replace(strengths[inputs[key]], pressure=water) for joint, (key, water) in pressures.items()}
-
-
-def _rows_apart(inputs: Mapping[str, Any], names: Sequence[str]) -> list[tuple[str, str]]:
-    count = len(inputs["heights_m"])
-    return [(names[k], names[k + count]) for k in range(count * (inputs["rows"] - 1))]
-
-
 OWN = Blocks(
     Words(
         "toppling columns", "topple", "out of the slope", "Goodman & Bray closed form", "Goodman & Bray",
@@ -439,10 +428,5 @@ KIND = kind_of_many_blocks(
         "toe_force_kn": lambda design, _: toe_force_required(column_slope(design)),
         "column_force_kn": lambda design, n: float(toppling_table(column_slope(design)).force_kn[int(n or 1) - 1]),
     },
-    # riser and base share a strength: they differ in water alone
-    carried=Carried(
-        _carried, apart=_rows_apart, bedrock_is_last=True,
-        mixed="dry risers beside wet bases: each pair of column and bedrock has the pressure of its larger part",
-    ),
     falls_west=True,
 )  # fmt: skip

@@ -239,10 +239,9 @@ def force_text(force: Force) -> str:
 
 def bolt_text(bolt: Bolt) -> str:
     """A bolt by its force, its direction, and how it acts."""
-    role = "a load" if bolt.acts == "active" else "capacity divided by F"
     on = "" if bolt.block is None else f" on {bolt.block}"
     at = "" if bolt.head_m is None else f" from {coordinates(bolt.head_m)}"
-    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts} ({role})"
+    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts}"
 
 
 def weight_in_words(result: Result) -> str:

@@ -132,12 +132,6 @@ def codes_of(notices: Sequence[Notice]) -> list[str]:
     return list(dict.fromkeys(notice.code for notice in notices))
 
 
-def check_seed(faults: Faults, seed: object) -> None:
-    """Add the fault E307 of a seed that is none."""
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
-        faults.append(Fault("E307", f"the seed is {seed}, it is a whole number from 0 to {2**63 - 1}"))
-
-
 def left_out(joints: JointList) -> list[Notice]:
     """What is not used of the list, and how it was read."""
     notices = []

@@ -7,8 +7,7 @@ from slopekit.kinds import status_text
 from slopekit.result import STATUSES
 from slopekit.studies.points import Method, Point
 
-METHODS: dict[Method, str] = {"pre_ie": "limit, PRE-IE", "closed_form": "closed form"}
-BRIEF: dict[Method, str] = {"pre_ie": "PRE-IE", "closed_form": "closed form"}
+METHODS: dict[Method, str] = {"pre_ie": "PRE-IE", "closed_form": "closed form"}
 
 
 def head(design: Design, study: str) -> str:

@@ -27,7 +27,6 @@ from slopekit.views.charts.drawing import (
     save,
 )
 from slopekit.views.charts.kinematic_charts import TESTS
-from slopekit.views.charts.stereonet import Net
 from slopekit.views.solid.scenes import SCENES
 
 Document = Mapping[str, Any]
@@ -42,15 +41,12 @@ class PlotOptions:
     Attributes
     ----------
     show : a window in place of a file
-    net : of stereonets; test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
-    explode, magnify, step : of scenes
+    test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
+    step : the mechanism of a scene, 1 the first
     """
 
     show: bool = False
-    net: Net = "area"
     test: str | None = None
-    explode: float | None = None
-    magnify: float | None = None
     step: int = 1
 
 
@@ -167,11 +163,6 @@ CHARTS: Mapping[str, Chart] = {
         "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "quake_charts.draw_six",
         lambda of: of.get("study") == "quake" and of.get("six_motion") is not None,
     ),
-    "elastic-tractions": Chart(
-        "normal tractions of each joint, rigid beside elastic",
-        "result.json of elastic blocks: slopekit run design.yaml --elastic -o DIR",
-        "elastic_charts.draw_elastic_tractions", lambda of: isinstance(of.get("elastic"), Mapping),
-    ),
     "speed-error": Chart(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
         "charts.draw_speed_errors", lambda of: "ladder" in of,
@@ -181,11 +172,6 @@ CHARTS: Mapping[str, Chart] = {
         "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
         "by slopekit run design.yaml -o DIR",
         "charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
-    ),
-    "normals": Chart(
-        "true normals of a curved slip surface against those of facets",
-        "check.json of a design of kind surface: slopekit check design.yaml -o DIR",
-        "charts.draw_normals", lambda of: bool(of.get("normals")),
     ),
 }  # fmt: skip
 #: The stereonets of studies of surveys, which have no result behind them, by kind.
@@ -245,14 +231,13 @@ def draw(
         if what in SCENES:
             from slopekit.views.solid import scenes
 
-            scenes.draw(document, what, path, show=options.show, explode=options.explode, magnify=options.magnify,
-                        step=options.step)  # fmt: skip
+            scenes.draw(document, what, path, show=options.show, step=options.step)
             return
         figure = new_figure(path or name)
         with plain_numbers(), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
-            more = (options.net, options.test) if _is_kinematic(document) else (options.net,)
-            _chart(what, document).draw(figure, document, *(more if what == "stereonet" else ()))
+            is_test = what == "stereonet" and _is_kinematic(document)
+            _chart(what, document).draw(figure, document, *((options.test,) if is_test else ()))
             if path is not None and not options.show:
                 save(figure, path)
                 if (other := instead(path)) is not None:
@@ -309,21 +294,11 @@ def check(document: Document, what: str, path: Path | None, options: PlotOptions
     if path is not None and not options.show and path.suffix.lower() not in formats:
         message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"
         raise DesignError([Fault("E141", message, str(path), f"Known: {', '.join(formats)}.")])
-    numbers = {"--explode": options.explode, "--magnify": options.magnify, "--step": options.step}
-    for option, value in numbers.items():
-        if value is None:
-            continue
-        whole = option == "--step"
-        if not isinstance(value, Real) or (whole and not (math.isfinite(value) and value == int(value))):
-            wanted = "a whole number is needed" if whole else "a number is needed"
-            raise DesignError([Fault("E106", f"{option} is {value!r}, {wanted}", option)])
-    stereonet = ("--equal-angle", "--test") if _is_kinematic(document) else ("--equal-angle",)
+    if not isinstance(options.step, Real) or not (math.isfinite(options.step) and options.step == int(options.step)):
+        raise DesignError([Fault("E106", f"--step is {options.step!r}, a whole number is needed", "--step")])
+    stereonet = ("--test",) if _is_kinematic(document) else ()
     belong = scene.options if scene is not None else stereonet if what == "stereonet" else ()
-    used = {
-        "--equal-angle": options.net != "area", "--test": options.test is not None,
-        "--explode": options.explode is not None, "--magnify": options.magnify is not None,
-        "--step": options.step not in (None, 1),
-    }  # fmt: skip
+    used = {"--test": options.test is not None, "--step": options.step != 1}
     for option, is_used in used.items():
         if is_used and option not in belong:
             whose = [word for word, one in SCENES.items() if option in one.options]

@@ -29,7 +29,7 @@ function faultCard(fault) {
 
 function numbers(answer) {
   const rows = [["PRE-IE, limit", answer.fos.limit], ...answer.fos.lowest === null ? [] : [["lowest estimate", answer.fos.lowest]],
-    ["closed form", answer.fos.closed_form], ["static bound (upper)", answer.fos.static_bound]];
+    ["closed form", answer.fos.closed_form], ["upper bound (associated flow)", answer.fos.static_bound]];
   if (rows.every(([, value]) => value === null)) { return null; }
   return el("table", { class: "numbers" }, el("tbody", {}, rows.map(([name, value]) =>
     el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "num" }, factor(value))))));

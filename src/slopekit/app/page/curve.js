@@ -70,7 +70,7 @@ function draw() {
     take(curve.path, { value, text: own ? shown(own, value, 5) : figure(value) });
     change({ [curve.path]: value }, true);
   });
-  fill(parts.chart, sheet.sheet, el("p", { class: "key" }, el("span", { class: "k-limit" }, "limit, PRE-IE"),
+  fill(parts.chart, sheet.sheet, el("p", { class: "key" }, el("span", { class: "k-limit" }, "PRE-IE"),
     curve.closed_form?.some((v) => v !== null) ? el("span", { class: "k-closed" }, "closed form") : null,
     el("span", { class: "k-gap" }, "no factor"), el("span", { class: "k-dot" }, "the present design: click on the chart to move it")));
   const words = {};

@@ -46,7 +46,7 @@ export function figure(value, digits = 5) {
 
 /** A factor of safety, three decimals as the sheet has them. */
 export function factor(value) {
-  return value === null || value === undefined ? "–" : value >= 1000 ? value.toExponential(3) : value.toFixed(3);
+  return value === null || value === undefined ? "–" : value >= 1000 ? value.toExponential(3) : value < 1 - 1e-6 && value >= 0.9995 ? value.toFixed(Math.ceil(-Math.log10(1 - value))) : value.toFixed(3);
 }
 
 const ROSE = ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];

@@ -40,13 +40,10 @@ from slopekit.kinds.assemblies.many_blocks_states import (
 )
 from slopekit.kinds.protocol import (
     AtLoad,
-    Carried,
-    CarriedJoint,
     ClosedForm,
     Factors,
     Gain,
     Kind,
-    carried_joint,
     compare,
 )
 from slopekit.kinds.single_block.secants import left_out_of_laws, secant_of
@@ -138,15 +135,10 @@ def no_notices(*_: object) -> tuple[Notice, ...]:
     return ()
 
 
-def carried_strengths(inputs: Mapping[str, Any]) -> dict[str, CarriedJoint]:
-    """The strengths of a result of many blocks by name, from the JSON of its inputs."""
-    return {name: carried_joint(name, given) for name, given in inputs["strengths"]}
-
-
 def kind_of_many_blocks(
     name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
-    figures: Mapping[str, Callable[[A, Any], float]] | None = None, carried: Carried, falls_west: bool = False,
+    figures: Mapping[str, Callable[[A, Any], float]] | None = None, falls_west: bool = False,
     answered: Literal["release", "button"] = "release",
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
@@ -199,7 +191,7 @@ def kind_of_many_blocks(
         name, record, read, own.words, lambda design: solved(own, design).result, factors,
         ladder, lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
-        seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
+        seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {},
         falls_west=falls_west, answered=answered,
     )  # fmt: skip
 

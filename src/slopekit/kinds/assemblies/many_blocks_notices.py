@@ -119,9 +119,9 @@ def _unsettled(limit: BlocksLimit) -> Notice:
             f"all blocks were last at rest with their strength divided by {limit.rested:.4g} (limits of random "
             "sections lay up to 4 % below such a rest)"
         )
-    above = ", and no static bound was found"
+    above = ", and no upper bound was found"
     if limit.static_bound is not None:
-        above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
+        above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the upper bound"
     return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
                   f"counted, not timed: every machine ends here): {rests}{above}")  # fmt: skip
 
@@ -129,7 +129,7 @@ def _unsettled(limit: BlocksLimit) -> Notice:
 def _given_up(limit: BlocksLimit) -> Notice:
     """Why a search ended without a limit although work was left."""
     why = "the motion that was followed led to no state whose forces balance within strength"
-    above = "" if limit.static_bound is None else f"; the static bound is {limit.static_bound:.4g}"
+    above = "" if limit.static_bound is None else f"; the upper bound is {limit.static_bound:.4g}"
     return Notice("W308", f"the search for the limit of these blocks gave up: {why}{above}")
 
 
@@ -145,9 +145,7 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
                       f"the loads beside weight and water{earthquake(part)}, whatever the friction and cohesion: a "
                       "wider base or bolts would hold them; no factor of safety is given")  # fmt: skip
     exist = (
-        ""
-        if limit.static_bound is None
-        else "; the static bound says that forces in balance exist, not that they arise"
+        "" if limit.static_bound is None else "; the upper bound says that forces in balance exist, not that they arise"
     )
     tip = " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
     return Notice("W362", f"on elastic joints the blocks came to rest at none of the strengths that were tried{tip}: "

@@ -26,7 +26,7 @@ def _limit(blocks: ElasticBlocks) -> str:
             return f"no limit: {found}"
         low, high = blocks.between
         ends = (
-            "elastic blocks rest at the first, above the second no forces hold them (static bound without what is open"
+            "elastic blocks rest at the first, above the second no forces hold them (upper bound without what is open"
         )
         return f"{low:.4f} .. {high:.4f}  {ends} at the first); the rigid limit {found[5:]}"
     if blocks.limit is None:
@@ -51,7 +51,7 @@ def _percent(share: float) -> str:
 def _rock(blocks: ElasticBlocks) -> str:
     taken = f" ({' and '.join(blocks.taken)} taken, not given)" if blocks.taken else ""
     rock = f"modulus {blocks.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {blocks.poisson:.3g}{taken}"
-    return f"{rock}; {blocks.bedrock} bedrock"
+    return f"{rock}; rigid bedrock"
 
 
 def _joints(blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:

@@ -1,5 +1,6 @@
 """A result on one line, `--quiet`: status, factor, check. Never a bare factor of safety."""
 
+from slopekit.core.sheet import factor_text
 from slopekit.kinds.sheets.shared import judged_factor
 from slopekit.notices import INVENTED
 from slopekit.result import JUDGED, Result
@@ -31,7 +32,7 @@ def line_of(result: Result) -> str:
         and also.NAME not in dict(named)
         and (limit is None or also.factor < limit)
     ):
-        parts.append(f"{also.NAME} {also.factor:.3f}")
+        parts.append(f"{also.NAME} {factor_text(also.factor)}")
     parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
     said = {one.code: one.code for one in result.warnings}
     if INVENTED in said:

@@ -139,7 +139,7 @@ def limit_in_words(result: Result) -> str:
     """What the headline is: of many blocks the limit of the elastic path, or where it was last at rest."""
     findings = result.findings
     if findings is None:
-        return "limit, PRE-IE"
+        return "PRE-IE"
     ratio = findings.shear_to_normal
     if not findings.mechanisms:
         return path_in_words("none", ratio)

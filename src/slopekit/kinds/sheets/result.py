@@ -77,8 +77,6 @@ def _factors(result: Result) -> Iterator[Factor]:
     yield Factor(fos.limit, limit)
     if fos.lowest is not None:
         yield Factor(fos.lowest, shared.LOWEST)
-    if result.moments_govern and result.forces_only is not None:
-        yield Factor(result.forces_only, "PRE-IE, forces only")
     closed = f"closed form: {result.words.no_closed_form}"
     if is_compared:
         assumptions = [", forces only"] * result.words.turns + [", zero dilation"] * is_dilating
@@ -111,7 +109,7 @@ def moments(result: Result) -> list[str]:
     change = "lower the FoS"
     if opened:
         verbs = "open at failure and carry" if len(opened) > 1 else "opens at failure and carries"
-        change = f"{' and '.join(opened)} {verbs} no cohesion there: FoS"
+        change = f"{' and '.join(opened)} {verbs} no cohesion: FoS"
     limit, alone = factor_text(fos.limit), "" if forces is None else f" (forces only {factor_text(forces)})"
     lines = [f"{change} {limit}{alone}" if opened else f"moments {change} to {limit}{alone}"]
     closed, bound = factor_text(fos.closed_form), factor_text(fos.static_bound)
@@ -168,7 +166,7 @@ def _not_given(result: Result) -> list[str]:
     names = ["φ" if name == "phi" else name for name in result.design.defaults if name != "seismic.trend"]
     entries = [f"example values used: {', '.join(names)}"] if names else []
     if "seismic.trend" in result.design.defaults:
-        entries.append(f"seismic trend: {result.words.seismic}")
+        entries.append("seismic trend (as under LOADS)")
     return ["; ".join(entries)] if entries else []
 
 

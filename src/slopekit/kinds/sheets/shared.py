@@ -159,7 +159,7 @@ def _residual(result: Result) -> list[Factor]:
         return []
     status = result.design.in_own_names(result.words.status(left.status))
     differs = "" if left.status == result.status else f": {status}"
-    rows = [Factor(left.limit, f"residual strength, limit, PRE-IE{differs}", judged_difference(
+    rows = [Factor(left.limit, f"residual strength, PRE-IE{differs}", judged_difference(
         left.difference, left.agree, result.design.agree_within) if left.agree is not None else "")]  # fmt: skip
     if left.closed_form is not None:
         rows.append(Factor(left.closed_form, f"residual strength, {result.words.closed_form}"))
@@ -302,7 +302,7 @@ def judged_factor(value: float, rules: Iterable[Rule]) -> str:
     ('1.557', '1.49996')
     """
     rules = list(rules)
-    texts = (f"{value:.{digits}f}" for digits in range(3, 16))
+    texts = (factor_text(value).strip(), *(f"{value:.{digits}f}" for digits in range(3, 16)))
     judged = [rule.met(value) for rule in rules]
     return next((text for text in texts if [rule.met(float(text)) for rule in rules] == judged), repr(value))
 

@@ -67,26 +67,6 @@ class Rung:
 
 
 @dataclass(frozen=True, slots=True)
-class NormalsRung:
-    """The limit on a mesh of a curved slip surface whose node pairs have normals of one kind.
-
-    Attributes
-    ----------
-    normals : true (of the surface), smoothed (of a mesh) or facet, on which the mass interlocks like a ratchet: never
-        an answer
-    edge_m : mean edge of the triangles; factor : None where there is none
-    cohesive : factor with every bond kept, of facets only. They open all over as the mass moves on: with the cohesion
-        that is lost there `factor` falls below that of the surface, without the loss this one lies above it
-    """
-
-    normals: str
-    edge_m: float
-    node_pairs: int
-    factor: float | None = field(metadata={"json": "fos"})
-    cohesive: float | None = field(default=None, metadata={"json": "fos_cohesion_kept"})
-
-
-@dataclass(frozen=True, slots=True)
 class Ladder:
     """What `check` looks at.
 
@@ -97,7 +77,6 @@ class Ladder:
     others : k F of the design with its strength divided by k: the same F again, where the limit is one (STYLE.md §7);
         None where the weaker or stronger block has no factor
     unrefined : why there are no finer node pairs, empty where there are
-    normals : of a curved slip surface
     rest : the forces of all blocks held against the strength at which they last rest, where the limit is that of a
         group of them; None where all blocks are at theirs
     """
@@ -106,7 +85,6 @@ class Ladder:
     rungs: tuple[Rung, ...] = ()
     others: tuple[float | None, ...] = ()
     unrefined: str = ""
-    normals: tuple[NormalsRung, ...] = ()
     rest: Balance | None = None
 
 
@@ -219,11 +197,6 @@ def _reduced(scene: ContactModel, k: float, _: int) -> ContactModel:
     return replace(
         scene, model=weaker(scene.model), bedding=replace(bedding, model_of=lambda pairs: weaker(model_of(pairs)))
     )
-
-
-def kept_bonds_factor(model: Model) -> float | None:
-    """The factor by plain passes with every bond kept."""
-    return _passed(model, _SETTLED_PASSES, COLD)
 
 
 def _passed(model: Model, count: int, stages: Stages) -> float | None:

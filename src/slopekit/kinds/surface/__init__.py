@@ -58,12 +58,11 @@ from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
+    from slopekit.kinds.single_block.ladders import Ladder, Rung
 
 Normals = Literal["true", "smoothed", "facet"]
 NAME = "slip surface"
 _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
-_FACET_EDGES = (4.0, 2.0, 1.0)  # the same for facet normals: they show a trend, no answer
 _ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
 _FAR_M = 1e4
 _LEVEL_OF_FACETS = 4
@@ -315,7 +314,11 @@ def _closed_forms(
         rotation, methods = None, {}
     if rotation is not None:
         return rotation, methods, rest
-    return ClosedForm(None, "", "there is no closed form of this surface: judge by the static bound"), methods, rest
+    return (
+        ClosedForm(None, "", "there is no closed form of this surface: the upper bound alone is beside it"),
+        methods,
+        rest,
+    )
 
 
 def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
@@ -446,74 +449,38 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> It
 def _ladder(design: SurfaceDesign) -> "Ladder":
     from slopekit.kinds.single_block.ladders import ladder_of_block
 
-    ladder = ladder_of_block(design, analyse_surface, cut, _meshes)
-    return replace(ladder, normals=normals_rungs(design, ladder.result, ladder.rungs))
-
-
-def _meshed(
-    design: SurfaceDesign, result: Result, edges: Sequence[float], normals: Normals
-) -> Iterator[tuple[int, float, ContactModel, float]]:
-    """Scenes with edges so many times as long as the result's, with their number, the edge wanted and the mean edge.
-
-    A mesh file is what it is; what has too many node pairs, and edges too coarse to cut this mass, are left out.
-    """
-    from slopekit.kinds.single_block.ladders import MOST_PAIRS
-
-    geometry = result.geometry
-    assert isinstance(geometry, SurfaceGeometry)
-    for level, times in enumerate(edges):
-        if result.model.node_pairs / times**2 > MOST_PAIRS:
-            return
-        wanted = None if design.slip.shape == "mesh" else times * _ROOM * geometry.edge_m
-        say(f"{normals} normals, edges of {times * geometry.edge_m:.3g} m", head=True)
-        try:
-            made = cut(replace(design, slip=replace(design.slip, edge_m=wanted, normals=normals)))
-        except (DesignError, GeometryError):
-            continue
-        meshed = made.geometry()
-        assert isinstance(meshed, SurfaceGeometry)
-        yield level, times * geometry.edge_m, made.scene_at(0), meshed.edge_m
+    return ladder_of_block(design, analyse_surface, cut, _meshes)
 
 
 def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
-    """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
-    from slopekit.kinds.single_block.ladders import limit_rung
+    """Edges four times as long as the design's, to half as long; a mesh file is what it is.
+
+    What has too many node pairs, and edges too coarse to cut this mass, are left out.
+    """
+    from slopekit.kinds.single_block.ladders import MOST_PAIRS, limit_rung
 
     if design.slip.shape == "mesh":
         return
+    geometry = result.geometry
     rungs: list[Rung] = []
-    for level, wanted, scene, edge in _meshed(design, result, _EDGES, design.slip.normals):
+    assert isinstance(geometry, SurfaceGeometry)
+    for level, times in enumerate(_EDGES):
+        if result.model.node_pairs / times**2 > MOST_PAIRS:
+            break
+        wanted = times * geometry.edge_m
+        say(f"edges of {wanted:.3g} m", head=True)
+        try:
+            made = cut(replace(design, slip=replace(design.slip, edge_m=_ROOM * wanted)))
+        except (DesignError, GeometryError):
+            continue
+        meshed, scene = made.geometry(), made.scene_at(0)
+        assert isinstance(meshed, SurfaceGeometry)
         if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
             rungs.pop()
-        setting = f"edges of {wanted:.3g} m"
-        rungs.append(replace(limit_rung(scene, curved_limit_analysis, setting, level), edge_m=edge))
+        rungs.append(
+            replace(limit_rung(scene, curved_limit_analysis, f"edges of {wanted:.3g} m", level), edge_m=meshed.edge_m)
+        )
     yield from rungs
-
-
-def normals_rungs(design: SurfaceDesign, result: Result, ladder: "Sequence[Rung]") -> "tuple[NormalsRung, ...]":
-    """Facet normals at a few edges of a curved slip surface, beside the ladder's with the design's own normals.
-
-    Empty where the design itself has facet normals.
-    """
-    from slopekit.kinds.single_block.ladders import NormalsRung, kept_bonds_factor
-
-    own, geometry = design.slip.normals, result.geometry
-    if own == "facet":
-        return ()
-    assert isinstance(geometry, SurfaceGeometry)
-    rungs = [
-        NormalsRung(own, rung.edge_m, rung.node_pairs, rung.factor)
-        for rung in ladder if rung.edge_m is not None and rung.node_pairs is not None
-    ] or [NormalsRung(own, geometry.edge_m, result.model.node_pairs, result.fos.limit)]  # fmt: skip
-    edges: list[float] = []
-    for _, _, scene, edge in _meshed(design, result, (1.0,) if design.slip.shape == "mesh" else _FACET_EDGES, "facet"):
-        if edge in edges:  # the coarsest mesh there is, once more
-            continue
-        edges.append(edge)
-        limit = curved_limit_analysis(scene.model).governing
-        factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
-        rungs.append(NormalsRung("facet", edge, len(scene.pairs), factor, kept_bonds_factor(scene.model)))
-    return tuple(rungs)
 
 
 def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:

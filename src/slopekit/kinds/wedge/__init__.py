@@ -16,7 +16,7 @@ from slopekit.design.parts import Strength
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.rock.rockmass import FACE, J1, J2, UPPER
-from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
+from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.closed_forms import (
     Arguments,
     ClosedForms,
@@ -352,19 +352,21 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     slope = [(name, f"{name} {plane}  {plane.in_words()}") for name, plane in
              (("face", design.face), ("upper", design.upper))]  # fmt: skip
     entries += [text for name, text in slope if name not in design.defaults]
+    details = [text for name, text in slope if name in design.defaults]
     if design.crack:
-        area = size_number(geometry.areas_m2["crack"])
         entries.append(
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
-            f"crest along J1{design.crack_in_words}  area {area} m²"
+            f"crest along J1{design.crack_in_words}"
         )
+        details.append(f"crack area {size_number(geometry.areas_m2['crack'])} m²")
     if design.basal is not None:
         entries.append(basal.line_entry(geometry))
     else:
         line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
         length = size_number(geometry.line_length_m)
-        entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
-    yield Section("PLANES", entries, details=[text for name, text in slope if name in design.defaults])
+        entries.append(f"line of intersection {line_in_words(line)}, daylights at the toe")
+        details.append(f"line of intersection {length} m long")
+    yield Section("PLANES", entries, details=details)
     size = size_part(result, float(f"{height_of(design):.6g}"))
     if design.limits is not None:
         from slopekit.kinds.wedge import limits
@@ -379,14 +381,8 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     yield loads_part([*wet, *design.ground_in_words()], result)
 
 
-def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
-    values = zip(*(inputs[key] for key in STRENGTH_INPUTS), strict=True)
-    names = [*inputs["joint_names"], *(["basal"] if inputs.get("basal") else [])]
-    return {name: CarriedJoint(name, *own) for name, own in zip(names, values, strict=False)}
-
-
 _WORDS = Words(
-    "wedge on two joints", "wedge", "along the trend of the line of intersection", "Hoek & Bray closed form",
+    "wedge on two joints", "wedge", "along the line of intersection", "Hoek & Bray closed form",
     "Hoek & Bray: forces only", {}, along=True,
 )  # fmt: skip
 _ON_THREE = replace(
@@ -403,6 +399,6 @@ KIND = replace(kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
-), has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
+), has_site=True, paper_keys=("slope.", "strength.", "rock.density"),
     drawn_planes=lambda design: (f"joints.{design.joint_names[0]}.plane", f"joints.{design.joint_names[1]}.plane"),
 )  # fmt: skip

@@ -416,7 +416,7 @@ _PATHS: Mapping[str, str] = {
     "bolts": "support.bolts", "criterion": "analysis.criterion", "accept": "acceptance.rules",
     "agree_within": "analysis.agree_within", "refine": "analysis.refine",
     "factors": "analysis.factors", "title": "title", "modulus": "rock.modulus", "poisson": "rock.poisson",
-    "edge": "analysis.elastic.edge", "bedrock": "analysis.elastic.bedrock",
+    "edge": "analysis.elastic.edge",
 }  # fmt: skip
 _OF_JOINTS = ("c", "phi", "dilation", "tension")
 _STIFFNESS = {"normal_stiffness": "normal", "shear_stiffness": "shear"}

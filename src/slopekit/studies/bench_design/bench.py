@@ -145,11 +145,7 @@ class _Part:
 def strengths_at(ground: BenchSite, trials: Trials) -> tuple[Floats, Floats]:
     """Cohesion and friction (2, n) of the first and second joint of each place."""
     joints = np.stack([trials.first, trials.second])
-    cohesion, friction = trials.cohesion_kpa, trials.friction_deg
-    return (
-        ground.cohesion_kpa[joints] if cohesion is None else cohesion,
-        ground.friction_deg[joints] if friction is None else friction,
-    )
+    return ground.cohesion_kpa[joints], ground.friction_deg[joints]
 
 
 def _wedges(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:

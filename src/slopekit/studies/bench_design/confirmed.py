@@ -1,7 +1,4 @@
-"""PRE-IE beside the closed forms: wedges and planes of all benches, a random part and all near the target.
-
-Columns are looked at apart, see `columns`.
-"""
+"""PRE-IE beside the closed forms: wedges and planes of all benches, a random part and all near the target."""
 
 from collections.abc import Sequence
 from dataclasses import fields, replace

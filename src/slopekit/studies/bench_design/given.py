@@ -1,7 +1,7 @@
 """What a study of benches is given: the survey with its strengths and sizes, the benches to look at, what counts."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
@@ -16,12 +16,9 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.parts import Seismic
-from slopekit.design.scatter.distributions import Distribution
 from slopekit.design.words import between
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import BenchSite
-from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
-from slopekit.studies.bench_design.strengths import drawn_strength
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import meant_in_steps, parse_values
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
@@ -67,9 +64,7 @@ class BenchInputs:
     heights_m, face_dips_deg : of the benches, each with each; berms_m : of each of those, None: the width needed
     toward_deg : dip direction of the faces; toe : one of `TOES`
     cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.BenchSite`
-    drawn : of `c` and `phi` those that are drawn at each place, for joints without their own
     own : how many joints have c, φ, a trace and a spacing of their own
-    from_sets : whether the joints are drawn from sets, and none of them was measured
     numbers : by name, those of `_NUMBERS`; None where nothing was said
     every_m : along the bench, by the height of a bench where None
     defaults : names of the inputs that were left out; meant : ranges that may have been meant as steps
@@ -90,8 +85,6 @@ class BenchInputs:
     numbers: Mapping[str, float | None]
     every_m: float | None
     defaults: tuple[str, ...]
-    drawn: Mapping[str, Distribution] = field(default_factory=dict)
-    from_sets: bool = False
     meant: tuple[Notice, ...] = ()
 
     def number(self, name: str) -> float:
@@ -103,7 +96,7 @@ class BenchInputs:
     @property
     def has_cohesion(self) -> bool:
         """Whether any joint has some."""
-        return bool("c" in self.drawn or (self.cohesion_kpa > 0.0).any())
+        return bool((self.cohesion_kpa > 0.0).any())
 
     @property
     def near(self) -> float:
@@ -142,8 +135,6 @@ class BenchInputs:
             "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
             "toe": self.toe, "every_m": self.every_m, "agree_within": slope.agree_within,
             **json_of(self.numbers),
-            **({"drawn": {key: {"dist": one.name, **one.parameters} for key, one in self.drawn.items()}}
-               if self.drawn else {}),
         }  # fmt: skip
 
     def input_hash(self) -> str:
@@ -167,8 +158,6 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         True,
         columns=given["columns"],
     )
-    if is_sets(given["joints"]):
-        reading = partial(joints_of_sets, given["joints"], int(numbers["seed"] or 0))
     listed: JointList | None = faults.of(reading)
     read = {
         name: faults.of(partial(_values, name, given[name], option))
@@ -180,12 +169,6 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         faults.append(
             Fault("E126", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
         )
-    drawn: dict[str, Distribution | None] = {}
-    for key in ("c", "phi"):
-        before = len(faults)
-        drawn[key] = one = faults.of(partial(drawn_strength, key, given[key], option(key)))
-        if one is not None or len(faults) > before:  # a fault of it is said once
-            given = {**given, key: 1.0 if one is None else one.centre}
     slope: WedgeDesign | None = faults.of(partial(_slope, given, toward or 0.0, option))
     strengths: list[tuple[Floats, int]] = []
     if listed is not None:
@@ -217,8 +200,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         defaults.remove("density")
     return BenchInputs(
         listed, slope, heights, dips, read["berm"] or None, toward, toe, cohesion, friction, traces, spacings,
-        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults),
-        {key: one for key, one in drawn.items() if one is not None}, is_sets(given["joints"]), tuple(meant),
+        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults), tuple(meant),
     )  # fmt: skip
 
 

@@ -10,25 +10,141 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
+import numpy as np
+
 from slopekit.core.codec import record_of
 from slopekit.core.errors import Notice
+from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
-from slopekit.studies.bench_design.bench import bench_of, sliding_columns
-from slopekit.studies.bench_design.columns import ConfirmedColumns, confirmed_columns
+from slopekit.studies.bench_design.bench import SlidingColumns, bench_of, sliding_columns
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
-from slopekit.studies.bench_design.said import notices_of, of_columns
-from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.protocol import DESK, Argument, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
-from slopekit.studies.surveys import Columns, Convention, SkipBad, survey_head
+from slopekit.studies.surveys import Columns, Convention, SkipBad, left_out, survey_head
+
+_FEW = 30  # joints: below it, a survey says little of its sets
+
+
+def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
+    """Yield what a reader must know of the survey, of the options and of what was not counted."""
+    yield from asked.meant
+    yield from left_out(asked.joints)
+    n = len(asked.joints)
+    ways = len({joint.plane for joint in asked.joints.joints})
+    if ways < _FEW:
+        of = f" in {ways} orientation{'s' if ways > 1 else ''}" if ways < n else ""
+        yield Notice("W390", f"{asked.joints.name} holds {n} joints{of}: the same few meet again and again, "
+                     "see the limits")  # fmt: skip
+    known = int(np.isfinite(asked.trace_m).sum())
+    if known < n:
+        message = (
+            f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large"
+        )
+        yield Notice("W391", message)
+    if asked.own[2]:
+        yield from _hidden_ends(asked)
+    if not np.isfinite(asked.spacing_m).all():
+        without = int((~np.isfinite(asked.spacing_m)).sum())
+        message = f"{without} of {n} joints have no spacing: columns between them form and are not judged"
+        yield Notice("W391", message)
+    if asked.every_m is None:
+        message = (
+            "how often joints meet along the bench is not known: one place is taken for each bench height; volumes per "
+            "100 m go with it"
+        )
+        yield Notice("W391", message)
+    narrow = sorted({
+        (berm.berm_m, berm.catch_width_m) for bench in benches for berm in bench.berms
+        if berm.berm_m < berm.catch_width_m * (1.0 - 1e-12)
+    })  # fmt: skip
+    if narrow:
+        first, catch = narrow[0]
+        message = (
+            f"a berm of {number(first)} m is narrower than the catch width of {number(round(catch, 3))} m before "
+            "anything fails: no place keeps it; a wider berm, or a catch width of your own (--catch)"
+        )
+        yield Notice("W394", message)
+    wider = [bench for bench in benches if any(bench.backbreak.most > berm.berm_m for berm in bench.berms)]
+    if wider:
+        worst = max(bench.backbreak.most for bench in wider)
+        message = (
+            f"in {len(wider)} of {len(benches)} benches some places lose more than the whole berm (up "
+            f"to {number(round(worst, 1))} m): the bench above, which would come along, is left out"
+        )
+        yield Notice("W394", message)
+    yield from _cohesion(benches)
+    slope = asked.slope
+    if any(bench.modes["toppling"].forms.count for bench in benches) and (
+        slope.water.mode != "dry" or slope.seismic.coefficient
+    ):
+        yield Notice(
+            "W395", "toppling columns are judged by their weight alone: water and earthquake do not act on them"
+        )
+    if checked is None:
+        return
+    said = checked.said
+    if said.unsafe:
+        yield Notice("W353", f"{said.unsafe} of the {said.samples} blocks that PRE-IE looked at fail by it and stand "
+                     "by the closed form: moments decide there")  # fmt: skip
+    if said.settled < said.samples:
+        yield Notice("W350", f"PRE-IE gave no answer for {said.samples - said.settled} of the {said.samples} blocks it "
+                     "was asked of: they confirm nothing")  # fmt: skip
+
+
+def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
+    """W422, of the bench in which cohesion holds the most."""
+    hanging = [(bench, bench.bare) for bench in benches if bench.bare is not None and bench.bare.decides]
+    if not hanging:
+        return
+    bench, bare = max(hanging, key=lambda one: one[1].fails["any"] - (one[0].modes["any"].fails.share or 0.0))
+    of_formed = 100.0 * (bench.modes["any"].fails_if_formed.share or 0.0)
+    yield Notice(
+        "W422",
+        f"the answer hangs on cohesion in {len(hanging)} of {len(benches)} benches: at {number(bench.height_m)} m and "
+        f"{number(bench.face_dip_deg)}° {of_formed:.3g} % of the blocks that form fail, with c = 0 "
+        f"{100.0 * (bare.fails_if_formed['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
+        f"{bare.berm_needed_m:.3g} m",
+    )
+
+
+def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
+    """W391, of traces that were measured: they run at least so far."""
+    measured = [joint for joint in asked.joints.joints if joint.trace_m is not None]
+    hidden, unknown = (sum(test) for test in (
+        [joint.ends is not None and joint.ends < 2 for joint in measured], [joint.ends is None for joint in measured]
+    ))  # fmt: skip
+    if not hidden and not unknown:
+        return
+    parts = [f"{hidden} with a hidden end"] if hidden else []
+    parts += [f"{unknown} without a word of their ends"] if unknown else []
+    yield Notice(
+        "W391",
+        f"{len(measured)} traces are taken as whole as measured ({', '.join(parts)}): longer ones make more and larger "
+        "blocks",
+    )
+
+
+def of_columns(benches: Sequence[OfBench], sliding: Sequence[SlidingColumns]) -> Iterator[Notice]:
+    """W395, with the bench in which most of what slides is not counted."""
+    slide, stand = sum(one.slide for one in sliding), sum(one.stand for one in sliding)
+    if not slide:
+        return
+    bench, most = max(zip(benches, sliding, strict=True), key=lambda one: one[1].uncounted)
+    counted, with_them = (100.0 * part / most.places for part in (most.failing, most.failing + most.uncounted))
+    where = f"at {number(bench.height_m)} m and {number(bench.face_dip_deg)}°"
+    yield Notice(
+        "W395",
+        f"{slide} of {stand} columns that stand against toppling slide on their base and do not count as failing "
+        f"columns; {where} something fails at {counted:.1f} % of the places, with them at {with_them:.1f} %",
+    )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -39,7 +155,7 @@ class BenchDesigns(StudyOutcome):
     ----------
     given : the survey, the benches, what counts
     benches : what came of each height and face
-    checked : what PRE-IE says of their wedges and planes, None where it was not asked; columns : of columns likewise
+    checked : what PRE-IE says of their wedges and planes, None where it was not asked
     """
 
     name: ClassVar[str] = "bench-design"
@@ -50,7 +166,6 @@ class BenchDesigns(StudyOutcome):
     warnings: tuple[Notice, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
     journal: Journal | None = field(default=None, compare=False)
-    columns: ConfirmedColumns | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -109,7 +224,6 @@ class BenchDesigns(StudyOutcome):
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
             "pre_ie": None if self.checked is None else record_of(self.checked.said)
             | {"by_mode": self.checked.by_mode, "different_blocks": self.checked.blocks},
-            "pre_ie_columns": None if self.columns is None else record_of(self.columns),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -117,20 +231,14 @@ class BenchDesigns(StudyOutcome):
 
 @documented
 def bench_design(
-    joints: Annotated[
-        Any,
-        Argument(
-            "A joint list (CSV, .xlsx, Dips, CloudCompare), or a YAML file of joint sets as slopekit sets writes them.",
-            "JOINTS",
-        ),
-    ],
+    joints: Annotated[Any, Argument("A joint list (CSV, .xlsx, Dips, CloudCompare).", "JOINTS")],
     *,
     height: Annotated[Any, Option("Bench heights, m: 10,15 or 10:20:3 (how many) or 10:20:+5 (in steps).")] = None,
     face: Annotated[Any, Option("Face angles, degrees: 60:80:5, 60:80:+5 or 65,75.")] = None,
     dip_direction: Annotated[Any, Option("Dip direction of the faces.")] = None,
     berm: Annotated[Any, Option("Berm widths, m [the width needed for --reliability].")] = None,
-    c: Annotated[Any, Option("Cohesion of joints without their own; it may scatter: normal:10,3.")] = None,
-    phi: Annotated[Any, Option("Friction angle of joints without their own, or normal:30,3.")] = None,
+    c: Annotated[Any, Option("Cohesion of joints without their own.")] = None,
+    phi: Annotated[Any, Option("Friction angle of joints without their own.")] = None,
     reliability: Annotated[Any, Option("Part of the length whose berm shall keep the catch width [80%].")] = None,
     catch: Annotated[Any, Option("Catch width, m [modified Ritchie, 0.2 height + 4.5].")] = None,
     toe: Annotated[
@@ -173,13 +281,12 @@ def bench_design(
     ------
     DesignError
         Every fault: of the list, of the loads as for a wedge, E143 a strength that a joint needs, E101 and E116
-        faces, heights and berms, E307 other numbers, E125 too many, E122 an earthquake that acts elsewhere, E165 a
-        strength that scatters in no known way.
+        faces, heights and berms, E307 other numbers, E125 too many, E122 an earthquake that acts elsewhere.
 
     Notes
     -----
     Columns `trace` and `spacing` of the list count before --trace and --spacing. In Python `joints` are what
-    `slopekit.combos` takes, or {"sets": {...}}: joints are drawn from sets then (E142, E143, E190, E281).
+    `slopekit.combos` takes.
 
     With bench height H, face angle β and berm b the inter-ramp angle α has cot α = cot β + b / H. What fails breaks
     back behind the crest by x; a berm keeps its catch width w where b - x >= w. The reliability is the part of the
@@ -203,21 +310,19 @@ def bench_design(
     asked = bench_inputs(given, desk.named)
     read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
-    trials = with_drawn(asked, trials)
     sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
     benches = [bench_of(asked.ground(height), trials, height, dip) for height, dip in sizes]
     judged = time.perf_counter()
     outcomes = [outcome_of(asked, trials, bench) for bench in benches]
     if asked.has_cohesion:
-        bare, own = without_cohesion(trials), zip(sizes, outcomes, strict=True)
-        outcomes = [
-            replace(of, bare=of_cohesion(asked, bench_of(asked.ground(height), bare, height, dip), of))
-            for (height, dip), of in own
-        ]  # fmt: skip
+        bare = [
+            bench_of(replace(asked.ground(height), cohesion_kpa=np.zeros(len(asked.joints))), trials, height, dip)
+            for height, dip in sizes
+        ]
+        outcomes = [replace(of, bare=of_cohesion(asked, bench, of)) for bench, of in zip(bare, outcomes, strict=True)]
     shares = time.perf_counter()
     checked, journal = confirmed(asked, trials, benches, crew, desk)
-    columns = confirmed_columns(asked, trials, benches, crew, desk)
-    outcomes = [accepted(asked, one, checked, columns) for one in outcomes]
+    outcomes = [accepted(asked, one, checked) for one in outcomes]
     end = time.perf_counter()
     times = {
         "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
@@ -225,21 +330,17 @@ def bench_design(
     }  # fmt: skip
     sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
     notices = [*notices_of(asked, outcomes, checked), *of_columns(outcomes, sliding)]
-    study = BenchDesigns(
-        asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal, columns
-    )  # fmt: skip
+    study = BenchDesigns(asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal)
     if desk.folder is None:
         study.done()
     return study
 
 
-def accepted(
-    asked: BenchInputs, bench: OfBench, checked: Confirmed | None, columns: ConfirmedColumns | None = None
-) -> OfBench:  # fmt: skip
+def accepted(asked: BenchInputs, bench: OfBench, checked: Confirmed | None) -> OfBench:
     """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
     least = asked.numbers["accept"]
     if least is None:
         return bench
-    doubted = any((bench.height_m, bench.face_dip_deg) in one.doubted for one in (checked, columns) if one is not None)
+    doubted = checked is not None and (bench.height_m, bench.face_dip_deg) in checked.doubted
     berms = (replace(berm, accepted=not doubted and berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

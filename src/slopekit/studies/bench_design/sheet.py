@@ -7,12 +7,10 @@ import numpy as np
 
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted
-from slopekit.design.scatter.distributions import Distribution
 from slopekit.studies.bench_design.bench import MODES
 from slopekit.studies.bench_design.given import LATERAL_DEG, LATERAL_TOPPLING_DEG
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, OfCohesion
 from slopekit.studies.bench_design.run import BenchDesigns
-from slopekit.studies.bench_design.strengths import in_words
 from slopekit.studies.prob.estimates import Share
 from slopekit.studies.surveys import codes_of, head, survey_entry
 
@@ -28,7 +26,7 @@ def sheet_of(study: BenchDesigns) -> Sheet:
         Section("BERMS", [_OF_BERMS, _berms(study)] if study.given.berms_m is not None else []),
         Section("NEEDED", [_needed_said(study), _needed(study)]),
         Section("BEST", _best(study)),
-        Section("PRE-IE", [*_pre_ie(study), *_pre_ie_columns(study)]),
+        Section("PRE-IE", _pre_ie(study)),
         Section("READS AS", [_MEANING]),
         Section("DEFAULTS", _defaults(study)),
         Section("TIME", [f"{study.timing_s['total']:.1f} s, {study.crew}"]),
@@ -63,10 +61,6 @@ def _strength(study: BenchDesigns) -> str:
     friction = f"φ {number(low)}°" if low == high else f"φ {number(low)} to {number(high)}°"
     low, high = float(asked.cohesion_kpa.min()), float(asked.cohesion_kpa.max())
     cohesion = f"c {number(low)} kPa" if low == high else f"c {number(low)} to {number(high)} kPa"
-    if "c" in asked.drawn:
-        cohesion = _scatters("c", asked.drawn["c"], " kPa", asked.own[0])
-    if "phi" in asked.drawn:
-        friction = _scatters("φ", asked.drawn["phi"], "°", asked.own[1])
     water = asked.slope.water
     wet = "dry" if water.mode == "dry" or (not water.fill and not water.pressures_kpa) else (
         f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {water.in_words()}"
@@ -75,11 +69,6 @@ def _strength(study: BenchDesigns) -> str:
     return f"{cohesion}, {friction}, {number(asked.slope.unit_weight_kn_m3)} kN/m³, {wet}" + (
         f", seismic {number(quake)}" if quake else ""
     )
-
-
-def _scatters(symbol: str, scatters: Distribution, unit: str, own: int) -> str:
-    of = f" ({counted(own, 'joint')} with their own)" if own else ""
-    return f"{symbol} drawn at each place ({in_words(scatters)}{unit}){of}"
 
 
 def _sizes(study: BenchDesigns) -> str:
@@ -287,18 +276,6 @@ def _pre_ie(study: BenchDesigns) -> list[str]:
     if said.governed:
         rows.append(f"moments govern in {said.governed} of {said.at_random} at random")
     return rows
-
-
-def _pre_ie_columns(study: BenchDesigns) -> list[str]:
-    said = study.columns
-    if said is None:
-        return []
-    none = f", {said.unanswered} without an answer" if said.unanswered else ""
-    return [
-        f"{counted(said.samples, 'column')}, each alone on its base ({said.near} near turning over): {said.topple} "
-        f"turn over by both, {said.stand} by neither, {said.pre_ie_only} by PRE-IE alone, {said.closed_form_only} by "
-        f"the criterion alone{none}; {said.slide} of those that do not slide by PRE-IE"
-    ]  # fmt: skip
 
 
 def _defaults(study: BenchDesigns) -> list[str]:

@@ -25,14 +25,11 @@ class Trials:
     Attributes
     ----------
     first, second : (n,) numbers of the joints; toe : (n,) where on the face they daylight, 0 at its toe, below 1
-    cohesion_kpa, friction_deg : (2, n) of both joints at each place where they are drawn, None: those of the joints
     """
 
     first: Ints
     second: Ints
     toe: Floats
-    cohesion_kpa: Floats | None = None
-    friction_deg: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.first)

@@ -19,7 +19,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of, with_all_said
-from slopekit.kinds.single_block.ladders import Ladder, NormalsRung, Rung
+from slopekit.kinds.single_block.ladders import Ladder, Rung
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result
@@ -29,7 +29,7 @@ _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
 _STIFFNESS = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
 _BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
-_INDEPENDENT = ("closed form", "node pairs", "static bound")  # findings that hold the number against something else
+_INDEPENDENT = ("closed form", "node pairs", "upper bound")  # findings that hold the number against something else
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,6 @@ class Check(StudyOutcome):
     orders : observed orders of convergence from one mesh to the next, empty where the mesh does not matter
     cheapest : index of the cheapest rung of PRE-IE within `agree_within`, None where none is
     findings : what was looked at
-    normals : of a curved slip surface: the limit with its normals and with those of its facets, for show
     """
 
     name: ClassVar[str] = "check"
@@ -76,12 +75,8 @@ class Check(StudyOutcome):
     cheapest: int | None = field(compare=False)
     findings: tuple[Finding, ...]
     seconds: float = field(default=0.0, compare=False)
-    normals: tuple[NormalsRung, ...] = ()
 
-    @property
-    def charts(self) -> tuple[str, ...]:
-        """Time against error; of a curved surface its normals as well."""
-        return ("speed-error", "normals") if self.normals else ("speed-error",)
+    charts: ClassVar[tuple[str, ...]] = ("speed-error",)
 
     @property
     def consistent(self) -> bool | None:
@@ -141,7 +136,6 @@ class Check(StudyOutcome):
             "ladder": [
                 record_of(rung) | {"error": error} for rung, error in zip(self.ladder, self.errors, strict=True)
             ],
-            "normals": json_of(self.normals),
             "orders": list(self.orders),
             "balance": result["balance"],
             "timing_s": {
@@ -199,10 +193,7 @@ def check(
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
-    return Check(
-        result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began,
-        evidence.normals,
-    )  # fmt: skip
+    return Check(result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began)
 
 
 def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str, Rung | None]:
@@ -273,13 +264,13 @@ def _findings(
                       bool(all(others)) and off <= design.agree_within, words)  # fmt: skip
     yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
     if fos.static_bound is None:
-        yield Finding("static bound", None, None, None, "not found: nothing is said of limit <= bound")
+        yield Finding("upper bound", None, None, None, "not found: nothing is said of limit <= bound")
     else:
         above = max(fos.limit / fos.static_bound - 1.0, 0.0)
         words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g}: how far the limit lies above"
         if not result.static_bound_proved:
             words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g} (not proved)"
-        yield Finding("static bound", above, _ALIKE, above <= _ALIKE if result.static_bound_proved else None, words)
+        yield Finding("upper bound", above, _ALIKE, above <= _ALIKE if result.static_bound_proved else None, words)
     yield from _debonding(result)
     if fos.all_pairs_failed is not None:
         yield Finding("all pairs failed", fos.all_pairs_failed, None, None,

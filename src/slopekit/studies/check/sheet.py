@@ -35,9 +35,9 @@ def sheet_of(checked: Check) -> Sheet:
 def line_of(checked: Check) -> str:
     """The verdict on one line."""
     fos, led = checked.result.fos.limit, checked.result.leading
-    factor = "none" if fos is None else f"{fos:.3f}"
+    factor = factor_text(fos).strip()
     if led is not None:  # what acceptance hangs on
-        factor = f"{JUDGED[led[0]]} {led[1]:.3f}, limit {factor}"
+        factor = f"{JUDGED[led[0]]} {factor_text(led[1])}, limit {factor}"
     codes = list(dict.fromkeys(notice.code for notice in checked.result.warnings))
     met = [] if checked.result.accepted is None else ["met" if checked.result.accepted else "not met"]
     return "  ".join([checked.result.status, factor, *met, _verdict(checked), *codes])

@@ -37,7 +37,7 @@ from slopekit.studies.kinematic.criteria import (
     planes_of_poles,
     tested_pairs,
 )
-from slopekit.studies.protocol import DESK, Option, Seed, StudyOutcome, Workplace, documented
+from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented
 from slopekit.studies.ranges import as_steps, parse_values
 from slopekit.studies.surveys import (
     MOST_JOINTS,
@@ -46,7 +46,6 @@ from slopekit.studies.surveys import (
     Columns,
     Convention,
     SkipBad,
-    check_seed,
     left_out,
     partners,
     range_of,
@@ -54,6 +53,7 @@ from slopekit.studies.surveys import (
 )
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
+SEED = 1  # of the pairs that are drawn where there are too many
 _MOST_FACES = 200
 _MOST_LISTED = 12
 
@@ -66,7 +66,7 @@ class Kinematic(StudyOutcome):
     ----------
     friction_deg : (n,) of each joint; measured : how many have their own
     lines, modes : see there; a stereonet needs no more than these, the joints and the limits
-    pairs : whose lines these are, all or as many as were drawn, with `seed`
+    pairs : whose lines these are, all or as many as were drawn
     over_faces : (dip of the face, counts) for each face that was asked for
     percent, percent_of_faces : parts of the joints and of the lines, of the face and of each face that was asked for.
         A joint counts by its quantity, a line by the product of those of its two joints, as that many joints would
@@ -81,7 +81,6 @@ class Kinematic(StudyOutcome):
     lateral_toppling_deg: float
     lines: Lines
     pairs: int
-    seed: int
     modes: Modes
     over_faces: tuple[tuple[float, Mapping[str, int]], ...]
     percent: Mapping[str, float | None]
@@ -167,7 +166,7 @@ class Kinematic(StudyOutcome):
         limits = (self.lateral_deg, self.lateral_toppling_deg)
         exact = [face, faces, limits, self.joints.rows(), self.friction_deg.tolist()]
         exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
-        exact += [self.seed] if self.is_sample else []
+        exact += [SEED] if self.is_sample else []
         return digest(exact)
 
     def to_dict(self) -> dict[str, Any]:
@@ -181,7 +180,7 @@ class Kinematic(StudyOutcome):
                 "face": str(self.face),
                 "friction_deg": range_of(self.friction_deg, self.measured),
                 "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
-            } | ({"seed": self.seed} if self.is_sample else {}),
+            } | ({"seed": SEED} if self.is_sample else {}),
             "defaults": list(self.defaults),
             "joints": n,
             "orientations": [
@@ -233,7 +232,6 @@ def kinematic(
     convention: Convention = None,
     columns: Columns = None,
     skip_bad: SkipBad = False,
-    seed: Seed = 1,
     desk: Workplace = DESK,
 ) -> Kinematic:
     """Planar and wedge sliding, flexural and direct toppling of every joint and pair, by orientation and friction.
@@ -242,7 +240,7 @@ def kinematic(
     ------
     DesignError
         With every fault: of the list, E113, E115 for phi, E143 without a face, E312 for the faces, E307 for the
-        lateral limits and the seed.
+        lateral limits.
 
     Notes
     -----
@@ -280,21 +278,20 @@ def kinematic(
             defaults.append(key)
         limits.append(standard if value is None else faults.of(partial(_limit, value, desk.named(key))))
     dips = faults.of(lambda: _faces(faces, Key(desk.named("faces"), "angle", None, 0.0, 90.0)))
-    check_seed(faults, seed)
     faults.refuse()
     assert listed is not None and plane is not None and dips is not None  # noqa: PT018  # no fault: nothing is missing
     lateral_deg, toppling_deg = (0.0 if limit is None else limit for limit in limits)
     friction, measured, _ = own_or_given(listed, "phi", friction_angle, desk.named("phi"))
     if phi is None and measured < len(listed):
         defaults.append("phi")
-    pairs = tested_pairs(listed, np.random.default_rng(seed))
+    pairs = tested_pairs(listed, np.random.default_rng(SEED))
     lines = lines_of(listed, pairs)
     limits_deg = lateral_deg, toppling_deg
     weights = listed.quantities, listed.quantities[lines.first] * listed.quantities[lines.second]
     over = [modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits_deg) for dip in dips]
     modes = modes_of(listed, lines, plane, friction, *limits_deg)
     return Kinematic(
-        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, len(pairs[0]), seed,
+        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, len(pairs[0]),
         modes,
         tuple((dip, face_modes.counts()) for dip, face_modes in zip(dips, over, strict=True)), modes.shares(*weights),
         tuple(face_modes.shares(*weights) for face_modes in over), tuple(defaults),

@@ -18,7 +18,7 @@ from slopekit.studies.kinematic.criteria import (
     SECONDARY,
     SLIDING_BASE,
 )
-from slopekit.studies.kinematic.run import Kinematic, mean_plane
+from slopekit.studies.kinematic.run import SEED, Kinematic, mean_plane
 from slopekit.studies.surveys import codes_of, head, partners_entry, survey_entry
 
 _MOST_NAMES = 24
@@ -34,7 +34,7 @@ def sheet_of(analysis: Kinematic) -> Sheet:
     """The sheet of the kinematic tests."""
     n, m, of = len(analysis.joints), len(analysis.lines.first), _Shares(analysis)
     parallel = analysis.pairs - m
-    few = f", {analysis.pairs} of them drawn at random (seed {analysis.seed})" if analysis.is_sample else ""
+    few = f", {analysis.pairs} of them drawn at random (seed {SEED})" if analysis.is_sample else ""
     few += f", {parallel} of them parallel, without a line of intersection" if parallel else ""
     return Sheet(head("kinematic", analysis.joints, analysis.input_hash()), (
         Section("SURVEY", [survey_entry(analysis.joints) + few, *_drawn(analysis)]),

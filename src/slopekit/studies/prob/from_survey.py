@@ -1,4 +1,4 @@
-"""The two joints of a wedge drawn from a survey: its own joints, pair by pair, or its sets with Fisher's distribution.
+"""The two joints of a wedge drawn from a survey: its own joints, pair by pair.
 
 P(failure) = P(two joints form a wedge that can leave the slope) × P(it fails | it forms). A survey is a sample itself:
 where its own joints are drawn, resampling them (Efron 1979, Ann. Stat. 7, 1-26) says how far the three would be off
@@ -7,12 +7,12 @@ with as many other joints: a pair that was drawn counts as often as its two join
 
 import math
 from dataclasses import field, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.arrays import Bools, Ints
+from slopekit.core.errors import Fault, Faults, Notice
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
@@ -22,12 +22,8 @@ from slopekit.kinds import kind_of
 from slopekit.studies.prob.estimates import Share, share_of
 from slopekit.studies.prob.judged import Judged
 from slopekit.studies.prob.sampling import Samples
-from slopekit.studies.prob.sources import fisher
-from slopekit.studies.sets.run import FoundSet, sets
 from slopekit.studies.surveys import MOST_JOINTS, left_out
 
-Draw = Literal["joints", "sets"]
-_WAYS = ("joints", "sets")
 _RESAMPLED = 400
 _OWN_STREAM = 0x5E75  # apart from the stream that draws the other numbers
 _PLACEHOLDER_K = 1.0  # of a distribution that is not drawn from: the survey is
@@ -48,12 +44,11 @@ class FromSurvey:
     Attributes
     ----------
     occurrence, failure, both : P(forms), P(fails | forms), their product, with the limits of the samples
-    resampled : of the three over resampled surveys, None where sets were drawn; times : how many
+    resampled : of the three over resampled surveys, None where none of them holds a pair; times : how many
     """
 
     survey: str
     joints: int
-    draw: Draw
     occurrence: Share
     failure: Share
     both: Share
@@ -67,47 +62,28 @@ class SurveySource:
 
     Attributes
     ----------
-    paths : of the two planes in the design; found : the sets, where these are drawn
+    paths : of the two planes in the design
     """
 
     listed: JointList
-    draw: Draw
     paths: tuple[str, str]
-    found: tuple[FoundSet, ...] = ()
     notices: tuple[Notice, ...] = field(default=(), compare=False)
 
     def pairs(self, n: int, seed: int) -> tuple[Ints, Ints, np.random.Generator]:
-        """Two joints each, never one twice, by quantity; of sets the joints whose sets are drawn."""
+        """Two joints each, never one twice, by quantity."""
         rng = np.random.default_rng([seed, _OWN_STREAM])
-        weights = self.listed.quantities.copy()
-        if self.draw == "sets":
-            inside = np.concatenate([one.members for one in self.found])
-            weights[np.setdiff1d(np.arange(len(weights)), inside)] = 0.0
-        part = weights / weights.sum()
+        part = self.listed.quantities / self.listed.quantities.sum()
         first, second = rng.choice(len(part), n, p=part), rng.choice(len(part), n, p=part)
         while (same := np.flatnonzero(first == second)).size:
             first[same] = rng.choice(len(part), same.size, p=part)
             second[same] = rng.choice(len(part), same.size, p=part)
         return first, second, rng
 
-    def planes(self, index: Ints, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        """Dips and dip directions of joints, or drawn about the means of their sets."""
-        dips, ways = self.listed.dips_deg[index], self.listed.dip_directions_deg[index]
-        if self.draw == "joints":
-            return dips, ways
-        normal = rng.standard_normal((2, len(index)))
-        for one in self.found:
-            own = np.isin(index, one.members)
-            if math.isfinite(one.axes.k):
-                dips[own], ways[own] = fisher(one.plane, max(one.axes.k, 0.1), *normal[:, own])
-            else:
-                dips[own], ways[own] = one.plane.dip_deg, one.plane.dip_direction_deg
-        return dips, ways
-
     def samples(self, others: Samples | None, variables: tuple[Variable, ...], n: int, seed: int) -> Samples:
         """The planes of the two joints beside what else scatters."""
-        first, second, rng = self.pairs(n, seed)
-        columns = [*self.planes(first, rng), *self.planes(second, rng)]
+        first, second, _ = self.pairs(n, seed)
+        dips, ways = self.listed.dips_deg, self.listed.dip_directions_deg
+        columns = [dips[first], ways[first], dips[second], ways[second]]
         values = np.stack([*columns, *([] if others is None else others.values.T)])
         values.setflags(write=False)
         names = tuple(name for variable in variables for name in variable.columns)
@@ -124,11 +100,9 @@ class SurveySource:
             share_of(fails, forms, once, confidence),
             share_of(fails, possible, once, confidence),
         )
-        resampled = None if self.draw == "sets" else self._resampled(possible, forms, fails, seed, confidence)
+        resampled = self._resampled(possible, forms, fails, seed, confidence)
         times = 0 if resampled is None else _RESAMPLED
-        return FromSurvey(
-            self.listed.name, len(self.listed), self.draw, shares[0], shares[1], shares[2], resampled, times
-        )
+        return FromSurvey(self.listed.name, len(self.listed), *shares, resampled, times)
 
     def _resampled(
         self, possible: Bools, forms: Bools, fails: Bools, seed: int, confidence: float
@@ -153,22 +127,14 @@ class SurveySource:
         return one, two, three
 
 
-def unknown_way(draw: str) -> list[Fault]:
-    """E126 of a way to draw from a survey that there is not."""
-    message = f"{draw} is not a way to draw from a survey"
-    return [] if draw in _WAYS else [Fault("E126", message, "--draw", "Known: joints, sets.")]
-
-
-def surveyed(
-    design: Design, survey: Any, draw: str, method: str, seed: int, option: str
-) -> tuple[Design, SurveySource]:
+def surveyed(design: Design, survey: Any, method: str, option: str) -> tuple[Design, SurveySource]:
     """A wedge whose joints come from a survey, and the source of their planes.
 
     Raises
     ------
     DesignError
-        E288 not a wedge with joints of its own, E126 a way to draw, or samples that are not Monte Carlo, E167 a rank
-        correlation with the orientation of a joint, E190 sets where there are none; those of the list.
+        E288 not a wedge with joints of its own, E126 samples that are not Monte Carlo, E167 a rank correlation with the
+        orientation of a joint; those of the list.
     """
     faults = Faults()
     drawn = kind_of(design).drawn_planes
@@ -180,7 +146,6 @@ def surveyed(
         faults.append(
             Fault("E288", message, option, "Write joints: {J1: {plane: 45/115}, ...}: their planes are drawn.")
         )
-    faults += unknown_way(draw)
     if method != "monte-carlo":
         faults.append(Fault("E126", f"joints of a survey are drawn by monte-carlo, not by {method}", "--method"))
     paths: tuple[str, ...] = () if drawn is None else drawn(design)
@@ -190,18 +155,11 @@ def surveyed(
             faults.append(Fault("E167", message, "correlation", "Leave this correlation out."))
     faults.refuse()
     listed = joint_list(survey, None, False, 2, "", most=MOST_JOINTS)
-    joint_sets: tuple[FoundSet, ...] = ()
-    if draw == "sets":
-        joint_sets = sets(survey, seed=seed).sets
-        if not joint_sets or sum(len(one.members) for one in joint_sets) < 2:
-            message = f"{listed.name} has no sets to draw from"
-            raise DesignError([Fault("E190", message, option, "Draw its joints: --draw joints.")])
     centre = Fisher(Plane(45.0, 180.0), _PLACEHOLDER_K)
-    where = f"{listed.name} {draw} {listed.rows()!r} {listed.quantities.tolist()!r}"
+    where = f"{listed.name} joints {listed.rows()!r} {listed.quantities.tolist()!r}"
     own = tuple(Variable(path, centre, where) for path in paths)
     kept = tuple(one for one in design.variables if not _is_of(one.path, paths))
-    way: Draw = "sets" if draw == "sets" else "joints"
-    source = SurveySource(listed, way, (paths[0], paths[1]), joint_sets, tuple(left_out(listed)))
+    source = SurveySource(listed, (paths[0], paths[1]), tuple(left_out(listed)))
     return replace(design, variables=(*own, *kept)), source
 
 

@@ -41,7 +41,7 @@ from slopekit.studies.prob.bolts import (
 )
 from slopekit.studies.prob.cracks import WorstCracks, checked_alone, cracked
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
-from slopekit.studies.prob.from_survey import Draw, FromSurvey, surveyed, unknown_way
+from slopekit.studies.prob.from_survey import FromSurvey, surveyed
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
     Confirmation,
@@ -372,7 +372,6 @@ def prob(
     survey: Annotated[
         Any, Option("A joint list that the two joints of a wedge are drawn from.", metavar="JOINTS")
     ] = None,
-    draw: Annotated[Draw, Option("Draw its joints, pair by pair, or its sets by Fisher's K [joints].")] = "joints",
     seed: Seed = 1,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
@@ -418,9 +417,7 @@ def prob(
         raise DesignError([Fault("E313", message, "analysis.partial_factors", advice)])
     given, source = design, None
     if survey is not None:
-        design, source = surveyed(design, survey, draw, method, seed, desk.named("survey"))
-    elif wrong := unknown_way(draw):
-        raise DesignError(wrong)
+        design, source = surveyed(design, survey, method, desk.named("survey"))
     asked = _asked(design, n, seed, method, by, fos, confirm, near, confidence, accept)
     clock = Clock()
     with clock("draw"):

@@ -1,6 +1,6 @@
 """The sheet of a study of probability: the estimate, what it rests on, what PRE-IE says of it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter, itemgetter
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
 from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
@@ -22,6 +22,7 @@ from slopekit.studies.prob.sizes import SHARES, LimitedSamples, SizeStatistics
 from slopekit.studies.words import head, status_words
 
 _ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
+_FEW = 5  # of the sensitivities on the short sheet
 #: Why planes form no block, in a few words; the whole is in `slopekit explain CODE`.
 NO_BLOCK = {
     "E201": "joints parallel", "E203": "steeper than the face: does not daylight",
@@ -46,7 +47,7 @@ def sheet_of(study: Probability) -> Sheet:
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
-        Section("RANDOM", _inputs(study)),
+        Section("RANDOM", _inputs(study), details=_ranks(study)),
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
@@ -56,7 +57,7 @@ def sheet_of(study: Probability) -> Sheet:
             Section("FoS", [_mean(summary, asked.target)], details=[_quantiles(summary)]),
             Section("HISTOGRAM", (), details=[_histogram(summary, asked.target)]),
         )),
-        Section("SENSITIVITY", [_matters(study)]),
+        Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])], details=_weaker(study)),
         Section("SIZE", [] if study.sizes is None else _limited(study.sizes.limits), details=_sizes(study)),
         Section("BOLTS", _bolts(study)),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
@@ -130,19 +131,21 @@ def _of(points: Mapping[int, Point], say: Callable[[Point], Any]) -> Callable[[i
 
 def _inputs(study: Probability) -> list[Entry]:
     columns: list[Column[Drawn]] = [Column("as drawn", attrgetter("path"), "path", width=-38)]
-    for title, name, key in (("mean", "mean", "mean"), ("sd", "sd", "sd"), ("from", "least", "min"),
-                             ("to", "most", "max")):  # fmt: skip
-        columns.append(Column(title, attrgetter(name), key, show=".5g", width=12))
+    for title, name, width in (("mean", "mean", 12), ("sd", "sd", 12), ("min", "least", 0), ("max", "most", 0)):
+        columns.append(Column(title, attrgetter(name), title, show=".5g", width=width))
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
-    ranks = [f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation]
     cracks = study.cracks
     placed = [] if cracks is None or cracks.mean_m is None else [
         f"crack at the worst place of each sample by the closed form: {cracks.mean_m:.4g} m from the crest on "
         f"average, {cracks.least_m:.4g} to {cracks.most_m:.4g} m"
     ]  # fmt: skip
     table = Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest)
-    return [table, *_overturned(study), *ranks, *placed]
+    return [table, *_overturned(study), *placed]
+
+
+def _ranks(study: Probability) -> list[str]:
+    return [f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation]
 
 
 def _overturned(study: Probability) -> list[str]:
@@ -254,7 +257,9 @@ def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
         Column("probability", lambda row: row[0].share, "probability", show=_percent, width=11),
         Column("among", itemgetter(1), "among", text=words, width=-1),
     ]
-    rows = [(study.all_samples, "of all samples"), (study.forming, "of those that form a block")]
+    rows = [(study.all_samples, "of all samples")]
+    if study.forming.of != study.all_samples.of:
+        rows.append((study.forming, "of those that form a block"))
     return Table(columns, rows, headless=True)
 
 
@@ -276,7 +281,6 @@ def _survey(study: Probability) -> list[Entry]:
     surveyed = study.survey
     if surveyed is None:
         return []
-    what = "its joints, pair by pair" if surveyed.draw == "joints" else "its sets by Fisher's K"
     names = ("forms a wedge", "fails if it forms", "both")
     shares = (surveyed.occurrence, surveyed.failure, surveyed.both)
     rows = list(zip(names, shares, surveyed.resampled or (None,) * 3, strict=True))
@@ -294,7 +298,7 @@ def _survey(study: Probability) -> list[Entry]:
     said = f"; from {surveyed.times} resampled surveys as well" if surveyed.resampled is not None else ""
     limits = f"limits to {number(100.0 * surveyed.both.confidence)} % from the samples{said}"
     return [
-        f"{surveyed.survey}: {counted(surveyed.joints, 'joint')}, {what}; no plane of the design; {limits}",
+        f"{surveyed.survey}: {counted(surveyed.joints, 'joint')}, drawn pair by pair; no plane of the design; {limits}",
         Table(columns, rows),
     ]
 
@@ -304,14 +308,14 @@ def _at_means(study: Probability) -> str:
     if at_means is None:
         return f"{study.means.code} {study.means.message}".strip() or "not asked"
     named = ((at_means.limit, "PRE-IE"), (at_means.closed_form, "closed form"))
-    factors = [f"{value:.3f} {name}" for value, name in named if value is not None]
+    factors = [f"{factor_text(value)} {name}" for value, name in named if value is not None]
     words = status_words(study.design, at_means.status)
     return f"{words}: F {', '.join(factors)}" if factors else words
 
 
 def _mean(summary: Summary, target: float) -> str:
     beta = summary.beta(target)
-    reliability = "" if beta is None else f"  beta {beta:.3g} (mean above the target, in sd)"
+    reliability = "" if beta is None else f"  beta {beta:.3g}"
     ends = f"from {summary.least:.3f} to {summary.most:.3f}"
     return f"mean {summary.mean:.3f}  sd {summary.sd:.3f}  {ends}{reliability}"
 
@@ -351,13 +355,15 @@ def _histogram(summary: Summary, target: float) -> Table[_Bin]:
     return Table(columns, bins, headless=True)
 
 
-def _matters(study: Probability) -> str:
-    coefficients = [f"{name} {value:+.2f}" for name, value in study.sensitivities[:8]]
-    return (
-        " | ".join(coefficients) + " (rank correlation with F)"
-        if coefficients
-        else "fewer than three samples have a factor"
-    )
+def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
+    if not coefficients:
+        return "fewer than three samples have a factor"
+    return " | ".join(f"{name} {value:+.2f}" for name, value in coefficients) + " (rank correlation with F)"
+
+
+def _weaker(study: Probability) -> list[str]:
+    weaker = study.sensitivities[_FEW:]
+    return [_matters(weaker)] if weaker else []
 
 
 def _pre_ie(study: Probability) -> list[str]:

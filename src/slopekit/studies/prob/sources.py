@@ -7,15 +7,14 @@ or not at all. All random numbers of a block come from its own stream, SFC64 see
 Orientations scatter by Fisher's distribution about a mean; angles are folded back to the plane they mean.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 from scipy.special import ndtri
 
-from slopekit.core.arrays import Floats, NDArray, frozen
+from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
@@ -25,11 +24,9 @@ from slopekit.studies.marginals import Marginal
 Column: TypeAlias = Callable[[int, Marginal], Floats]
 Source: TypeAlias = Callable[[int, int], Iterator[tuple[int, int, Column]]]
 _PIECE = 8192  # samples of all coordinates that stay in the cache, and are had without asking the system for pages
-_INDEX_BITS = 15  # of a sample in its replicate
 _BITS = 30  # of Sobol's points, which lie on multiples of 2⁻³⁰: more points than any replicate has
 _HALF_STEP = 2.0 ** -(_BITS + 1)
 _NOT_ZERO = 2.0**-54  # half a step of uniform numbers, so that no tail is 0
-_OUTERMOST, _TERMS = 128, 6  # of Latin hypercubes: strata whose normals are not found by a series, and its terms
 _SURELY_CONCENTRATED = 100.0  # k from which exp(-2k) is beyond all digits of any sample
 
 
@@ -162,7 +159,7 @@ def _latin_hypercube(joined: Copula, seed: int, block: int, size: int) -> Iterat
             kept[coordinate] = place
         values = np.empty(size)  # ascending
         if marginal.is_normal:
-            lower = _lower_normals(place, size)
+            lower = ndtri((place + (strata + _NOT_ZERO)) / size)
             values[: len(lower)] = lower
             values[len(lower) :] = -lower[:half][::-1]
             values = marginal.of_normal(values)
@@ -174,7 +171,7 @@ def _latin_hypercube(joined: Copula, seed: int, block: int, size: int) -> Iterat
             rng.shuffle(values)
             return values
         dealt = np.empty(size)
-        dealt[_order(normals[coordinate])] = values
+        dealt[np.argsort(normals[coordinate])] = values
         return dealt
 
     yield 0, size, column
@@ -187,60 +184,6 @@ def _mirrored(kept: Mapping[int, Floats], original: int, sign: float, size: int)
         place = place.copy()
         place[-1] = 1.0 - place[-1]
     return place
-
-
-def _lower_normals(place: Floats, size: int) -> Floats:
-    """Standard normals at the probabilities (k + place) / size, k from 0 up to the middle, 0 <= place < 1.
-
-    The outermost by `ndtri`, the others at half its cost by Taylor's series about the middles of their strata, of
-    which the next term is below 1e-15.
-
-    >>> place = np.full(4096, 0.25)
-    >>> exact = ndtri((np.arange(4096) + 0.25) / 8192)
-    >>> bool(np.abs(_lower_normals(place, 8192) - exact).max() < 2e-15)
-    True
-    """
-    normals = np.empty(len(place))
-    edge = min(_OUTERMOST, len(place))
-    normals[:edge] = ndtri((place[:edge] + (np.arange(edge) + _NOT_ZERO)) / size)
-    if len(place) > edge:
-        series, off = _series(size), place[edge:] - 0.5
-        rest = normals[edge:]
-        np.multiply(series[-1], off, out=rest)
-        for term in series[-2:0:-1]:
-            rest += term
-            rest *= off
-        rest += series[0]
-    return normals
-
-
-@lru_cache(maxsize=8)
-def _series(size: int) -> Floats:
-    """Coefficients (6, n) of the normal's quantiles in the place within each stratum, from the outermost on.
-
-    dᵏz/dpᵏ = Pₖ(z) / φ(z)ᵏ with P₁ = 1 and Pₖ₊₁ = Pₖ' + k z Pₖ.
-    """
-    middle = ndtri((np.arange(_OUTERMOST, (size + 1) // 2) + 0.5) / size)
-    step = math.sqrt(2.0 * math.pi) * np.exp(middle * middle / 2.0) / size
-    terms, polynomial = [middle], np.polynomial.Polynomial([1.0])
-    for k in range(1, _TERMS):
-        terms.append(polynomial(middle) * step**k / math.factorial(k))
-        polynomial = polynomial.deriv() + np.polynomial.Polynomial([0.0, k]) * polynomial
-    return frozen(np.stack(terms))
-
-
-def _order(values: Floats) -> NDArray[np.int64]:
-    """What sorts up to 32768 values: np.argsort at a third of its cost, by their first 49 bits.
-
-    >>> _order(np.array([0.5, -2.0, 3.0, -1.0])).tolist()
-    [1, 3, 0, 2]
-    """
-    low = np.uint64((1 << _INDEX_BITS) - 1)
-    packed = values.view(np.uint64) & ~low
-    packed |= np.arange(len(values), dtype=np.uint64)
-    packed.view(np.float64).sort()
-    packed &= low
-    return packed.view(np.int64)
 
 
 # -- Sobol ------------------------------------------------------------------------------------------------------------

@@ -29,8 +29,7 @@ from slopekit.notices import new_notices
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
-from slopekit.studies.quake.six import SETTLED, InSix, Shaking, SixMotion, shaken_in_six, six_block
-from slopekit.studies.quake.sliding import RecordSlide, slide
+from slopekit.studies.quake.six import SETTLED, InSix, RecordSlide, Shaking, SixMotion, shaken_in_six, six_block, slide
 from slopekit.studies.quake.yielding import (
     KEY,
     MOST_K,

@@ -1,39 +1,34 @@
-"""How dense poles lie on the hemisphere: Kamb's method smoothed, or Schmidt's counts in 1 % of the area.
+"""How dense poles lie on the hemisphere: Kamb's method, smoothed.
 
 Kamb (1959, J. Geophys. Res. 64, 1891-1909) with exponential smoothing as by Vollmer (1995, Computers & Geosciences 21,
 31-49): with n poles and f = 2 (1 + n/σ²),
 
     (Σ w exp(f (|cos θ| - 1)) - 1/2) / √(n (f/2 - 1) / f²),
 
-in standard deviations of what as many poles without order would give; σ = 3. Schmidt: per cent of all poles within a
-circle of 1 % of the hemisphere, 1 - |cos θ| <= 0.01. mplstereonet draws both alike.
+in standard deviations of what as many poles without order would give; σ = 3. mplstereonet draws it alike.
 """
 
 import math
-from typing import Literal
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 
-Contours = Literal["kamb", "schmidt"]
-CONTOURS: tuple[Contours, ...] = ("kamb", "schmidt")
 _SIGMA = 3.0
-_CIRCLE = 0.01  # of the hemisphere
 _AT_ONCE = 4_000_000  # cosines
 _GRID = 41
 
 
-def density(at: Floats, poles: Floats, weights: Floats, joints: float, contours: Contours = "kamb") -> Floats:
-    """The density (m,) at unit vectors (m, 3); of Kamb's none below 0.
+def density(at: Floats, poles: Floats, weights: Floats, joints: float) -> Floats:
+    """The density (m,) at unit vectors (m, 3), in standard deviations; none below 0.
 
     Parameters
     ----------
     poles : (n, 3); weights : (n,); joints : how many they count as
 
     >>> up = np.array([[0.0, 0.0, 1.0]])
-    >>> density(up, np.repeat(up, 10, axis=0), np.ones(10), 10.0, "schmidt").round(9).tolist()
-    [100.0]
+    >>> density(up, np.repeat(up, 10, axis=0), np.ones(10), 10.0).round(2).tolist()
+    [12.03]
     """
     densities = np.zeros(len(at))
     each = weights / weights.sum()
@@ -41,16 +36,13 @@ def density(at: Floats, poles: Floats, weights: Floats, joints: float, contours:
     for begin in range(0, len(at), step):
         piece = slice(begin, begin + step)
         cosine = np.abs(at[piece] @ poles.T)
-        if contours == "schmidt":
-            densities[piece] = (1.0 - cosine <= _CIRCLE) @ each * 100.0
-            continue
         f = 2.0 * (1.0 + joints / _SIGMA**2)
         unit = math.sqrt(joints * (f / 2.0 - 1.0) / f**2)
         densities[piece] = (np.exp(f * (cosine - 1.0)) @ each * joints - 0.5) / unit
     return np.maximum(densities, 0.0)
 
 
-def densest(poles: Floats, weights: Floats, joints: float, contours: Contours = "kamb") -> tuple[Floats, float]:
+def densest(poles: Floats, weights: Floats, joints: float) -> tuple[Floats, float]:
     """The downward direction (3,) of a grid over the net where poles lie densest, and the density there."""
     middle = (np.arange(_GRID) + 0.5) / _GRID * 2.0 - 1.0
     x, y = (part.ravel() for part in np.meshgrid(middle, middle))
@@ -59,6 +51,6 @@ def densest(poles: Floats, weights: Floats, joints: float, contours: Contours = 
     x, y, square = x[inside], y[inside], square[inside]
     scale = np.sqrt(2.0 - square)
     grid = np.column_stack([x * scale, y * scale, square - 1.0])
-    values = density(grid, poles, weights, joints, contours)
+    values = density(grid, poles, weights, joints)
     best = int(np.argmax(values))
     return grid[best], float(values[best])

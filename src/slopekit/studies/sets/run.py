@@ -18,16 +18,16 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import Fault, Faults, Notice
-from slopekit.core.orientation import Line, Plane, line_of, number
+from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.words import between, line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
-from slopekit.studies.protocol import DESK, Option, Seed, StudyOutcome, Workplace, documented, number_of, whole_number
+from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, whole_number
 from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of, girdle_of
-from slopekit.studies.sets.density import CONTOURS, Contours, densest
+from slopekit.studies.sets.density import densest
 from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
 from slopekit.studies.surveys import (
     MOST_JOINTS,
@@ -35,13 +35,14 @@ from slopekit.studies.surveys import (
     Columns,
     Convention,
     SkipBad,
-    check_seed,
     left_out,
     survey_head,
 )
 
 BIAS_ANGLE_DEG = 15.0
 _FEW = 10  # joints of a set below which its K says little
+CONFIDENCE = 0.95  # of the limits and cones of means
+_SEED = 1
 _CLOSE = 6.0  # difference of BIC up to which two numbers of sets are hard to tell apart (Kass & Raftery 1995: strong)
 SHARES = (0.68, 0.95)  # of joints within the cones of variability
 
@@ -130,12 +131,9 @@ class JointSets(StudyOutcome):
     capped: int
     share: Floats
     angle_deg: Floats
-    contours: Contours
     peak: Plane
     peak_density: float
     girdle: tuple[Line, float] | None
-    confidence: float
-    seed: int
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
@@ -177,7 +175,7 @@ class JointSets(StudyOutcome):
         """SHA-256 of the joints and of what was asked for."""
         line = None if self.scanline is None else (self.scanline.trend_deg, self.scanline.plunge_deg)
         sizes = [(one.spacing_m, one.position_m, one.trace_m, one.ends) for one in self.joints.joints]
-        asked = (self.asked, line, self.bias_angle_deg, self.confidence, self.contours, self.seed, self.are_given)
+        asked = (self.asked, line, self.bias_angle_deg, self.are_given)
         exact = [asked, self.joints.rows(), sizes, self.joints.quantities.tolist()]
         return digest(exact)
 
@@ -187,9 +185,9 @@ class JointSets(StudyOutcome):
         return {
             **survey_head("sets", self.joints, self.input_hash()),
             "inputs": {
-                "sets": self.asked, "sets_from": "survey" if self.are_given else "clustering", "seed": self.seed,
+                "sets": self.asked, "sets_from": "survey" if self.are_given else "clustering",
                 "scanline": None if line is None else {"trend_deg": line.trend_deg, "plunge_deg": line.plunge_deg},
-                "bias_angle_deg": self.bias_angle_deg, "confidence": self.confidence, "contours": self.contours,
+                "bias_angle_deg": self.bias_angle_deg, "confidence": CONFIDENCE,
             },
             "defaults": list(self.defaults),
             "joints": len(self.joints),
@@ -226,12 +224,9 @@ def sets(
     scanline: Annotated[Any, Option("The line that was measured along: joints are weighted by it.",
                                     metavar="TREND/PLUNGE")] = None,
     bias_angle: Annotated[Any, Option("Joints nearer to the scanline weigh no more than at this angle [15].")] = None,
-    confidence: Annotated[float, Option("Of the limits and cones of means [95%].", number_of)] = 0.95,
-    contours: Annotated[Contours, Option("Density by kamb or schmidt [kamb].")] = "kamb",
     convention: Convention = None,
     columns: Columns = None,
     skip_bad: SkipBad = False,
-    seed: Seed = 1,
     desk: Workplace = DESK,
 ) -> JointSets:  # fmt: skip
     """Joint sets of a survey: found, or those of its column set; mean, Fisher K, cones, spacing, a block to paste.
@@ -240,7 +235,7 @@ def sets(
     ------
     DesignError
         With every fault: of the list (E193 its spacings and traces), E137 the number of sets, E104 the scanline, E307
-        the bias angle, confidence, contours or seed.
+        the bias angle.
 
     Notes
     -----
@@ -273,7 +268,6 @@ def sets(
     angle = BIAS_ANGLE_DEG if bias_angle is None else faults.of(partial(_angle, bias_angle, desk.named("bias_angle")))
     if bias_angle is None and scanline is not None:
         defaults.append("bias_angle")
-    _check(faults, confidence, contours, seed, desk)
     if listed is not None:
         _check_number(faults, listed, n, desk)
     faults.refuse()
@@ -286,18 +280,18 @@ def sets(
 
     tried: tuple[Clusters, ...] = ()
     if ignore_sets or not listed.sets():
-        tried = tuple(clusters_of(poles, each, n, np.random.default_rng(seed)))
+        tried = tuple(clusters_of(poles, each, n, np.random.default_rng(_SEED)))
     names, of, share = _grouped(listed, tried)
     joint_sets = tuple(
-        _found(name, np.flatnonzero(of == k), listed, poles, weights, line, confidence) for k, name in enumerate(names)
+        _found(name, np.flatnonzero(of == k), listed, poles, weights, line) for k, name in enumerate(names)
     )
     angles = np.full(len(listed), math.nan)
     for k, one in enumerate(joint_sets):
         angles[of == k] = np.degrees(np.arccos(np.clip(np.abs(poles[of == k] @ one.axes.mean), 0.0, 1.0)))
-    at, dense = densest(poles, each, float(each.sum()), contours)
+    at, dense = densest(poles, each, float(each.sum()))
     outcome = JointSets(
-        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, contours, _plane(at), dense,
-        _girdle(poles, each, tried), confidence, seed, tuple(defaults), (), time.perf_counter() - began,
+        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, _plane(at), dense,
+        _girdle(poles, each, tried), tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
     return _with_notices(outcome)
 
@@ -329,17 +323,6 @@ def _angle(value: object, option: str) -> float:
     return between(value, "angle", (1.0, 90.0), "E307", "the bias angle", f"{option} {value}", advice, "°")
 
 
-def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Workplace) -> None:
-    if not 0.5 <= confidence < 1.0:
-        option = desk.named("confidence")
-        message = f"the confidence is {number(confidence)}, it lies from 0.5 to below 1"
-        faults.append(Fault("E307", message, option, "Write 95% or 0.95."))
-    if contours not in CONTOURS:
-        message = f"{contours} is not a way to count poles"
-        faults.append(Fault("E307", message, desk.named("contours"), f"Known: {', '.join(CONTOURS)}."))
-    check_seed(faults, seed)
-
-
 def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Workplace) -> None:
     if n is None:
         return
@@ -360,15 +343,13 @@ def _named(clusters: Clusters) -> tuple[tuple[str, ...], Ints]:
     return tuple(f"S{k}" for k in range(1, len(there) + 1)), new[clusters.of]
 
 
-def _found(
-    name: str, members: Ints, joints: JointList, poles: Floats, weights: Floats, line: Line | None, confidence: float
-) -> FoundSet:
-    axes = axes_of(poles[members], weights[members], joints.quantities[members], confidence)
+def _found(name: str, members: Ints, joints: JointList, poles: Floats, weights: Floats, line: Line | None) -> FoundSet:
+    axes = axes_of(poles[members], weights[members], joints.quantities[members], CONFIDENCE)
     plane = _plane(axes.mean)
     own = [joints.joints[k] for k in members]
     return FoundSet(
         name, members, axes, plane, _angles(poles[members], weights[members] * joints.quantities[members], axes, plane),
-        spacings_of(own, axes.mean, None if line is None else line.vector(), confidence), traces_of(own, confidence),
+        spacings_of(own, axes.mean, None if line is None else line.vector(), CONFIDENCE), traces_of(own, CONFIDENCE),
     )  # fmt: skip
 
 

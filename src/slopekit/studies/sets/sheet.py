@@ -7,21 +7,17 @@ from typing import Any
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted
 from slopekit.studies.sets.clustering import Clusters
-from slopekit.studies.sets.run import FoundSet, JointSets, tenths
+from slopekit.studies.sets.run import CONFIDENCE, FoundSet, JointSets, tenths
 from slopekit.studies.sets.sizes import metres
 from slopekit.studies.surveys import codes_of, head
 
 _MOST_NAMES = 24
-_UNITS = {
-    "kamb": "standard deviations above joints that lie anywhere (Kamb)",
-    "schmidt": "% of poles in 1 % of the area (Schmidt)",
-}
 
 
 def sheet_of(joint_sets: JointSets) -> Sheet:
     """The sheet of joint sets."""
-    words = _WORDS.format(share=100.0 * joint_sets.confidence)
-    densest = f"pole of {tenths(joint_sets.peak)}: {joint_sets.peak_density:.1f} {_UNITS[joint_sets.contours]}"
+    words = _WORDS.format(share=100.0 * CONFIDENCE)
+    densest = f"pole of {tenths(joint_sets.peak)}: {joint_sets.peak_density:.1f} σ above uniform (Kamb)"
     return Sheet(head("sets", joint_sets.joints, joint_sets.input_hash()), (
         Section("SURVEY", _survey(joint_sets)),
         Section("NUMBER", _number(joint_sets)),

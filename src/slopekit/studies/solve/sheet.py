@@ -12,7 +12,7 @@ from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import UNSETTLED, Point
 from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
-from slopekit.studies.words import BRIEF, head, status_words
+from slopekit.studies.words import METHODS, head, status_words
 
 _MOST_REFUSED, _MOST_OTHERS = 6, 12
 
@@ -65,7 +65,7 @@ def _sections(solution: Solution) -> tuple[Section, ...]:
 
 def _often(one: Answers) -> str:
     """How often a method was asked."""
-    return f"{BRIEF[one.method]} " + ("once" if one.evaluations == 1 else f"{one.evaluations} times")
+    return f"{METHODS[one.method]} " + ("once" if one.evaluations == 1 else f"{one.evaluations} times")
 
 
 # -- tables: what the entries say, in rows; text has the entries -----------------------------------------------------
@@ -111,7 +111,7 @@ def _now(design: Design, point: Point) -> str:
         return f"no block: {point.code} {point.message}"
     closed = "" if factors.closed_form is None else f"   {factor_text(factors.closed_form)} closed form"
     govern = "   moments govern" if factors.moments_govern else ""
-    return f"{status_words(design, factors.status)}   {factor_text(factors.limit)} limit, PRE-IE{closed}{govern}"
+    return f"{status_words(design, factors.status)}   {factor_text(factors.limit)} PRE-IE{closed}{govern}"
 
 
 def _value(solution: Solution) -> list[str]:
@@ -230,4 +230,4 @@ def _all(solution: Solution) -> list[Answers]:
 
 
 def _name(answers: Answers) -> str:
-    return f"{BRIEF[answers.method]:<12}"
+    return f"{METHODS[answers.method]:<12}"

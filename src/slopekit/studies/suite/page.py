@@ -14,13 +14,13 @@ again and only the times and the versions may change: a test holds this page to 
 
 - **Published** is the value as its source prints it. **Exact or other code** is a value of closed-form statics, of a
   source's formula or of other code, with more digits. No reference value comes from slopekit. **slopekit** is what it
-  gives for the quantity of the row; **Closed form**, **PRE-IE limit** and **Static bound** are its three factors of
+  gives for the quantity of the row; **Closed form**, **PRE-IE limit** and **Upper bound** are its three factors of
   safety for the same design. Cases stand under the source of their inputs; **Source of the value** names that of the
   row, and the list of sources at the end says what it is.
 - **Error** is relative (absolute where the reference is 0), against the exact value where there is one, else against
   the published one. A published value is met where slopekit agrees to half a unit of its last digit; where a wider
   tolerance is needed its cause stands beside it.
-- Every row is also held to the status that its source gives, to a limit that does not lie above its static bound, and
+- Every row is also held to the status that its source gives, to a limit that does not lie above its upper bound, and
   to the agreement of PRE-IE with the closed form. A design that does not converge is a failed row.
 - **Confidence** is in the source and in the inputs, whatever slopekit gives; **Within** alone says how it compares.
   - A: the value was read, in the source, in one that quotes it, or in the tests of another program.
@@ -32,7 +32,7 @@ again and only the times and the versions may change: a test holds this page to 
     4/3, which is circular, and the slope and the centre of Hungr's sphere were inferred as well.
 - Rows **not judged** are shown with the reason in words, never left out.
 - **Time** is the wall time of the whole analysis of the design, with all that this design asks for: cut, mesh, solve,
-  finer meshes, static bound, displacements, the changed inputs of SENSITIVITY, and where it asks for them the reduction
+  finer meshes, upper bound, displacements, the changed inputs of SENSITIVITY, and where it asks for them the reduction
   steps and the factor at which all pairs have failed. Beside it stands how many times that of the closed form alone it
   is; designs without a closed form have milliseconds alone. Rows of one design share one analysis.
 """

@@ -18,7 +18,7 @@ from slopekit.core.records import dataclass
 QUANTITIES: Mapping[str, str] = {
     "limit": "PRE-IE limit",
     "closed_form": "closed form",
-    "static_bound": "static bound",
+    "static_bound": "upper bound",
     "all_pairs_failed": "all pairs failed",
     "forces_only": "PRE-IE, forces only",
     "fellenius": "Fellenius",

@@ -247,7 +247,7 @@ def _wrong(case: ReferenceCase, result: Result) -> list[str]:
         wrong.append(f"status {result.status}, the source has {case.status}")
     limit, bound = result.fos.limit, result.fos.static_bound
     if limit is not None and bound is not None and limit > bound * (1.0 + BOUND_SLACK):
-        wrong.append("the limit lies above its static bound")
+        wrong.append("the limit lies above its upper bound")
     if result.agree is False:
         wrong.append("PRE-IE and the closed form of the kind disagree")
     return wrong

@@ -1,11 +1,10 @@
-"""The least force by the closed form: along a direction, over all of them, within limits of plunge.
+"""The least force by the closed form: along a direction, and within limits of plunge.
 
 The forces come from `forces`; each is put back into the closed form itself before it counts.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import field
 from typing import Literal
 
 import numpy as np
@@ -15,16 +14,12 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Bolt
-from slopekit.studies.support.forces import BoltedBlock, least_along, most_along, nearest
+from slopekit.studies.support.forces import BoltedBlock, least_along, most_along
 from slopekit.studies.support.search import Answer, SearchResult, Site, least_force
 
 _CLOSER = 0.4  # what a grid of nine by nine closes in by
 _ALL_ROUNDS, _GO_ON = 6, 2
-SCANNED = 20_000  # directions over the sphere, 1.4° apart
-_IN_SECTION = 3_600  # directions in a section, 0.1° apart
-_CANDIDATES = 6  # nearest points that are put back before the search goes another way
 _STARTS = 8
-_FIRST = 1000  # directions of passive bolts that are looked at closely, the most promising first
 _SAME = 1e-9
 _ROUNDING = 1e-12
 _FLAT = 1e-9  # what rounding a direction may add to the least force
@@ -34,28 +29,6 @@ _SAMPLES = np.concatenate([[0.0], np.logspace(-4.0, 4.0, 33)])  # forces in part
 NO_STRENGTH = Notice(
     "E322", "the joints have no strength: a load can only balance the block, and passive bolts would hang it up alone"
 )  # fmt: skip
-
-
-def sphere(count: int) -> Floats:
-    """Directions (count, 3) spread evenly over the sphere (Fibonacci's spiral)."""
-    k = np.arange(count) + 0.5
-    up = 1.0 - 2.0 * k / count
-    angle = math.pi * (1.0 + math.sqrt(5.0)) * k
-    flat = np.sqrt(1.0 - up * up)
-    return np.stack([flat * np.cos(angle), flat * np.sin(angle), up], axis=1)
-
-
-def around(direction: Floats, angle_deg: float, count: int = 8) -> Floats:
-    """Directions (count, 3) that lie a given angle off one."""
-    other = np.zeros(3)
-    other[int(np.argmin(np.abs(direction)))] = 1.0
-    first = np.cross(direction, other)
-    first /= math.sqrt(float(first @ first))
-    second = np.cross(direction, first)
-    turn = 2.0 * math.pi * np.arange(count) / count
-    aside = np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
-    angle = math.radians(angle_deg)
-    return math.cos(angle) * direction + math.sin(angle) * aside
 
 
 def polished(
@@ -109,22 +82,6 @@ class Way:
     notice: Notice | None
 
 
-@dataclass(frozen=True, slots=True)
-class Optimum:
-    """The evidence that a direction is the best.
-
-    Attributes
-    ----------
-    scanned : other directions that were looked at; least_scanned : the least force of those, kN
-    around : least and most force 1° off it, kN (inf: some direction there reaches the target with no force)
-    """
-
-    scanned: int
-    least_scanned: float = field(metadata={"json": "least_scanned_kn"})
-    around: tuple[float, float] = field(metadata={"json": "one_degree_off_kn"})
-    is_minimum: bool
-
-
 class BoltDirections:
     """Directions of bolts that act one way, at one factor of safety.
 
@@ -138,12 +95,6 @@ class BoltDirections:
         self.held: BoltedBlock = site.held(factor)
         self.times = factor if passive else 1.0
         self.acts: Literal["active", "passive"] = "passive" if passive else "active"
-        world = sphere(SCANNED)
-        if site.in_section:
-            turn = 2.0 * math.pi * np.arange(_IN_SECTION) / _IN_SECTION
-            world = site.world(np.stack([np.cos(turn), 0.0 * turn, np.sin(turn)], axis=1))
-        self._sphere = world
-        self._forces: Floats | None = None
 
     def forces(self, world: Floats) -> Floats:
         """Least capacities (m,) along unit directions (m, 3) in east, north, up."""
@@ -161,40 +112,8 @@ class BoltDirections:
 
     # -- the best direction -------------------------------------------------------------------------------
 
-    def best(self, target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
-        """The direction of the least force, with its evidence; None where no direction has one."""
-        if self._balances_only():
-            return None, None
-        sizes = [(way, math.sqrt(float(way @ way))) for way in nearest(self.held, self.passive)[:_CANDIDATES]]
-        # where one is met by its own force the others are longer
-        best_way = self._first_met([(way / size, size * self.times) for way, size in sizes], None, target, at_zero)
-        scan = self._scan()
-        least = float(scan.min())
-        if math.isfinite(least) and (
-            best_way is None or best_way.force is None or least < best_way.force * (1.0 - _SAME)
-        ):
-            angles = _angles(self._sphere[np.argsort(scan)[:_STARTS]])
-            polish = polished(lambda some: self.forces(_vectors(some)), angles, (-1e9, -90.0), (1e9, 90.0))
-            ends = [] if polish is None else [(self._direction(polish[0]), polish[1])]
-            ends += [(self.site.axes @ self._sphere[k], float(scan[k])) for k in np.argsort(scan)[:_STARTS]]
-            # the second to the last only where the closed form refuses the first
-            best_way = self._first_met(ends, best_way, target, at_zero)
-        return best_way, None if best_way is None else self._evidence(best_way)
-
-    def _first_met(
-        self, ends: Sequence[tuple[Floats, float]], best_way: Way | None, target: float, at_zero: Answer
-    ) -> Way | None:
-        """The way of the least force, put back, among directions with their forces, up to one that needs no more."""
-        for direction, force in ends:
-            tried = self._put_back(*self._rounded(direction, force), target, at_zero)
-            if tried.force is not None and (best_way is None or tried.force < (best_way.force or math.inf)):
-                best_way = tried
-            if best_way is not None and best_way.force is not None and best_way.force <= force * (1.0 + _SAME):
-                break
-        return best_way
-
     def within(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> Way | None:
-        """The same among the directions that plunge between limits (degrees) and point into the face."""
+        """The direction of the least force among those that plunge between limits (degrees) and point into the face."""
         if self._balances_only():
             return None
         low, high = plunges
@@ -203,8 +122,6 @@ class BoltDirections:
         grid = np.stack(np.meshgrid(trends, steps), axis=-1).reshape(-1, 2)
         scan = self._of_angles(grid)
         starts = grid[np.argsort(scan)[:_STARTS]]
-        every = [self.site.line(way / math.sqrt(float(way @ way))) for way in nearest(self.held)[:_CANDIDATES]]
-        starts = np.concatenate([starts, [[line.trend_deg, line.plunge_deg] for line in every]]) if every else starts
         polish = polished(self._of_angles, starts, (-1e9, low), (1e9, high))
         if polish is None:
             return None
@@ -246,22 +163,6 @@ class BoltDirections:
         """Whether nothing has strength that could be divided by a factor: loads balance exactly, or not at all."""
         return not self.held.has_strength and len(self.held.pulls) == 0
 
-    def _scan(self) -> Floats:
-        """The least forces over the sphere; of passive bolts the smallest are exact, the others bounds."""
-        if self._forces is not None:
-            return self._forces
-        local = self.site.local(self._sphere)
-        scan = least_along(self.held, local, self.passive, before=False) * self.times
-        order, known = np.argsort(scan), _FIRST if self.passive else 0
-        begin, least = 0, math.inf
-        while begin < known:
-            at = order[begin:known]
-            scan[at] = self.forces(self._sphere[at])
-            least = min(least, float(scan[at].min()))
-            begin, known = known, min(2 * known, len(scan)) if known < len(scan) and scan[order[known]] < least else 0
-        self._forces = scan
-        return scan
-
     def _direction(self, angles: Floats) -> Floats:
         """Local axes; in a section the direction keeps its length in space."""
         direction: Floats = _vectors(angles[None, :])[0] @ self.site.axes.T
@@ -273,13 +174,6 @@ class BoltDirections:
         short = self._direction(np.array([round(line.trend_deg, 4) % 360.0, round(line.plunge_deg, 4)]))
         least = float(self.forces(self.site.world(short)[None, :])[0])
         return (short, least) if least <= force * (1.0 + _FLAT) else (direction, force)
-
-    def _evidence(self, way: Way) -> Optimum:
-        assert way.force is not None
-        scan, near = self._scan(), self.forces(around(self.site.world(way.direction), 1.0))
-        least, low, high = float(scan.min()), float(near.min()), float(near.max())
-        sound = min(least, low) >= way.force * (1.0 - _SAME)
-        return Optimum(len(scan), least, (low, high), sound)
 
     # -- one direction --------------------------------------------------------------------------------------
 

@@ -167,7 +167,7 @@ def for_all(supports: Mapping[str, Support], given: Mapping[str, Any]) -> Suppor
     tried, lacking = list[Tried](), list[str]()
     for acts in next(iter(supports.values())).options.acts:
         built = {
-            name: case for name, one in supports.items() for case in one.built if case.acts == acts and not one.stands
+            name: case for name, one in supports.items() for case in one.cases if case.acts == acts and not one.stands
         }
         short = [name for name, case in built.items() if not case.reached or not case.bolts]
         if short:

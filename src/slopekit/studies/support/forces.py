@@ -129,13 +129,12 @@ def windows(held: BoltedBlock, load: Floats, directions: Floats) -> Iterator[tup
         yield ends
 
 
-def least_along(held: BoltedBlock, directions: Floats, passive: bool = False, before: bool = True) -> Floats:
+def least_along(held: BoltedBlock, directions: Floats, passive: bool = False) -> Floats:
     """The least force (m,) along each of (m, 3) directions that makes the block stand, inf where none does.
 
     Parameters
     ----------
     passive : the force is the pull of a passive bolt, which ends where the movement no longer draws it out
-    before : look at lower factors as well, where a passive bolt pulls with more; without that the pulls are bounds
     """
     least = np.full(len(directions), np.inf)
     for load, pulling in _pulled(held):
@@ -149,8 +148,7 @@ def least_along(held: BoltedBlock, directions: Floats, passive: bool = False, be
             if passive:
                 sound &= (moves * directions[at]).sum(axis=1) < -_DRAWN
                 at, sound = at[sound], np.ones(int(sound.sum()), dtype=bool)
-                if before:
-                    sound &= _stands_before(held, load, directions[at], start[at])
+                sound &= _stands_before(held, load, directions[at], start[at])
             least[at[sound]] = start[at[sound]]
     return least
 
@@ -288,79 +286,3 @@ def _pulls_as_taken(held: BoltedBlock, moves: Floats, pulling: Ints) -> Bools:
     taken = np.isin(np.arange(len(held.pulls)), pulling)
     sound: Bools = (drawn == taken).all(axis=1)
     return sound
-
-
-# -- over all directions ------------------------------------------------------------------------------
-
-
-def nearest(held: BoltedBlock, passive: bool = False) -> list[Floats]:
-    """The forces (3,) that could be the least of all directions, the shortest first.
-
-    Each set of the module is convex: its nearest point is one of a few with closed forms. The first is the global
-    minimum where no passive bolts are there, or where they are at most `_MOST_PULLS`.
-    """
-    forces: list[Floats] = []
-    for load, pulling in _pulled(held):
-        ways = [way for k in range(len(held.normals)) for way in _to_cone(held, load, k)]
-        ways += _to_both(held, load) if len(held.normals) == 2 else []
-        for way in ways:
-            size = math.sqrt(float(way @ way))
-            if not size > 0.0:
-                continue
-            moves = slides(held, (load + way)[None, :]).direction
-            drawn = not passive or float(moves[0] @ way) < -_DRAWN * size
-            if drawn and _pulls_as_taken(held, moves, pulling)[0]:
-                forces.append(way)
-    return sorted(forces, key=lambda way: float(way @ way))
-
-
-def _to_both(held: BoltedBlock, load: Floats) -> list[Floats]:
-    """BoltDirections to the polyhedron of sliding on both joints: every choice of up to three of its four faces."""
-    between, line = float(held.normals[0] @ held.normals[1]), _line(held)
-    share = 1.0 - between * between
-    to_normals = (held.normals[::-1] * between - held.normals) / share  # (2, 3): N = to_normals @ R
-    gain = held.tangents @ to_normals / held.factor
-    rows = np.array([to_normals[0], to_normals[1], gain - line, gain + line])
-    keeps = _KEEPS * held.size
-    bond = float(held.bonds.sum()) / held.factor
-    at = rows @ load + np.array([-keeps, -keeps, bond, bond])  # >= 0 where it stands
-    lengths = np.sqrt((rows * rows).sum(axis=1))
-    ways = []
-    for count in (1, 2, 3):
-        for faces in combinations(range(4), count):
-            some = rows[list(faces)]
-            square = some @ some.T
-            if np.linalg.cond(square) > 1e13:
-                continue
-            way = some.T @ np.linalg.solve(square, -at[list(faces)])
-            room = 1e-9 * keeps + 1e-13 * (held.size + math.sqrt(float(way @ way)))
-            if (at + rows @ way >= -lengths * room).all():
-                ways.append(way)
-    return ways
-
-
-def _to_cone(held: BoltedBlock, load: Floats, k: int) -> list[Floats]:
-    """BoltDirections to the cone of sliding on joint k alone, and to its end where the joint is about to open.
-
-    Where the other joint is about to close the strength of both stands against the same pull: that point lies in the
-    set of both, and needs no way of its own here.
-    """
-    n, keeps = held.normals[k], _KEEPS * held.size
-    bond, tangent = float(held.bonds[k]) / held.factor, float(held.tangents[k]) / held.factor
-    on = float(load @ n)
-    tangential = load - on * n
-    size = math.sqrt(float(tangential @ tangential))
-    along = tangential / size if size > 0.0 else np.zeros(3)
-    ways = []
-    excess = size - bond + tangent * on
-    if excess > 0.0:
-        step = excess / (1.0 + tangent * tangent)
-        way = -step * (along + tangent * n)
-        if size >= step and on + float(way @ n) <= -keeps:
-            ways.append(way)
-    rim = min(size, bond + tangent * keeps)
-    ways.append((rim - size) * along - (on + keeps) * n)
-    if len(held.normals) == 2:
-        other, between = held.normals[1 - k], float(held.normals[0] @ held.normals[1])
-        ways = [way for way in ways if float((load + way) @ (other - between * n)) >= 0.0]
-    return ways

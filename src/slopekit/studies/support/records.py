@@ -21,14 +21,13 @@ from slopekit.design.parts import Bolt
 from slopekit.design.words import above_zero, line_of_words
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.protocol import StudyOutcome
-from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.search import Answer, limit_answer
 
 FORCE_STEP_KN = 10.0  # of the force of a bolt as it is built
 DRILLABLE_DEG = (0.0, 30.0)  # plunges of bolts, where nobody says others
 _UP = Context(prec=5, rounding=ROUND_CEILING)
-Which = Literal["best", "given", "practical"]
+Which = Literal["given", "practical"]
 Acts = Literal["active", "passive"]
 
 
@@ -205,12 +204,11 @@ class BoltCase:
 
     Attributes
     ----------
-    which : best of all directions, given, or practical (best within limits of plunge)
+    which : given, or practical (best within limits of plunge)
     toward : None where no direction reaches the target
     closed_form : through the centroid, as it sees all forces; pre_ie : through the centroid, its own root
     most : force above which the closed form falls below the target again, None without an end
-    optimum : evidence that the direction is the best, None for a given one
-    pattern : heads on the face, of the direction that is built; None for others
+    pattern : heads on the face
     bolts : what goes into the design beside the bolts that are there, as they are built; empty where the target is out
         of reach, or no bolts on the face give it
     existing : the bolts that are there
@@ -226,7 +224,6 @@ class BoltCase:
     closed_form: Need
     pre_ie: Need | None
     most: float | None = field(default=None, metadata={"json": "most_kn"})
-    optimum: Optimum | None = None
     pattern: Pattern | None = None
     bolts: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
     existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
@@ -356,18 +353,13 @@ class Support(StudyOutcome):
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
 
     @property
-    def built(self) -> tuple[BoltCase, ...]:
-        """The cases of the direction that is built: given, else practical, else best."""
-        return tuple(case for case in self.cases if case.pattern is not None or case.which == built_way(self.options))
-
-    @property
     def reached(self) -> bool:
-        """Whether nothing is needed, or some bolts in the direction that is built give the target."""
-        return self.stands or any(case.reached for case in self.built)
+        """Whether nothing is needed, or some bolts give the target."""
+        return self.stands or any(case.reached for case in self.cases)
 
     def files(self) -> dict[str, str]:
         """What is to be built, as `support:` of a design file, by the name of a file: for each way the bolts act."""
-        return {f"support-{case.acts}.yaml": case.yaml for case in self.built if case.yaml}
+        return {f"support-{case.acts}.yaml": case.yaml for case in self.cases if case.yaml}
 
     @property
     def stands(self) -> bool:
@@ -402,13 +394,13 @@ class Support(StudyOutcome):
         answers = [case.pre_ie for case in self.cases if case.pre_ie is not None]
         if self.pre_ie.agree is False or any(need.agree is False for need in answers):
             return 4
-        checks = [limit_answer(case.factors) for case in self.built if case.factors is not None]
+        checks = [limit_answer(case.factors) for case in self.cases if case.factors is not None]
         if any(answer.agree is False for answer in checks):
             return 4
         if not self.reached and any(answer.level is None for answer in (self.pre_ie, *checks)):
             return 4
         falls_short = any(notice.code == "W507" for notice in self.warnings)
-        all_reach = self.stands or all(case.reached for case in self.built)
+        all_reach = self.stands or all(case.reached for case in self.cases)
         return 1 if falls_short or not self.reached or not all_reach else 0
 
     def to_dict(self) -> dict[str, Any]:
@@ -427,11 +419,6 @@ def wanted_in_words(design: Design, target: float) -> str:
 def enough(target: float, closed_form: Answer | None, pre_ie: Answer, dilates: bool = False) -> bool:
     """Whether a design reaches a target as it is."""
     return pre_ie.reaches(target) and (dilates or closed_form is None or closed_form.reaches(target))
-
-
-def built_way(options: SupportOptions) -> Which:
-    """Which direction is built: the one given, else the practical one, else the best."""
-    return "given" if options.toward is not None else "practical" if options.plunge is not None else "best"
 
 
 # -- words and JSON -----------------------------------------------------------------------------------------------

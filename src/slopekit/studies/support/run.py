@@ -4,9 +4,9 @@
 >>> plane = {"slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "rock": {"unit_weight": 26},
 ...          "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 0, "phi": 37}}}
 >>> found = sk.support(sk.load(plane), 1.5, acts="active")
->>> best = found.cases[-1]
->>> round(best.toward.plunge_deg, 2), round(best.closed_form.force, 1), round(best.closed_form.fos, 6)
-(-8.33, 230.6, 1.5)
+>>> bolts = found.cases[0]
+>>> bolts.toward.plunge_deg, round(bolts.closed_form.force, 1), round(bolts.closed_form.fos, 6)
+(0.0, 233.1, 1.5)
 """
 
 import math
@@ -27,7 +27,7 @@ from slopekit.kinds.protocol import Factors
 from slopekit.notices import common_notices
 from slopekit.studies.points import Point, rules_left_out, said_at
 from slopekit.studies.protocol import DESK, ADesign, Option, Workplace, study
-from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
+from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
     DRILLABLE_DEG,
@@ -39,7 +39,6 @@ from slopekit.studies.support.records import (
     SupportOptions,
     Which,
     built_force,
-    built_way,
     enough,
     read_options,
     written,
@@ -74,7 +73,8 @@ def support(
     toward: Annotated[
         Any,
         Option(
-            "Direction of the bolts' force on the block, into the rock; the best comes as well.", metavar="TREND/PLUNGE"
+            "Direction of the bolts' force on the block, into the rock [the best within --plunge].",
+            metavar="TREND/PLUNGE",
         ),
     ] = None,
     plunge: Annotated[
@@ -205,20 +205,19 @@ class _SupportSearch:
         """Every case that was asked for."""
         return [self._case(*asked) for asked in self._requested_directions()]
 
-    def _requested_directions(self) -> Iterator[tuple[BoltDirections, Which, Way | None, Optimum | None]]:
+    def _requested_directions(self) -> Iterator[tuple[BoltDirections, Which, Way | None]]:
         """The directions that were asked for, of bolts of each way to act."""
-        goal, toward, plunges = self.factor / (1.0 + AIM), self.options.toward, self.options.plunge
+        goal, toward, plunges = self.factor / (1.0 + AIM), self.options.toward, self.options.plunge or DRILLABLE_DEG
         for acts in self.options.acts:
             ways = BoltDirections(self.site, self.factor, acts == "passive")
             if toward is not None:
-                yield ways, "given", ways.along(self.site.axes @ toward.vector(), goal, self.bare), None
-            if plunges is not None:
-                yield ways, "practical", ways.drillable(plunges, goal, self.bare), None
-            yield ways, "best", *ways.best(goal, self.bare)
+                yield ways, "given", ways.along(self.site.axes @ toward.vector(), goal, self.bare)
+            else:
+                yield ways, "practical", ways.drillable(plunges, goal, self.bare)
 
-    def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> BoltCase:
+    def _case(self, ways: BoltDirections, which: Which, way: Way | None) -> BoltCase:
         if way is None:
-            nowhere = Need(None, None, self.bare.status, notice=self._nowhere(ways, which))
+            nowhere = Need(None, None, self.bare.status, notice=self._nowhere(ways))
             return BoltCase(ways.acts, which, None, nowhere, None)
         line = self._line(which, way)
         own, stands = _need_of(way), self.as_it_is is not None
@@ -228,9 +227,7 @@ class _SupportSearch:
         root = self._least(_Answers(lambda force: self.site.with_bolts(ways.bolt(line, force))), way.force, way.most)
         limit = self._need(root, "through the centroid")
         most = None if math.isinf(way.most) or stands else way.most
-        case = BoltCase(ways.acts, which, line, closed, limit, most, None if stands else optimum, dilates=self.dilates)
-        if which != built_way(self.options):
-            return case
+        case = BoltCase(ways.acts, which, line, closed, limit, most, dilates=self.dilates)
         force = case.force or max(closed.force or 0.0, way.force)
         least = 0.0 if self.dilates else closed.force or 0.0
         pattern = self._pattern(ways, line, force, least, root.slope)
@@ -262,14 +259,11 @@ class _SupportSearch:
         bare = self.bare_limit.factor
         return f"no bolts on the face give it ({codes}), without them {'no FoS' if bare is None else f'FoS {bare:.4f}'}"
 
-    def _nowhere(self, ways: BoltDirections, which: Which) -> Notice:
+    def _nowhere(self, ways: BoltDirections) -> Notice:
         if not ways.held.has_strength:
             return NO_STRENGTH
-        if which == "practical":
-            low, high = self.options.plunge or (0.0, 0.0)
-            where = f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
-            return Notice("E322", where)
-        return Notice("E322", "no force of any direction reaches the target")
+        low, high = self.options.plunge or (0.0, 0.0)
+        return Notice("E322", f"no direction into the face that plunges {low:g} to {high:g}° reaches the target")
 
     # -- PRE-IE ---------------------------------------------------------------------------------------------
 

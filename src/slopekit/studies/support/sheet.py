@@ -11,12 +11,8 @@ from slopekit.studies.support.records import BoltCase, FacePressure, Need, Patte
 from slopekit.studies.support.search import Answer
 from slopekit.studies.words import head, status_words
 
-_ROLES = {
-    "active": "a load: it counts in full, whatever the joints do",
-    "passive": "strength: its capacity is divided by FoS, and it pulls only as the block moves",
-}
+_ROLES = {"active": "a load, in full", "passive": "strength: capacity divided by FoS"}
 _WHICH = {
-    "best": "optimum of all directions",
     "given": "the direction given",
     "practical": "optimum within the allowed plunge",
 }
@@ -31,7 +27,7 @@ def sheet_of(support: Support) -> Sheet:
         Section("TARGET", _target(support)),
         Section("BOLTS", _own_bolts(support.design)),
         *roles,
-        Section("PRESSURE", _pressure(support.pressure, support.unit) if support.pressure is not None else ()),
+        Section("PRESSURE", _pressure(support.pressure) if support.pressure is not None else ()),
         Section("CASES", [cases] if cases.rows else []),
         Section("USE", _use(support)),
         Section("NOTE", [str(notice) for notice in support.warnings]),
@@ -41,16 +37,15 @@ def sheet_of(support: Support) -> Sheet:
 
 
 def _role(support: Support, acts: str) -> Section:
-    """Return what bolts of one kind of action need: what is built first, the proof of the optimum in the full sheet."""
+    """Return what bolts of one kind of action need: how they are built, the lengths and moments in the full sheet."""
     cases = [case for case in support.cases if case.acts == acts]
     if not cases:
         return Section(acts.upper(), [])
     entries, details = [_ROLES[acts]], list[str]()
     for case in cases:
         shown, more = _case(support, case)
-        is_built = any(case is built for built in support.built) or case.toward is None
-        entries += shown if is_built else []
-        details += more if is_built else [*shown, *more]
+        entries += shown
+        details += more
     return Section(acts.upper(), entries, details=details)
 
 
@@ -65,7 +60,7 @@ def line_of(support: Support) -> str:
     if support.stands:
         return f"reached  nothing needed  {level(support.pre_ie)}"
     lines = []
-    for case in support.built:
+    for case in support.cases:
         parts = [case.acts, "reached" if case.reached else "not reached"]
         parts += [] if case.force is None else [f"{size_number(case.force)} {support.unit}"]
         parts += [] if case.toward is None else [f"toward {line_in_words(case.toward)}"]
@@ -117,6 +112,8 @@ def _size(value: float | None) -> str:
 
 
 def _needed_by_both(one: BoltCase | FacePressure, unit: str) -> str:
+    if needed(one.closed_form, unit, "") == needed(one.pre_ie, unit, ""):
+        return f"{needed(one.pre_ie, unit, '').strip()} by both methods"
     return f"{needed(one.closed_form, unit, 'closed form')};  {needed(one.pre_ie, unit, 'PRE-IE')}"
 
 
@@ -132,7 +129,7 @@ def level(answer: Answer) -> str:
 
 def _target(support: Support) -> list[str]:
     bare = support.pre_ie
-    now = f"as it stands {level(bare)} by PRE-IE, {level(support.closed_form)} by the closed form"
+    now = f"as it stands {level(bare)} by PRE-IE, {level(support.closed_form).removeprefix('FoS ')} by the closed form"
     entries = [f"{wanted_in_words(support.design, support.target)}; {now}: {status_words(support.design, bare.status)}"]
     if bare.moments_govern:
         entries.append("moments govern: the closed form knows none, PRE-IE's numbers are those to use")
@@ -146,10 +143,8 @@ def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
     head = _WHICH[case.which]
     if case.toward is None:
         return [f"{head}: none.  {case.closed_form.notice}"], []
-    if _same(support, case):
-        return ["optimum of all directions: the same"], []
     lines = [f"{head} {line_in_words(case.toward)}: {_needed_by_both(case, support.unit)}", *_need_notices(case)]
-    needed_by_moments = case.pre_ie
+    needed_by_moments, details = case.pre_ie, list[str]()
     if (
         case.which != "given"
         and needed_by_moments is not None
@@ -160,38 +155,14 @@ def _case(support: Support, case: BoltCase) -> tuple[list[str], list[str]]:
             "for example normal to the face (--toward)"
         )
     if case.most is not None and case.pattern is not None:
-        lines.append(
+        details.append(
             f"no more than {size_number(case.most)} {support.unit}: beyond that FoS falls below the target again"
         )
-    details = _optimum(support, case)
     if case.pattern is not None:
         shown, more = _pattern(support, case, case.pattern)
         lines += shown
         details += more
     return lines, details
-
-
-def _optimum(support: Support, case: BoltCase) -> list[str]:
-    """Return how the optimum was proved."""
-    optimum = case.optimum
-    if optimum is None:
-        return []
-    least, most = optimum.around
-    off = "does not reach it"
-    if math.isfinite(least):
-        ends = size_number(least), size_number(most) if math.isfinite(most) else "more"
-        off = f"needs {' to '.join(dict.fromkeys(ends))} {support.unit}"
-    words = "" if optimum.is_minimum else "NOT PROVED: "
-    return [f"{words}none of {optimum.scanned} directions needs less; 1° off the optimum {off} (closed form)"]
-
-
-def _same(support: Support, case: BoltCase) -> bool:
-    """Whether a best direction is that which is built, and was printed already."""
-    built = next((other for other in support.built if other.acts == case.acts), case)
-    if built is case or case.toward is None or built.toward is None or built.pre_ie is None:
-        return False
-    apart = float(case.toward.vector() @ built.toward.vector())
-    return apart > 1.0 - 1e-9 and case.optimum is not None and case.optimum.is_minimum
 
 
 def needed(need: Need | None, unit: str, name: str) -> str:
@@ -258,15 +229,14 @@ def _rows(support: Support, pattern: Pattern) -> str:
     return f"{bolts}, {size_number(pattern.each)} of {support.options.capacity:g} kN in each"
 
 
-def _pressure(pressure: FacePressure, unit: str) -> list[str]:
-    area = f"{size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}"
-    where = f"uniform on the face, {area}, normal to it ({line_in_words(pressure.toward)})"
+def _pressure(pressure: FacePressure) -> list[str]:
+    where = f"uniform, normal to the face ({line_in_words(pressure.toward)})"
     return [f"{where}: {_needed_by_both(pressure, 'kPa')}", *_need_notices(pressure)]
 
 
 def _use(support: Support) -> list[str]:
     lines = []
-    for case in support.built:
+    for case in support.cases:
         if case.toward is None or case.force is None:
             lines.append(f"{case.acts}: the target is not reached; see above")
             continue
@@ -274,7 +244,7 @@ def _use(support: Support) -> list[str]:
             lines.append(f"{case.acts}: {case.lacks}")
             continue
         closed = case.closed_form.force or 0.0
-        why = "both methods agree"
+        why = "both methods"
         if support.dilates:
             why = "PRE-IE's: the joints dilate, which the closed form does not know"
         elif case.force > closed * (1.0 + 1e-6):
@@ -294,7 +264,7 @@ def _use(support: Support) -> list[str]:
 def _paste(support: Support) -> list[Entry]:
     """The bolts as YAML, to be pasted."""
     entries: list[Entry] = []
-    for case in support.built:
+    for case in support.cases:
         if case.yaml is None:
             entries += [f"{case.acts}: nothing to paste. {case.lacks}"] if case.lacks else []
             continue

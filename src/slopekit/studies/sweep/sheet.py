@@ -13,7 +13,7 @@ from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Tab
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
 from slopekit.studies.sweep.run import Critical, Sweep
-from slopekit.studies.words import BRIEF, METHODS, cell, check_word, head, status_words
+from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
 _MOST_ROWS = 100
 _CELL = 9
@@ -114,7 +114,7 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
                lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
         Column("", attrgetter("changed"), "changed", show=lambda changed: ">" if changed else "", width=-2),
         Column("status", _status, "status", width=-max([least, *map(len, filter(_slides, statuses))])),
-        *(Column(BRIEF[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
+        *(Column(METHODS[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
     ]  # fmt: skip
     if known is not None:
         columns.append(Column(known.BRIEF, _also, known.NAME, show=_factor_text, width=12))

@@ -20,7 +20,6 @@ from slopekit.views.charts.drawing import (
     FOS,
     GREY,
     NUMBER,
-    PURPLE,
     RED,
     Damaged,
     finish,
@@ -42,14 +41,6 @@ _LINE, _HANDLE = 125, 7
 _OPEN = "open: no error to 16 digits"
 _ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
 Document = Mapping[str, Any]
-_ABOVE, _BELOW, _ASIDE = ((0, 8), "center", "bottom"), ((0, -8), "center", "top"), ((8, -3), "left", "top")
-#: Normals of node pairs: their word, the factor's key, the legend, colour, marker, where numbers stand beside the line.
-_NORMALS = (
-    ("facet", "fos_cohesion_kept", "facet normals, cohesion kept: facets interlock, too high", PURPLE, "^", _ASIDE),
-    ("true", "fos", "true normals of the surface", BLUE, "o", _ABOVE),
-    ("smoothed", "fos", "smoothed normals of the mesh", BLUE, "o", _ABOVE),
-    ("facet", "fos", "facet normals, cohesion lost where they open", RED, "s", _BELOW),
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,46 +245,6 @@ def _label(rung: Document) -> str:
     if rung["method"] == "tolerance":
         return f"{rung['effort']:.0e}"
     return f"{rung['node_pairs']}" if rung["method"] == "mesh" else ""
-
-
-@needs({
-    "normals": [{"normals": str, "edge_m": NUMBER, "fos": NUMBER, "fos_cohesion_kept": NUMBER}], "fos": FOS,
-})  # fmt: skip
-def draw_normals(figure: Any, document: Document) -> None:
-    """Factor of safety against mesh edge, by the normals that the node pairs of a curved surface are given.
-
-    Raises
-    ------
-    DesignError
-        E273 where no mesh gave a factor.
-    """
-    rungs = [rung for rung in document["normals"] if rung["fos"] is not None and rung["edge_m"]]
-    if not rungs:
-        nothing("no mesh of the slip surface gave a factor of safety")
-    axes = figure.subplots()
-    for kind, key, name, colour, marker, beside in _NORMALS:
-        own = sorted((rung["edge_m"], rung[key]) for rung in rungs
-                     if rung["normals"] == kind and rung.get(key) is not None)  # fmt: skip
-        if not own:
-            continue
-        axes.plot(*zip(*own, strict=True), color=colour, marker=marker, linewidth=1.4, label=name)
-        offset, across, upright = beside
-        for edge, value in own:
-            note(axes, f"{value:.4g}", (edge, value), offset, color=colour, zorder=2.5, ha=across, va=upright)
-    fos = document["fos"]
-    for name, value, style in (("closed form", fos["closed_form"], "-."), ("static bound", fos["static_bound"], "--")):
-        if value is not None:
-            axes.axhline(value, color=DARK if name == "closed form" else GREY, linestyle=style, linewidth=1.2,
-                         label=f"{name}, {value:.4g}")  # fmt: skip
-    axes.set_xscale("log", base=2)
-    edges = sorted({rung["edge_m"] for rung in rungs})
-    apart = [edge for k, edge in enumerate(edges) if k == 0 or edge > 1.25 * edges[k - 1]]
-    axes.set_xticks(apart, [f"{edge:.3g}" for edge in apart])
-    axes.minorticks_off()
-    axes.margins(x=0.12, y=0.12)
-    axes.set_xlabel("mean edge of the triangles of the slip surface, m (coarse at the right)")
-    axes.set_ylabel("factor of safety (limit, PRE-IE)")
-    finish(figure, axes, title_of(document), 2)
 
 
 def _failed(steps: Sequence[Document]) -> tuple[list[float], list[float]]:

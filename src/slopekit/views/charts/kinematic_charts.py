@@ -27,9 +27,8 @@ from slopekit.views.charts.drawing import BLUE, GREY, PURPLE, RED, TEXT, needs, 
 from slopekit.views.charts.stereonet import (
     FACE,
     LIGHT,
-    NETS,
+    NET,
     SHADE,
-    Net,
     Stereonet,
     arrange,
     cells,
@@ -50,7 +49,6 @@ class _Survey:
     """A kinematic study as its JSON has it."""
 
     document: Document
-    net: Net
 
     @cached_property
     def planes(self) -> Planes:
@@ -101,7 +99,7 @@ class _Survey:
         return float(self.friction.max())
 
     def zones(self, of: Callable[..., dict[str, Bools]], friction: float | None = None) -> dict[str, Bools]:
-        return of(cells(self.net)[0], self.face, self.least if friction is None else friction, *self.limits)
+        return of(cells()[0], self.face, self.least if friction is None else friction, *self.limits)
 
 
 @needs({
@@ -109,20 +107,20 @@ class _Survey:
     "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
     "survey": {"name": TEXT}, "input_sha256": str,
 })  # fmt: skip
-def draw_kinematic(figure: Any, document: Document, net: Net = "area", test: str | None = None) -> None:
+def draw_kinematic(figure: Any, document: Document, test: str | None = None) -> None:
     """All tests, or one of `TESTS`."""
     by_test = {"planar": [_planar], "wedge": [_wedge], "flexural": [_flexural], "direct": [_direct]}
     by_test["toppling"] = by_test["flexural"] + by_test["direct"]
     chosen = by_test[test] if test else [panel for name in NETS_OF for panel in by_test[name]]
     across = min(2, len(chosen))
-    survey = _Survey(document, net)
+    survey = _Survey(document)
     panels = list(np.ravel(figure.subplots(len(chosen) // across, across)))
     for axes, panel in zip(panels, chosen, strict=True):
-        panel(Stereonet(axes, net), survey)
+        panel(Stereonet(axes), survey)
     n = len(survey.planes)
     name = short(str(document["survey"]["name"]), 50)
     head = f"{name}: {n} joint{'s' * (n != 1)}, face {survey.face}, φ {_friction(survey)}"
-    head += ("\n" if across == 1 else "   ") + f"(lower hemisphere, {NETS[net]}; sha {document['input_sha256'][:6]})"
+    head += ("\n" if across == 1 else "   ") + f"(lower hemisphere, {NET}; sha {document['input_sha256'][:6]})"
     arrange(figure, panels, across, head)
 
 

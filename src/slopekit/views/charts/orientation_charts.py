@@ -15,7 +15,7 @@ from slopekit.core.records import dataclass
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
 from slopekit.studies.kinematic.run import LATERAL_DEG
 from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, TEXT, needs, nothing, short, title_of
-from slopekit.views.charts.stereonet import FACE, LIGHT, MARKERS, NETS, SETS, SHADE, Net, Stereonet, arrange, cells
+from slopekit.views.charts.stereonet import FACE, LIGHT, MARKERS, NET, SETS, SHADE, Stereonet, arrange, cells
 
 Document = Mapping[str, Any]
 _MOST_JOINTS = 12  # that are drawn and listed one by one
@@ -92,7 +92,7 @@ def orientations_of(document: Document) -> Oriented | None:
     },
     "worst": ([{"joints": [str], "planes": [str]}], None), "fos": (dict, float, None),
 })  # fmt: skip
-def draw_orientations(figure: Any, document: Document, net: Net = "area") -> None:
+def draw_orientations(figure: Any, document: Document) -> None:
     """Great circles and poles of joints and slope, lines of intersection, friction cones, the zone of sliding.
 
     Raises
@@ -103,7 +103,7 @@ def draw_orientations(figure: Any, document: Document, net: Net = "area") -> Non
     orientations = orientations_of(document)
     if orientations is None:
         nothing("the document has no joint with dip and dip direction")
-    on = Stereonet(figure.subplots(), net)
+    on = Stereonet(figure.subplots())
     on.start("")
     face = orientations.slope.get("face")
     if face is not None and orientations.frictions:
@@ -119,7 +119,7 @@ def draw_orientations(figure: Any, document: Document, net: Net = "area") -> Non
     _joints(on, orientations)
     _cones(on, orientations)
     _lines(on, document, orientations)
-    lines = [title_of(document), *_answer(document), f"lower hemisphere, {NETS[net]}"]
+    lines = [title_of(document), *_answer(document), f"lower hemisphere, {NET}"]
     arrange(figure, [on.axes], 1, "\n".join(lines))
 
 
@@ -128,10 +128,10 @@ def _zone(on: Stereonet, orientations: Oriented, face: Plane) -> None:
     least = orientations.frictions[0]
     steeper = f"daylight, steeper than φ {number(least)}°{', the least' if len(orientations.frictions) > 1 else ''}"
     if not orientations.is_planar:
-        zone = zones_of_lines(cells(on.net)[0], face, least, 90.0, 90.0)["wedge_primary"]
+        zone = zones_of_lines(cells()[0], face, least, 90.0, 90.0)["wedge_primary"]
         on.shade(zone, SHADE, f"lines here {steeper}")
         return
-    zones = zones_of_poles(cells(on.net)[0], face, least, LATERAL_DEG, 90.0)
+    zones = zones_of_poles(cells()[0], face, least, LATERAL_DEG, 90.0)
     on.shade(zones["planar_without_limits"], LIGHT, f"poles here {steeper}")
     on.shade(zones["planar"], SHADE, "the same within the lateral limits")
     on.spokes(face.dip_direction_deg + 180.0, LATERAL_DEG)

@@ -13,7 +13,7 @@ from slopekit.views.charts.drawing import BLUE, DARK, NUMBER, RED, finish, needs
 Document = Mapping[str, Any]
 _EQUAL = 1e-9
 _LOW, _HIGH = "#e6a57e", "#a9c9e6"
-_METHODS = {"closed-form": "closed form", "pre-ie": "limit, PRE-IE"}
+_METHODS = {"closed-form": "closed form", "pre-ie": "PRE-IE"}
 _SHARE = {"probability": NUMBER, "low": NUMBER, "high": NUMBER, "of": float, "confidence": float, "limits_by": str}
 
 

@@ -12,12 +12,11 @@ from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane, normals
 from slopekit.studies.sets.density import density
 from slopekit.views.charts.drawing import NUMBER, RED, TEXT, needs, short
-from slopekit.views.charts.stereonet import NETS, Net, Stereonet, arrange, lower, set_marks, unproject
+from slopekit.views.charts.stereonet import NET, Stereonet, arrange, lower, set_marks, unproject
 
 Document = Mapping[str, Any]
 _ACROSS = 121  # points of the grid that contours are drawn through
 _KAMB = (2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)
-_SCHMIDT = (1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 64.0)
 _MANY = 600  # poles beyond which they are small
 _LEAST_DEG = 0.3  # a cone that is seen
 
@@ -28,10 +27,10 @@ _LEAST_DEG = 0.3  # a cone that is seen
         "set": str, "dip_deg": float, "dip_direction_deg": float, "joints": float, "k": NUMBER,
         "cone_of_mean_deg": NUMBER, "variability_deg": dict,
     }],
-    "inputs": {"contours": str, "confidence": float, "scanline": (dict, None)},
+    "inputs": {"confidence": float, "scanline": (dict, None)},
     "survey": {"name": TEXT}, "input_sha256": str,
 })  # fmt: skip
-def draw_sets(figure: Any, document: Document, net: Net = "area") -> None:
+def draw_sets(figure: Any, document: Document) -> None:
     """One net with all of it."""
     rows, inputs = document["orientations"], document["inputs"]
     planes = np.array([(row["dip_deg"], row["dip_direction_deg"]) for row in rows], dtype=float).reshape(-1, 2)
@@ -39,9 +38,9 @@ def draw_sets(figure: Any, document: Document, net: Net = "area") -> None:
     weights = np.array([row["weight"] for row in rows], dtype=float)
     own = np.array([str(row["set"] or "") for row in rows])
     named = [str(one["set"]) for one in document["sets"]]
-    on = Stereonet(figure.subplots(), net)
+    on = Stereonet(figure.subplots())
     on.start("")
-    _contours(on, poles, weights, float(document["survey"].get("quantity", len(rows))), inputs["contours"])
+    _contours(on, poles, weights, float(document["survey"].get("quantity", len(rows))))
     marks, size = set_marks(named), 4.2 if len(own) <= _MANY else 2.2
     for name in [*named, ""]:
         some = poles[own == name]
@@ -63,18 +62,18 @@ def draw_sets(figure: Any, document: Document, net: Net = "area") -> None:
                   label=f"scanline {line}")  # fmt: skip
     name = short(str(document["survey"]["name"]), 40)
     head = f"{name}: poles of {len(rows)} joint{'s' * (len(rows) != 1)}, {len(named)} set{'s' * (len(named) != 1)}"
-    arrange(figure, [on.axes], 1, f"{head}\n(lower hemisphere, {NETS[net]}; sha {document['input_sha256'][:6]})")
+    arrange(figure, [on.axes], 1, f"{head}\n(lower hemisphere, {NET}; sha {document['input_sha256'][:6]})")
 
 
-def _contours(on: Stereonet, poles: Floats, weights: Floats, joints: float, contours: Any) -> None:
+def _contours(on: Stereonet, poles: Floats, weights: Floats, joints: float) -> None:
     axes, middle = on.axes, np.linspace(-1.0, 1.0, _ACROSS)
     x, y = np.meshgrid(middle, middle)
     square = x * x + y * y
     # on the rim and beyond it stands the nearest direction of the rim, so that contours reach it; the rim cuts them
     inward = np.minimum(1.0, (1.0 - 1e-9) / np.sqrt(np.maximum(square, 1e-12)))
-    at = unproject(np.column_stack([(x * inward).ravel(), (y * inward).ravel()]), on.net)
-    values = density(at, poles, weights, joints, contours).reshape(x.shape)
-    levels = [level for level in (_KAMB if contours == "kamb" else _SCHMIDT) if level < values.max()]
+    at = unproject(np.column_stack([(x * inward).ravel(), (y * inward).ravel()]))
+    values = density(at, poles, weights, joints).reshape(x.shape)
+    levels = [level for level in _KAMB if level < values.max()]
     if not levels:
         return
     from matplotlib.patches import Circle
@@ -87,8 +86,13 @@ def _contours(on: Stereonet, poles: Floats, weights: Floats, joints: float, cont
     lines = axes.contour(x, y, values, levels=levels, colors="#8a8a8a", linewidths=0.6, zorder=0.6)
     for drawn in (shades, lines):
         drawn.set_clip_path(rim)
-    unit = "σ above chance (Kamb)" if contours == "kamb" else "% in 1 % of the area (Schmidt)"
-    axes.plot([], [], color="#8a8a8a", linewidth=1.0, label=f"{', '.join(f'{level:g}' for level in levels)} {unit}")
+    axes.plot(
+        [],
+        [],
+        color="#8a8a8a",
+        linewidth=1.0,
+        label=f"{', '.join(f'{level:g}' for level in levels)} σ above uniform (Kamb)",
+    )
     axes.set_xlim(-1.14, 1.14)
     axes.set_ylim(-1.14, 1.14)
 

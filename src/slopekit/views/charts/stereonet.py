@@ -1,4 +1,4 @@
-"""The stereonet: lower-hemisphere projections of lines and planes, equal area (Schmidt) or equal angle (Wulff).
+"""The stereonet: lower-hemisphere projections of lines and planes, equal area (Schmidt).
 
 Vectors are (east, north, up); the net has the radius 1, its x points east, its y north.
 
@@ -9,8 +9,8 @@ Vectors are (east, north, up); the net has the radius 1, its x points east, its 
 import math
 import textwrap
 from collections.abc import Sequence
-from functools import lru_cache
-from typing import Any, Literal
+from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -19,9 +19,7 @@ from slopekit.core.orientation import Plane, number
 from slopekit.core.records import dataclass
 from slopekit.views.charts.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
-Net = Literal["area", "angle"]
-#: What the two nets are called.
-NETS: dict[Net, str] = {"area": "equal area (Schmidt)", "angle": "equal angle (Wulff)"}
+NET = "equal area (Schmidt)"
 _TINY = 1e-15
 UP = np.array([0.0, 0.0, -1.0])  # the vertical, as a downward line: the middle of the net
 SETS = (BLUE, GREEN, PURPLE, ORANGE, SKY, "#8c6d1f", "#5b5b9e", "#3d3d3d")
@@ -44,29 +42,25 @@ def lower(vectors: Floats) -> Floats:
     return np.asarray(np.where(vectors[:, 2:] > 0.0, -vectors, vectors))
 
 
-def project(vectors: Floats, net: Net = "area") -> Floats:
+def project(vectors: Floats) -> Floats:
     """Unit vectors (n, 3) as points (n, 2) of the net; upward ones stand for their opposites.
 
-    With d the downward component the points lie at (east, north) / √(1 + d) on the equal-area net and at
-    (east, north) / (1 + d) on the equal-angle net (Snyder 1987, §20 and 24; Lisle & Leyshon 2004).
+    With d the downward component the points lie at (east, north) / √(1 + d): equal area (Snyder 1987, §24).
     """
     down = lower(vectors)
-    scale = 1.0 - down[:, 2]
-    projected: Floats = down[:, :2] / (np.sqrt(scale) if net == "area" else scale)[:, None]
+    projected: Floats = down[:, :2] / np.sqrt(1.0 - down[:, 2])[:, None]
     return projected
 
 
-def unproject(points: Floats, net: Net = "area") -> Floats:
+def unproject(points: Floats) -> Floats:
     """The downward unit vectors (n, 3) of points (n, 2) in the net: the inverse of `project`.
 
     >>> points = np.array([[0.3, -0.4], [0.0, 0.99]])
-    >>> bool(np.allclose(project(unproject(points, "angle"), "angle"), points, rtol=0, atol=1e-15))
+    >>> bool(np.allclose(project(unproject(points)), points, rtol=0, atol=1e-15))
     True
     """
     square = (points * points).sum(axis=1)
-    if net == "area":
-        return np.asarray(np.column_stack([points * np.sqrt(2.0 - square)[:, None], square - 1.0]))
-    return np.asarray(np.column_stack([2.0 * points, square - 1.0]) / (1.0 + square)[:, None])
+    return np.asarray(np.column_stack([points * np.sqrt(2.0 - square)[:, None], square - 1.0]))
 
 
 def great_circle(plane: Plane, count: int = 181) -> Floats:
@@ -132,22 +126,21 @@ def mean_axis(vectors: Floats) -> Floats:
     return axis
 
 
-@lru_cache(maxsize=4)
-def cells(net: Net) -> tuple[Floats, Bools]:
+@cache
+def cells() -> tuple[Floats, Bools]:
     """Downward vectors of the middles of the cells within the rim, and which cells those are (rows from south)."""
     middle = (np.arange(_CELLS) + 0.5) / _CELLS * 2.0 - 1.0
     x, y = np.meshgrid(middle, middle)
     inside = x * x + y * y < 1.0
     inside.setflags(write=False)
-    return frozen(unproject(np.column_stack([x[inside], y[inside]]), net)), inside
+    return frozen(unproject(np.column_stack([x[inside], y[inside]]))), inside
 
 
 @dataclass(frozen=True, slots=True)
 class Stereonet:
-    """What is drawn on a net: the axes of matplotlib that have it, and its projection."""
+    """What is drawn on a net: the axes of matplotlib that have it."""
 
     axes: Any
-    net: Net
 
     def start(self, title: str) -> None:
         """The empty net: rim, ticks every ten degrees, north."""
@@ -168,7 +161,7 @@ class Stereonet:
 
     def arc(self, vectors: Floats, **style: Any) -> None:
         """A curve through downward vectors (n, 3)."""
-        self.axes.plot(*project(vectors, self.net).T, **{"zorder": _LINES} | style)
+        self.axes.plot(*project(vectors).T, **{"zorder": _LINES} | style)
 
     def plane_circle(self, plane: Plane, **style: Any) -> None:
         """The great circle of a plane."""
@@ -201,7 +194,7 @@ class Stereonet:
         """Lines (n, 3) as points; where many stand so close that they cover each other, one for all of them."""
         if not len(vectors):
             return
-        at = project(vectors, self.net)
+        at = project(vectors)
         if len(at) > 2000:
             cell = np.round(at * _DOTS).astype(np.int64) @ np.array([4 * _DOTS, 1])
             at = at[np.unique(cell, return_index=True)[1]]
@@ -213,7 +206,7 @@ class Stereonet:
 
         if not zone.any():
             return
-        inside = cells(self.net)[1]
+        inside = cells()[1]
         image = np.zeros((*inside.shape, 4))
         image[..., :] = (*to_rgba(colour)[:3], 0.0)
         shaded = np.zeros(inside.shape, dtype=bool)

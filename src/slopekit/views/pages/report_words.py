@@ -77,7 +77,7 @@ def limit_of(document: Mapping[str, Any]) -> str:
     assembly = document.get("assembly")
     first = assembly["mechanisms"][0] if assembly and assembly["mechanisms"] else {}
     if not assembly or "shear_to_normal" not in assembly:
-        return "limit, PRE-IE"
+        return "PRE-IE"
     basis, change = first.get("basis", "none"), first.get("change", 0.0)
     return path_in_words(basis, assembly["shear_to_normal"], first.get("fos"), change)
 
@@ -168,12 +168,12 @@ def _alone(document: Mapping[str, Any]) -> str:
 def _bound(percent: float) -> str:
     """Where the static bound lies, in percent above the limit."""
     if abs(percent) < _SAME:
-        return "The static bound is practically the same as the limit."
+        return "The upper bound is practically the same as the limit."
     if percent < 0.0:
         return (
-            f"The static bound lies {-percent:.2g} % below the limit, which an upper bound cannot: neither is known "
+            f"The upper bound lies {-percent:.2g} % below the limit, which an upper bound cannot: neither is known "
             "better than that."
         )
     times = many_times(percent / 100.0 + 1.0)
     lies = f"is {times} the limit" if times else f"lies {percent:.1f} % above the limit"
-    return f"The static bound {lies}: it lets joints dilate, and is unsafe as an answer."
+    return f"The upper bound (associated flow) {lies}: it lets joints dilate, and is unsafe as an answer."

@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 
 from slopekit.block_scene import MODES, OPEN
-from slopekit.core.arrays import Bools, Floats
+from slopekit.bolts import rods
+from slopekit.core.arrays import Bools, Floats, cross
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import parse_plane
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import factor_text
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
-from slopekit.views.solid.dimensions import dimensions, lines
 from slopekit.views.solid.layers import (
     BLOCK,
     DARK,
@@ -29,9 +31,11 @@ from slopekit.views.solid.layers import (
     UNSETTLED,
     Bar,
     Colour,
+    Layer,
     Picture,
     arrows,
     free_normal,
+    layer,
     rigid,
     spheres,
 )
@@ -55,6 +59,98 @@ from slopekit.views.solid.scene_parts import (
 )
 from slopekit.views.solid.stage import Stage, joint_colour
 
+_THIN, _END = 1.6e-3, 4.5e-3  # of the size: radius of the lines, of the balls at their ends
+_ASIDE = 0.05  # of the size: how far before the block the height stands
+_SAME = 1e-4  # of the size: what was measured, found again
+
+
+@dataclass(frozen=True, slots=True)
+class Dimension:
+    """A length from one point (3,) to another, as it is called; `at` (3,) is where its number stands."""
+
+    name: str
+    length_m: float
+    start: Floats
+    end: Floats
+    at: Floats
+
+    @property
+    def text(self) -> str:
+        """Its number."""
+        return f"{self.name} {self.length_m:.4g} m"
+
+
+def dimensions(stage: Stage) -> list[Dimension]:
+    """Setback, face width and height of the block, of many blocks of those that move first, as far as they are known.
+
+    The numbers are those of the result; the ends are corners of the blocks, or lie square to the crest from one.
+    """
+    given: Mapping[str, Any] = stage.document.get("geometry" if stage.alone else "mechanism") or {}
+    own = stage.free if stage.alone else stage.scene.order == 1
+    corners = stage.scene.shapes.solids.vertices[own[stage.of_vertex]]
+    height, width, setback = (given.get(key) for key in ("height_m", "face_width_m", "setback_m"))
+    if height is None or not len(corners):
+        return []
+    out, size = _square_to_crest(stage), float(np.ptp(corners, axis=0).max())
+    depth, measures = corners @ out, []
+    if setback:
+        behind = depth.min() if (crest := _crest_of_columns(stage)) is None else -crest - setback
+        back = corners[np.abs(depth - behind) < _SAME * size]
+        back = back[back[:, 2] > back[:, 2].max() - _SAME * size].mean(axis=0)
+        measures.append(Dimension("setback", setback, back, back + setback * out, back + 0.55 * setback * out))
+    if width:
+        start, end = _across(corners, out, depth.min() + (setback or 0.0), width, size)
+        measures.append(Dimension("width", width, start, end, start + 0.3 * (end - start)))
+    foot = corners[np.argmin(corners[:, 2])] + _ASIDE * size * out
+    top = foot + np.array([0.0, 0.0, height])
+    return [*measures, Dimension("height", height, foot, top, foot + 0.45 * (top - foot))]
+
+
+def _across(corners: Floats, out: Floats, crest: float, width: float, size: float) -> tuple[Floats, Floats]:
+    """The ends of the width: corners on the crest, or else square to it from the outermost ones."""
+    along = cross(np.array([0.0, 0.0, 1.0]), out)
+    across, near = corners @ along, np.abs(corners @ out - crest) < _SAME * size
+    if near.any():
+        start, end = (corners[near][pick(across[near])] for pick in (np.argmin, np.argmax))
+        if abs(float(np.sqrt(((end - start) ** 2).sum())) - width) < _SAME * size:
+            return start, end
+    low = corners[np.argmin(across)]
+    return low, low + np.ptp(across) * along
+
+
+def lines(stage: Stage, measures: Sequence[Dimension]) -> list[Layer]:
+    """Dimensions as thin lines with their ends."""
+    if not measures:
+        return []
+    starts, ends = np.array([one.start for one in measures]), np.array([one.end for one in measures])
+    size = min(stage.size, 2.0 * float(np.sqrt(((ends - starts) ** 2).sum(axis=1)).max()))
+    balls = spheres(np.concatenate([starts, ends]), _END * size)
+    return [
+        layer("dimensions", rods(starts, ends, _THIN * size), DARK, front=2),
+        layer("dimensions: ends", (balls[0], balls[1]), DARK, front=2),
+    ]
+
+
+def _crest_of_columns(stage: Stage) -> float | None:
+    """How far into the slope from the foot of C1 the crest is, of columns: their bases reach behind their tops."""
+    inputs = stage.document.get("inputs") or {}
+    height, face = inputs.get("slope_height_m"), inputs.get("slope_face_deg")
+    return None if height is None or face is None else height / math.tan(math.radians(face))
+
+
+def _square_to_crest(stage: Stage) -> Floats:
+    """(3,) unit and level, out of the slope and square to its crest."""
+    inputs = stage.document.get("inputs") or {}
+    face, upper = inputs.get("face"), inputs.get("upper")
+    if isinstance(face, str) and isinstance(upper, str):
+        edge = cross(parse_plane(face, "face").normal(), parse_plane(upper, "upper").normal())
+        flat = np.array([-edge[1], edge[0], 0.0])
+        if flat.any():
+            level: Floats = flat / np.sqrt(flat @ flat) * np.copysign(1.0, flat @ stage.out)
+            return level
+    return stage.out
+
+
 _DRAWN = 0.08  # of the size: what the largest displacement is drawn as, where nothing else is asked for
 _EXPLODED = 0.35
 _NO_FORCE, _SEEN = 1e-9, 0.03  # of the largest
@@ -64,73 +160,56 @@ _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
 @dataclass(frozen=True, slots=True)
-class SceneOptions:
-    """What a user asks of a scene; None takes what fits it."""
-
-    explode: float | None = None
-    magnify: float | None = None
-    step: int = 1
-
-
-@dataclass(frozen=True, slots=True)
 class Scene:
     """A picture of a result: what it shows, who puts it together, keys that the result must have, options of its own.
 
-    A displacement must stand in the scene itself.
+    `compose` takes the stage and the mechanism (1 is the first); a displacement must stand in the scene itself.
     """
 
     shows: str
-    compose: Callable[[Stage, SceneOptions], Picture]
+    compose: Callable[[Stage, int], Picture]
     needs: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
 
 
-def draw(
-    document: Mapping[str, Any], what: str, path: Path | None, *, show: bool = False, explode: float | None = None,
-    magnify: float | None = None, step: int = 1,
-) -> None:  # fmt: skip
+def draw(document: Mapping[str, Any], what: str, path: Path | None, *, show: bool = False, step: int = 1) -> None:
     """Draw a scene of a result to PNG, GLB or glTF, or in a window.
 
     Parameters
     ----------
     document : the JSON of a result; what : a key of `SCENES`
-    explode : how far blocks are moved apart, in parts of their distance from the middle
-    magnify : times the displacement is drawn; step : the mechanism (1 is the first)
+    step : the mechanism (1 is the first)
 
     Raises
     ------
     DesignError
-        E140 where pyvista or matplotlib is not installed or there is no display, E273, E307 and E350 where the
+        E140 where pyvista or matplotlib is not installed or there is no display, E273 and E350 where the
         document holds no such scene.
     """
     from slopekit.views.solid.rendering import save, show_window
 
-    picture = compose(document, what, SceneOptions(explode, magnify, step))
+    picture = compose(document, what, step)
     if show:
         show_window(picture)
     elif path is not None:
         save(picture, path)
 
 
-def compose(document: Mapping[str, Any], what: str, asked: SceneOptions | None = None) -> Picture:
+def compose(document: Mapping[str, Any], what: str, step: int = 1) -> Picture:
     """The picture of a document.
 
     Raises
     ------
     DesignError
-        E350 no scene, E273 no displacement, mechanism or step, E307 a magnification that is none.
+        E350 no scene, E273 no displacement, mechanism or step.
     """
-    wanted = asked or SceneOptions()
-    for name, value in (("explode", wanted.explode), ("magnify", wanted.magnify)):
-        if value is not None and not (math.isfinite(value) and value >= 0.0):
-            raise DesignError([Fault("E307", f"--{name} is {value:g}, a number of 0 or more is needed", f"--{name}")])
-    return SCENES[what].compose(Stage.of(document), wanted)
+    return SCENES[what].compose(Stage.of(document), step)
 
 
 # -- the pictures -----------------------------------------------------------------------------------------------------
 
 
-def _scene(stage: Stage, _: SceneOptions) -> Picture:
+def _scene(stage: Stage, _: int) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
     seen.rock()
     seen.legend += seen.block_legend(bool(seen.layers))
@@ -155,20 +234,19 @@ def _scene(stage: Stage, _: SceneOptions) -> Picture:
     return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *seen.names()])
 
 
-def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
+def _exploded(stage: Stage, _: int) -> Picture:
     shapes, seen = stage.scene.shapes, Scenery(stage)
-    apart = _EXPLODED if asked.explode is None else asked.explode
     if stage.alone:
-        moved = apart * stage.size * free_normal(shapes)[None, :]
+        moved = _EXPLODED * stage.size * free_normal(shapes)[None, :]
         seen.rock()
-        note = f"the block moved out of the slope by {apart:g} of its size"
+        note = f"the block moved out of the slope by {_EXPLODED:g} of its size"
     else:
         own = shapes.fixed if shapes.fixed.any() else stage.free
-        moved = apart * (shapes.centroids - shapes.centroids[own].mean(axis=0))
+        moved = _EXPLODED * (shapes.centroids - shapes.centroids[own].mean(axis=0))
         if stage.in_section:
             moved[shapes.fixed] = 0.0
         middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
-        note = f"blocks moved apart by {apart:g} of their distance from {middle}"
+        note = f"blocks moved _EXPLODED by {_EXPLODED:g} of their distance from {middle}"
     seen.legend += seen.block_legend(bool(seen.layers))
     colours = stage.block_colours()
     colours[shapes.fixed] = ROCK
@@ -180,7 +258,7 @@ def _exploded(stage: Stage, asked: SceneOptions) -> Picture:
     return seen.picture("exploded", labels=seen.names(moved))
 
 
-def _tractions(stage: Stage, _: SceneOptions) -> Picture:
+def _tractions(stage: Stage, _: int) -> Picture:
     pairs, seen = stage.scene.pairs, Scenery(stage)
     shown = stage.free if stage.alone else stage.free & stage.touched
     if stage.alone:
@@ -214,7 +292,7 @@ def _tractions(stage: Stage, _: SceneOptions) -> Picture:
     return seen.picture("tractions", labels=seen.names(only=shown))
 
 
-def _forces(stage: Stage, _: SceneOptions) -> Picture:
+def _forces(stage: Stage, _: int) -> Picture:
     scene, loads, seen = stage.scene, stage.scene.loads, Scenery(stage)
     known = stage.free if stage.alone else stage.balanced
     at, force, joint = resultants(stage, known)
@@ -259,7 +337,7 @@ def _forces(stage: Stage, _: SceneOptions) -> Picture:
     return seen.picture("forces", labels=seen.names(only=known))
 
 
-def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
+def _displacement(stage: Stage, _: int) -> Picture:
     scene = stage.scene
     if scene.displacement is None:
         limit = (stage.document.get("fos") or {}).get("limit")
@@ -270,7 +348,7 @@ def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
         raise DesignError([Fault("E273", f"there is no displacement at full strength: {why}", "displacement", advice)])
     true = rigid(scene.shapes, scene.displacement, scene.shapes.solids.vertices, stage.of_vertex)
     most = float(np.sqrt((true * true).sum(axis=1)).max())
-    times = asked.magnify if asked.magnify is not None else nice(_DRAWN * stage.size / max(most, 1e-300))
+    times = nice(_DRAWN * stage.size / max(most, 1e-300))
     moved = rigid(scene.shapes, scene.displacement * times, scene.shapes.solids.vertices, stage.of_vertex)
     centroids = np.sqrt((scene.displacement[:, :3] ** 2).sum(axis=1))
     first = int(np.argmax(centroids))
@@ -289,23 +367,23 @@ def _displacement(stage: Stage, asked: SceneOptions) -> Picture:
     return seen.picture("displacement")
 
 
-def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
+def _mechanism(stage: Stage, step: int) -> Picture:
     scene, shapes = stage.scene, stage.scene.shapes
     last = int(scene.order.max(initial=0))
     if last == 0:
         raise DesignError([Fault("E273", f"nothing moves: {stage.document.get('status_text')}", "mechanism")])
-    if not 1 <= asked.step <= last:
+    if not 1 <= step <= last:
         known = f"there are {last} mechanisms" if last > 1 else "there is one mechanism"
         advice = "More of them: analysis: {mechanisms: N} in the design."
-        raise DesignError([Fault("E273", f"there is no mechanism {asked.step}: {known}", "--step", advice)])
-    moving = scene.order == asked.step
-    gone = (scene.order > 0) & (scene.order < asked.step)
+        raise DesignError([Fault("E273", f"there is no mechanism {step}: {known}", "--step", advice)])
+    moving = scene.order == step
+    gone = (scene.order > 0) & (scene.order < step)
     unit = rigid(shapes, np.where(moving[:, None], scene.velocity, 0.0), shapes.solids.vertices, stage.of_vertex)
     fastest = max(float(np.sqrt((unit * unit).sum(axis=1)).max()), 1e-300)
     reach = 0.3 * float(stage.sizes[moving].mean()) if not stage.alone else 0.14 * stage.size
-    times = reach / fastest if asked.magnify is None else asked.magnify
+    times = reach / fastest
     moved = rigid(shapes, scene.velocity * times, shapes.solids.vertices, stage.of_vertex)
-    how = stage.ways(asked.step)
+    how = stage.ways(step)
     colours = stage.block_colours()
     for k in np.flatnonzero(moving):
         colours[k] = MOTION_COLOURS.get(how.get(shapes.names[k], ""), BLOCK)
@@ -334,9 +412,9 @@ def _mechanism(stage: Stage, asked: SceneOptions) -> Picture:
     )
     if gone.any():
         seen.notes.append(f"{int(gone.sum())} blocks that failed before are left out")
-    what = "mechanism" if last == 1 else f"mechanism {asked.step} of {last}"
+    what = "mechanism" if last == 1 else f"mechanism {step} of {last}"
     labels = seen.names(scene.velocity[:, :3] * times, moving)
-    return seen.picture(what, labels=labels, answer=_answer_of(stage, asked.step))
+    return seen.picture(what, labels=labels, answer=_answer_of(stage, step))
 
 
 def _answer_of(stage: Stage, step: int) -> str:
@@ -344,11 +422,11 @@ def _answer_of(stage: Stage, step: int) -> str:
     if step == 1 or step > len(stage.mechanisms):
         return ""
     one = stage.mechanisms[step - 1]
-    factor = "no factor of safety" if one.get("fos") is None else f"FoS {one['fos']:.3f} (limit, PRE-IE)"
+    factor = "no factor of safety" if one.get("fos") is None else f"FoS {factor_text(one['fos'])} (PRE-IE)"
     return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
 
-def _factors(stage: Stage, _: SceneOptions) -> Picture:
+def _factors(stage: Stage, _: int) -> Picture:
     """Blocks by the factor of safety at which they fail."""
     factor = stage.scene.factor
     known = np.isfinite(factor)
@@ -368,7 +446,7 @@ def _factors(stage: Stage, _: SceneOptions) -> Picture:
     return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
 
 
-def _ravelling(stage: Stage, _: SceneOptions) -> Picture:
+def _ravelling(stage: Stage, _: int) -> Picture:
     """Blocks by the order in which they fail."""
     order = stage.scene.order
     if not order.any():
@@ -410,11 +488,11 @@ def _by_value(
 #: What can be drawn of a result, by its word.
 SCENES: Mapping[str, Scene] = {
     "scene": Scene("the slope with its blocks and joints", _scene),
-    "exploded": Scene("the blocks apart, their joints coloured", _exploded, options=("--explode",)),
+    "exploded": Scene("the blocks apart, their joints coloured", _exploded),
     "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
     "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
-    "displacement": Scene("the displacement at full strength, magnified", _displacement, options=("--magnify",)),
-    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",), ("--magnify", "--step")),
+    "displacement": Scene("the displacement at full strength, magnified", _displacement),
+    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",), ("--step",)),
     "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
     "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
 }

@@ -13,6 +13,7 @@ from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, parse_plane
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import factor_text
 from slopekit.kinds import known_kind
 from slopekit.result import JUDGED
 from slopekit.views.solid.layers import (
@@ -221,14 +222,14 @@ class Stage:
         parts = [str(self.document.get("status_text", ""))]
         led = self.document.get("leading") or {}
         name = str(led.get("name"))
-        parts += [f"FoS {led['fos']:.3f} ({JUDGED[name]}: acceptance hangs on it)"] if name in JUDGED else []
-        said = "limit, PRE-IE" if not led else "limit"
-        parts.append("no factor of safety" if limit is None else f"FoS {limit:.3f} ({said})")
+        parts += [f"FoS {factor_text(led['fos'])} ({JUDGED[name]}: acceptance hangs on it)"] if name in JUDGED else []
+        said = "PRE-IE" if not led else "limit"
+        parts.append("no factor of safety" if limit is None else f"FoS {factor_text(limit)} ({said})")
         known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
-        parts += [] if known else [f"lowest estimate {lowest:.3f}"]
+        parts += [] if known else [f"lowest estimate {factor_text(lowest)}"]
         searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
-        parts += [] if searched is None else [f"all pairs failed {searched:.3f}"]
-        parts += [] if closed is None else [f"closed form {closed:.3f}"]
+        parts += [] if searched is None else [f"all pairs failed {factor_text(searched)}"]
+        parts += [] if closed is None else [f"closed form {factor_text(closed)}"]
         agree = self.document.get("agree")
         if self.document.get("status") != "not_converged":
             words = {True: "agree", False: "DO NOT AGREE", None: "not compared"}
