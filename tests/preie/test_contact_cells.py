@@ -131,7 +131,7 @@ def partly_open(scene: Scene, cohesion: float) -> tuple[Bed, np.ndarray]:
     for _ in range(400):
         at = bed.elastic_displacement + 1.5 * mean * rng.normal(size=bed.size)
         there = bed.forces(at, 0.6)
-        share = there.pressed_share
+        share = there.pressed.share
         slips = np.bincount(model.group_contact, there.slips, len(share)) > 0
         near = [bed.forces(at + 10.0 * step * rng.normal(size=bed.size), 0.6) for _ in range(20)]
         if (slips & (share > 0.05) & (share < 0.95)).sum() > 1 and all(there.same_modes(other) for other in near):
@@ -159,12 +159,12 @@ def test_forces_have_the_cohesion_of_what_clipping_leaves(name, kernels) -> None
     bed, at = partly_open(scene, 5.0)
     there = bed.forces(at, 0.6)
     opening, _ = bed.model.opening_and_slip(at)
-    assert there.pressed_share == pytest.approx(pressed_shares(scene.patches, bed.model, opening), abs=1e-9)
+    assert there.pressed.share == pytest.approx(pressed_shares(scene.patches, bed.model, opening), abs=1e-9)
 
 
 def test_cohesion_that_is_kept_acts_wherever_the_blocks_go() -> None:
     bed, at = partly_open(SCENES["space"](), 5.0)
-    share = bed.forces(at, 0.6).pressed_share
+    share = bed.forces(at, 0.6).pressed.share
     kept = bed.with_cohesion_at(at, 0.6)
     for displacement in (at, 3.0 * at, -at):
         there = kept.forces(displacement, 0.6)
@@ -199,13 +199,13 @@ def test_a_face_that_nothing_presses_holds_no_block_back(cohesion) -> None:
 
 def test_contacts_that_have_opened_have_no_cohesion_where_they_are_pressed_again() -> None:
     bed, at = partly_open(SCENES["space"](), 5.0)
-    share = bed.forces(at, 0.6).pressed_share
+    share = bed.forces(at, 0.6).pressed.share
     gone = share > 0.5
     assert gone.any()
     assert (share[~gone] > 0.0).any()
     there = bed.with_opened(gone).forces(at, 0.6)
-    assert there.pressed_share == pytest.approx(np.where(gone, 0.0, share), abs=1e-15)
+    assert there.pressed.share == pytest.approx(np.where(gone, 0.0, share), abs=1e-15)
     friction = bed.model.tan_friction * bed.model.by_group(there.normal)
     of_gone = gone[bed.model.group_contact]
     assert there.strength[of_gone] == pytest.approx(friction[of_gone], rel=1e-12)
-    assert (there.share_slopes[gone] == 0.0).all()
+    assert (there.pressed.slopes[gone] == 0.0).all()

@@ -22,7 +22,7 @@ from slopekit.preie.elastic_path.path_limit import PathOutcome, limit_state
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
-from slopekit.preie.many_blocks.ravelling import Part, _twisting
+from slopekit.preie.many_blocks.ravelling import Part, _too_coarse
 from slopekit.preie.one_block.limit import limit_analysis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bounds import held_by_normals, static_bound
@@ -365,9 +365,9 @@ def test_contacts_that_twist_are_told_by_what_they_carry_at_the_limit() -> None:
     part = first_part(populations.bench(9))
     model, limit = part.model, part.limit
     stronger = replace(model, cohesion=1e6 * model.cohesion)
-    twists = _twisting(replace(part, model=stronger, limit=replace(limit, factor=1e6 * limit.factor)))
+    twists = _too_coarse(replace(part, model=stronger, limit=replace(limit, factor=1e6 * limit.factor)))
     assert twists.any()
-    assert (twists == _twisting(part)).all()
+    assert (twists == _too_coarse(part)).all()
 
 
 @pytest.mark.parametrize("name", SPACE)

@@ -32,7 +32,7 @@ from slopekit.preie.system.model import JointStrength
 from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_FACTOR, SAME_LIMIT, TINY, TWISTS
 
 _LARGE = 24  # blocks in space: fewer are one path
-_MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
+_MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts: splits, and node pairs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -357,7 +357,7 @@ def finer_model(
 
 
 def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part]:
-    """The parts, those that come first with finer node pairs where their mechanism twists contacts."""
+    """The parts, those that come first with finer node pairs where contacts twist or are partly open."""
     done: set[int] = set()
     while True:
         first = min(range(len(parts)), key=lambda k: parts[k].rank, default=None)
@@ -368,15 +368,15 @@ def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part
 
 
 def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
-    """A part with the contacts that twist split until its factor stays, or its node pairs are too many."""
+    """A part with contacts split where that matters until its factor stays, or its node pairs are too many."""
     for level in range(1, _MOST_SPLIT + 1):
-        twists = _twisting(part)
-        if not twists.any():
+        coarse = _too_coarse(part)
+        if not coarse.any():
             break
         if part.limit.basis is Basis.PEAK and _large(part.model):
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
-        refine[part.patch[twists[: len(part.patch)]]] = level
+        refine[part.patch[coarse[: len(part.patch)]]] = level
         model_patch = model_of(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
@@ -395,24 +395,33 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
     return part
 
 
-def _twisting(part: Part) -> Bools:
-    """Contacts in space (k,) that slip about a point near them: their friction depends on where their pairs lie."""
+def _too_coarse(part: Part) -> Bools:
+    """Return the contacts (k,) whose forces depend on where their node pairs lie.
+
+    In space those that slip about a point near them, and cohesive ones that are partly open.
+    """
     model, limit = part.model, part.limit
-    if model.unknowns == 3 or not limit.factor or len(model.plus) == 0:
+    if not limit.factor or len(model.plus) == 0:
         return np.zeros(len(model.plus), dtype=bool)
+    bonds = np.bincount(model.pair_contact, model.cohesion / limit.factor, len(model.plus))
+    carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus))
+    bonds[len(part.patch) :] = carries[len(part.patch) :] = 0.0  # bolts do not twist
+    pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus))
+    pressed /= np.bincount(model.pair_contact, model.control_area, len(model.plus))
+    carries = carries + bonds * pressed  # what is left of cohesion at the limit
+    partly_open = (pressed > 0.0) & (pressed < 1.0) & (bonds > TWISTS * float(carries.sum()))
+    if model.unknowns == 3:
+        return partly_open
     velocity = np.concatenate([limit.velocity, np.zeros((1, model.unknowns))])
     motion = np.einsum("kij,kj->ki", model.plus_motion, velocity[model.plus])
     motion += np.einsum("kij,kj->ki", model.minus_motion, velocity[model.minus])
     radius = np.sqrt(np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale)
     twist = np.abs(motion[:, 3]) * radius / model.length_scale / 2.0
     slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
-    carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) + np.bincount(
-        model.pair_contact, model.cohesion * limit.bond / limit.factor, len(model.plus)
-    )  # what is left of cohesion at the limit: it does not depend on what the strength is divided by
-    carries[len(part.patch) :] = 0.0  # bolts do not twist
     weighs = carries * twist
-    twisting: Bools = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
-    return twisting
+    twisting = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
+    too_coarse: Bools = partly_open | twisting
+    return too_coarse
 
 
 def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksLimit]:

@@ -208,7 +208,7 @@ def build_assembly(
     centroids : (b, 3) m; forces : (b, 3) kN; moments : (b, 3) kNm about the centroids
     strength : indexed by `patches.joint`
     in_section : the blocks move in their x-z section only
-    refine : (k,) how often the triangles of each contact in space are split in four
+    refine : (k,) how often each contact is split: halved in a section, its triangles in four in space
     live : forces and moments (b, 3) that are part of those and neither weight nor water
     bolts : passive ones; those between blocks that do not move are left out
 
@@ -231,11 +231,9 @@ def build_assembly(
     middle = patches.centroids[kept]
     length = math.sqrt(float(patches.areas[kept].mean()))
     axes = section_axes(normals) if in_section else local_axes(normals)
-    if in_section:
-        where, pair_contact, areas = segment_pairs(patches, kept)
-    else:
-        split = np.zeros(len(patches), dtype=np.int64) if refine is None else refine
-        where, pair_contact, areas = polygon_pairs(patches, kept, split[kept])
+    split = np.zeros(len(patches), dtype=np.int64) if refine is None else refine
+    pairs_on = segment_pairs if in_section else polygon_pairs
+    where, pair_contact, areas = pairs_on(patches, kept, split[kept])
     offsets = np.einsum("mij,mj->mi", axes[pair_contact], where - middle[pair_contact]) / length
     joint = patches.joint[kept]
     if in_section:
