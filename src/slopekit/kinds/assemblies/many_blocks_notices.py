@@ -21,7 +21,7 @@ from slopekit.notices import (
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.tolerances import PASSES_SETTLED
+from slopekit.preie.tolerances import PASSES_SETTLED, SAME_LIMIT, TINY
 
 _SMALL = 0.01  # of the volume that can move: the factor of less says little of the slope
 _BOULDER_M3 = 1.0  # a piece that may be left to its neighbours; a larger one is a failure of its own
@@ -103,12 +103,14 @@ def _four(volume: float) -> str:
 
 
 def lost_cohesion(failure: Failure) -> LostCohesion:
-    """Return the part of the node pairs that has lost its cohesion at a limit, and the numbers of such contacts."""
+    """Return the part of the cohesion that does not act at a limit, and the numbers of such contacts and of all."""
     limit, model = failure.limit, failure.parts[0].model
     joints = model.joint_pairs
-    gone, of = limit.bond[joints] == 0.0, model.pair_contact[joints]
-    lost = float(gone.mean()) if gone.size else 0.0
-    return lost, len(np.unique(of[gone])), len(np.unique(of[(model.cohesion[joints] > 0.0) | gone]))
+    full, of = model.cohesion[joints], model.pair_contact[joints]
+    acts = full * limit.bond[joints]
+    open_somewhere = acts < full * (1.0 - SAME_LIMIT)
+    lost = 1.0 - float(acts.sum()) / max(float(full.sum()), TINY) if full.any() else 0.0
+    return lost, len(np.unique(of[open_somewhere])), len(np.unique(of[full > 0.0]))
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:
@@ -142,8 +144,8 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
     if limit.tips is not None:
         part, factor = limit.tips
         return Notice("W362", f"with their strength divided by {factor:.4g} or less the blocks topple at {part:.4g} of "
-                      f"the loads beside weight and water{earthquake(part)}, whatever the friction and cohesion: a "
-                      "wider base or bolts would hold them; no factor of safety is given")  # fmt: skip
+                      f"the loads beside weight and water{earthquake(part)} without slipping anywhere: a wider base or "
+                      "bolts would hold them; no factor of safety is given")  # fmt: skip
     exist = (
         "" if limit.static_bound is None else "; the upper bound says that forces in balance exist, not that they arise"
     )
