@@ -85,15 +85,13 @@ def test_check_follows_the_history_of_more_blocks(monkeypatch) -> None:
 
 
 def test_no_history_is_followed_where_it_would_be_of_other_blocks(monkeypatch) -> None:
-    """Loads that come on last, dilation, and work that is not allowed."""
+    """Dilation, and work that is not allowed."""
     design = sk.load(block())
     solution = many_blocks.solved(OWN, design)
     part = solution.ravelling.failures[0].parts[0]
     assert many_blocks._debonding_factors(part, 1) is not None
     assert many_blocks._debonding_factors(part, 0) is None
-    last = replace(part, limit=replace(part.limit, loads_last=True))
     dilates = replace(part, model=replace(part.model, tan_dilation=np.full_like(part.model.tan_dilation, 0.1)))
-    assert many_blocks._debonding_factors(last, 1) is None
     assert many_blocks._debonding_factors(dilates, 1) is None
     monkeypatch.setattr(many_blocks, "_HISTORY", 1e-9)
     assert many_blocks._debonding_factors(part, 1) is None

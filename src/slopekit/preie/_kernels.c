@@ -488,21 +488,22 @@ INLINE double pressed_fraction(const double *gap, double *slope, const int corne
     return alone ? side : 1.0 - side;
 }
 
-/* pressed_share(law, corners, contact, fraction, gap_rows, displacement, share, slopes) */
+/* pressed_share(law, corners, contact, fraction, gap_rows, touches, displacement, share, slopes) */
 static PyObject *pressed_share(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
-    if (!enough(n, 8)) return NULL;
+    if (!enough(n, 9)) return NULL;
     const Law *l = PyCapsule_GetPointer(a[0], LAW);
     if (!l) return NULL;
     const Contacts *c = l->of;
     const int u = c->u, corners = (int)PyLong_AsLong(a[1]);
+    const double touches = PyFloat_AsDouble(a[5]);
     Kept here = {0}, *kept = &here;
     int failed = PyErr_Occurred() != NULL;
     const whole *contact = WHOLES(a[2], -1);
     const whole cells = failed ? 0 : kept->views[0].len / 8;
     const double *fraction = FLOATS(a[3], cells), *rows = FLOATS(a[4], cells * corners * u);
-    const double *x = FLOATS(a[5], c->blocks * u);
-    double *share = OUT(a[6], c->contacts), *slopes = OUT(a[7], c->contacts * u), r[6];
+    const double *x = FLOATS(a[6], c->blocks * u);
+    double *share = OUT(a[7], c->contacts), *slopes = OUT(a[8], c->contacts * u), r[6];
     for (whole i = 0; !failed && i < cells; i++) {
         const whole k = contact[i];
         if (i == 0 || contact[i - 1] != k) {
@@ -513,7 +514,7 @@ static PyObject *pressed_share(PyObject *self, PyObject *const *a, Py_ssize_t n)
         }
         double gap[3], slope[3];
         const double *row = rows + i * corners * u;
-        for (int v = 0; v < corners; v++) gap[v] = dot(row + v * u, r, u);
+        for (int v = 0; v < corners; v++) gap[v] = dot(row + v * u, r, u) - touches;
         share[k] += fraction[i] * pressed_fraction(gap, slope, corners);
         for (int v = 0; v < corners; v++)
             for (int j = 0; j < u; j++) slopes[k * u + j] += fraction[i] * slope[v] * row[v * u + j];

@@ -36,6 +36,7 @@ from slopekit.preie.tolerances import (
     ROUGHLY_SETTLED,
     SPRING_ROUNDING,
     TINY,
+    TOUCHES,
 )
 
 _DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
@@ -128,7 +129,7 @@ class Bed:
         if self._kernels is not None and not self.dilates:
             share, slopes = np.ones(self.contacts), np.zeros((self.contacts, self.model.unknowns))
             self._kernels.pressed_share(
-                self._law, cells.gap_rows.shape[1], cells.contact, cells.fraction, cells.gap_rows,
+                self._law, cells.gap_rows.shape[1], cells.contact, cells.fraction, cells.gap_rows, TOUCHES,
                 np.ascontiguousarray(displacement), share, slopes,
             )  # fmt: skip
         else:

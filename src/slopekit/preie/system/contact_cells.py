@@ -11,6 +11,7 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Patches
+from slopekit.preie.tolerances import TOUCHES
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +38,9 @@ class ContactCells:
     def pressed_share(self, motion: Floats) -> tuple[Floats, Floats]:
         """Return the share of each contact (k,) that a relative motion (k, u) presses, and its slopes (k, u).
 
-        Contacts without cells are pressed all over.
+        Contacts without cells are pressed all over; one that just touches is as well.
         """
-        gaps = np.einsum("cvu,cu->cv", self.gap_rows, motion[self.contact])
+        gaps = np.einsum("cvu,cu->cv", self.gap_rows, motion[self.contact]) - TOUCHES
         fraction, slopes = pressed_fraction(gaps)
         share, of_motion = np.ones(len(motion)), np.zeros_like(motion)
         share[self.contact] = 0.0
