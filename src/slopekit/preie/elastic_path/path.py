@@ -37,6 +37,7 @@ _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose peaks need no more digits
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
+_LIGHTER = 4  # first loads, each a tenth of the one before
 _OTHER = 0.2  # of ln λ: a limit so far from the last rest is that of another motion
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
@@ -201,12 +202,18 @@ def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     if bed.drive.ramp is not None:
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
         flow = Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
-        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, runs_at=1e9)
+        flow = flow if step.settled else relaxed(bed, none, 0.0, 1.0, runs_at=1e9)
+        for parameter in start * 0.1 ** np.arange(_LIGHTER):
+            tried = at_rest_next(bed, flow.at, float(parameter)) if flow.ended == "rest" else flow
+            if tried.ended == "rest":
+                return float(parameter), tried
+        return start, flow
     parameter = start
     flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
-        if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
+        is_balanced = step.settled and step.forces.balanced(step.forces.residual)
+        if is_balanced and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
             return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
         flow = relaxed(bed, none, parameter, 1.0, runs_at=3e2)
         if flow.ended == "rest":

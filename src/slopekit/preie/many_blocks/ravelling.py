@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -403,11 +404,11 @@ def _too_coarse(part: Part) -> Bools:
     model, limit = part.model, part.limit
     if not limit.factor or len(model.plus) == 0:
         return np.zeros(len(model.plus), dtype=bool)
-    bonds = np.bincount(model.pair_contact, model.cohesion / limit.factor, len(model.plus))
-    carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus))
+    bonds: Any = np.bincount(model.pair_contact, model.cohesion / limit.factor, len(model.plus))
+    carries: Any = np.bincount(model.pair_contact, limit.normal_force, len(model.plus))
     bonds[len(part.patch) :] = carries[len(part.patch) :] = 0.0  # bolts do not twist
-    pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus))
-    pressed /= np.bincount(model.pair_contact, model.control_area, len(model.plus))
+    area = np.bincount(model.pair_contact, model.control_area, len(model.plus))
+    pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus)) / area
     carries = carries + bonds * pressed  # what is left of cohesion at the limit
     partly_open = (pressed > 0.0) & (pressed < 1.0) & (bonds > TWISTS * float(carries.sum()))
     if model.unknowns == 3:
@@ -415,7 +416,7 @@ def _too_coarse(part: Part) -> Bools:
     velocity = np.concatenate([limit.velocity, np.zeros((1, model.unknowns))])
     motion = np.einsum("kij,kj->ki", model.plus_motion, velocity[model.plus])
     motion += np.einsum("kij,kj->ki", model.minus_motion, velocity[model.minus])
-    radius = np.sqrt(np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale)
+    radius = np.sqrt(area * model.area_scale)
     twist = np.abs(motion[:, 3]) * radius / model.length_scale / 2.0
     slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
     weighs = carries * twist

@@ -162,7 +162,10 @@ def _falls_from_below(search: RootSearch[Point], asked: FactorRequest) -> bool:
 
 
 def _jumps_down(here: Sample[Point], above: Sample[Point]) -> bool:
-    return above.level is not None and above.level < 0.0 and level_at(here) - above.level > _LOAD_JUMP[1]
+    """Return whether the factor jumps, below the target or to where nothing holds the blocks."""
+    if above.level is None:
+        return above.label not in ("", UNSETTLED)
+    return above.level < 0.0 and level_at(here) - above.level > _LOAD_JUMP[1]
 
 
 def _further(search: RootSearch[Point], asked: FactorRequest, value: float) -> Iterator[Sample[Point]]:
