@@ -53,9 +53,8 @@ def test_a_rule_on_a_number_that_went_is_refused() -> None:
 
 
 def test_a_history_that_ends_lower_lowers_the_lowest_factor() -> None:
-    """A block jammed between three faces at 14: it rests and runs anywhere from 11.9 to 19, by stiffness and mesh."""
-    design = populations.bench(414) | {"acceptance": {"rules": ["fos >= 12.5", "fos.lowest >= 12.5"]}}
-    design["strength"]["joint"]["c"] = 5.0
+    """Bench 113: its limit is 4.08, and with slip and lost bonds that stay it fails 8 % lower."""
+    design = populations.bench(113) | {"acceptance": {"rules": ["fos >= 4.0", "fos.lowest >= 4.0"]}}
     found = sk.run(sk.load(design))
     assert found.fos.lowest < 0.98 * found.fos.limit
     assert [found.judged(rule) for rule in found.design.rules] == [True, False]

@@ -408,11 +408,12 @@ def _too_coarse(part: Part) -> Bools:
     carries: Any = np.bincount(model.pair_contact, limit.normal_force, len(model.plus))
     bonds[len(part.patch) :] = carries[len(part.patch) :] = 0.0  # bolts do not twist
     area = np.bincount(model.pair_contact, model.control_area, len(model.plus))
-    pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus)) / area
+    pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus)) / np.maximum(area, TINY)
     carries = carries + bonds * pressed  # what is left of cohesion at the limit
     partly_open = (pressed > 0.0) & (pressed < 1.0) & (bonds > TWISTS * float(carries.sum()))
+    too_coarse: Bools = partly_open
     if model.unknowns == 3:
-        return partly_open
+        return too_coarse
     velocity = np.concatenate([limit.velocity, np.zeros((1, model.unknowns))])
     motion = np.einsum("kij,kj->ki", model.plus_motion, velocity[model.plus])
     motion += np.einsum("kij,kj->ki", model.minus_motion, velocity[model.minus])
@@ -421,7 +422,7 @@ def _too_coarse(part: Part) -> Bools:
     slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
     weighs = carries * twist
     twisting = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
-    too_coarse: Bools = partly_open | twisting
+    too_coarse |= twisting
     return too_coarse
 
 
