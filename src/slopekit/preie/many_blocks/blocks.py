@@ -120,16 +120,20 @@ def _limit_of(
     model: AssemblyModel, unit: float, bound: StaticBound, ratio: float, groups: Proposal | None
 ) -> BlocksLimit:
     """Return the limit of a model in unit strength; what groups of it find is in the strength of the design."""
+    of_groups = groups is not None
     try:
         path_end = None if groups is None else groups.limit(unit * (bound.factor or math.inf))
         if path_end is not None and _off(model, path_end) < LIMIT_BALANCED:
             return _limit(model, _weaker(path_end, 1.0 / unit), bound, path_end.factorisations, None)
+        of_groups = False
         with told_times(unit, "divided by"):
             path_end, tips = _on_path(model, bound, ratio)
         return _limit(model, path_end, bound, path_end.factorisations, tips)
     except WorkSpentError as spent:
         unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound)
-        rested = None if spent.rested is None else spent.rested / (unit if groups is not None else 1.0)
+        rested = None
+        if spent.rested is not None and not model.has_cohesion:  # else one block alone may fail before
+            rested = spent.rested / (unit if of_groups else 1.0)
         return replace(unsettled, static_bound=bound.factor, spent=True, rested=rested)
 
 
