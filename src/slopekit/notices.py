@@ -64,22 +64,21 @@ class Facts:
 
 
 LostCohesion = tuple[float, int, int]
-"""The part of the node pairs that has lost its cohesion, how many contacts have, and how many had any."""
+"""The part of the cohesion of blocks that does not act, on how many contacts, and how many have any."""
 
 
 def lost_cohesion_notices(lost: LostCohesion, quantity: str) -> Iterator[Notice]:
-    """W307: contacts of many blocks that have lost their cohesion at a limit.
+    """W307: contacts of many blocks that are open somewhere at a limit.
 
     Parameters
     ----------
     quantity : what the limit is of: the factor of safety, or a load
     """
     share, contacts, cohesive = lost
-    if share > 0.0:
-        yield Notice("W307", "contacts that are open before blocks move, or that the mechanism or motions on the way "
-                     f"to it open, have lost their cohesion ({contacts} of {cohesive}, with {_percent(share)} of the "
-                     f"node pairs; open pairs of other contacts keep theirs): the {quantity} jumps where that "
-                     "happens")  # fmt: skip
+    if contacts:
+        yield Notice("W307", f"{contacts} of {cohesive} contacts with cohesion are open or partly open in the state "
+                     f"that gives the {quantity}, and carry none there: {_percent(share)} of the cohesion does not "
+                     "act")  # fmt: skip
 
 
 def _percent(part: float) -> str:

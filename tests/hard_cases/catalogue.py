@@ -136,7 +136,7 @@ ASPECT = [
     Sweep("thin wedge", SLENDER, thin_wedge, ASPECTS, ROUNDING, "aspect"),
     Sweep("long plane", SLENDER, lambda a: plane(upper=35 - 20 / a), ASPECTS, ROUNDING, "aspect"),
     Sweep("thin plane", SLENDER, lambda a: plane(dip=60 - 25 / a), ASPECTS, ROUNDING, "aspect"),
-    Sweep("long plate", SLENDER, lambda a: stack(a, 1, c=3), ASPECTS, SECTION, "aspect"),
+    Sweep("long plate", SLENDER, lambda a: stack(1.1 * a, 1, c=3), ASPECTS, SECTION, "aspect"),
     Sweep("slender column", SLENDER, leaning, ASPECTS, SECTION, "aspect", statuses=("topples",)),
     Sweep("stack of six plates", SLENDER, lambda a: stack(30 * a, 1, 30, many=6), geometric(1.0, 1e4, 21), SECTION,
           "aspect"),

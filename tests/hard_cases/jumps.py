@@ -180,5 +180,5 @@ JUMPS = [
     Jump("stack of six: its centre of gravity passes its edge", "dip, degrees",
          lambda dip: stack(3.0, 1.0, dip, phi=50.0, many=6), 0.9 * _TIPS, 1.1 * _TIPS, _TOPPLES[0], _has_number, EDGE),
     Jump("block on wet ground: the pressure lets it tip", _KPA,
-         lambda u: stack(c=3.0, pressure=u), 15.0, 23.0, _TOPPLES[0], _has_number, EDGE),
+         lambda u: stack(pressure=u), 15.0, 23.0, _TOPPLES[0], _has_number, EDGE),
 ]  # fmt: skip

@@ -93,17 +93,17 @@ def test_blocks_that_were_exported_are_the_same_blocks(tmp_path, suffix) -> None
 
 @pytest.mark.parametrize("first", [0, 3])
 def test_a_block_on_a_face_that_is_not_convex(tmp_path, first) -> None:
-    """An L of 5 m² and 100 kN, pushed by 0.9 of its weight: (5 c + 100 tan φ) / 90; fans gave 7 m² and 1.4111."""
+    """An L of 5 m² and 100 kN, pushed by 0.2 of its weight: (5 c + 100 tan φ) / 20; fans gave 7 m²."""
     (tmp_path / "ell.obj").write_bytes(as_obj(*prism(ELL, first)))
     floor = trimesh.creation.box([12.0, 12.0, 1.0], trimesh.transformations.translation_matrix([0.0, 0.0, -0.5]))
     floor.export(tmp_path / "floor.obj")
     (tmp_path / "ell.yaml").write_text(
         "slopekit: 1\nkind: blocks\nrock: {unit_weight: 20}\nblocks:\n  floor: {mesh: floor.obj, fixed: true}\n"
-        "  ell: {mesh: ell.obj}\nstrength: {joint: {c: 10, phi: 30}}\nloads: {seismic: {k: 0.9, toward: 090}}\n"
+        "  ell: {mesh: ell.obj}\nstrength: {joint: {c: 10, phi: 30}}\nloads: {seismic: {k: 0.2, toward: 090}}\n"
     )
     result = sk.run(tmp_path / "ell.yaml")
     assert result.geometry.areas_m2["joint"] == pytest.approx(5.0, rel=1e-9)
-    assert result.fos.limit == pytest.approx((5.0 * 10.0 + 100.0 * math.tan(math.radians(30))) / 90.0, rel=1e-4)
+    assert result.fos.limit == pytest.approx((5.0 * 10.0 + 100.0 * math.tan(math.radians(30))) / 20.0, rel=1e-4)
 
 
 @pytest.mark.parametrize("first", range(4))

@@ -53,9 +53,8 @@ def test_a_rule_on_a_number_that_went_is_refused() -> None:
 
 
 def test_a_history_that_ends_lower_lowers_the_lowest_factor() -> None:
-    """A block jammed between three faces at 14: it rests and runs anywhere from 11.9 to 19, by stiffness and mesh."""
-    design = populations.bench(414) | {"acceptance": {"rules": ["fos >= 12.5", "fos.lowest >= 12.5"]}}
-    design["strength"]["joint"]["c"] = 5.0
+    """Bench 113: its limit is 4.08, and with slip and lost bonds that stay it fails 8 % lower."""
+    design = populations.bench(113) | {"acceptance": {"rules": ["fos >= 4.0", "fos.lowest >= 4.0"]}}
     found = sk.run(sk.load(design))
     assert found.fos.lowest < 0.98 * found.fos.limit
     assert [found.judged(rule) for rule in found.design.rules] == [True, False]
@@ -85,15 +84,13 @@ def test_check_follows_the_history_of_more_blocks(monkeypatch) -> None:
 
 
 def test_no_history_is_followed_where_it_would_be_of_other_blocks(monkeypatch) -> None:
-    """Loads that come on last, dilation, and work that is not allowed."""
+    """Dilation, and work that is not allowed."""
     design = sk.load(block())
     solution = many_blocks.solved(OWN, design)
     part = solution.ravelling.failures[0].parts[0]
     assert many_blocks._debonding_factors(part, 1) is not None
     assert many_blocks._debonding_factors(part, 0) is None
-    last = replace(part, limit=replace(part.limit, loads_last=True))
     dilates = replace(part, model=replace(part.model, tan_dilation=np.full_like(part.model.tan_dilation, 0.1)))
-    assert many_blocks._debonding_factors(last, 1) is None
     assert many_blocks._debonding_factors(dilates, 1) is None
     monkeypatch.setattr(many_blocks, "_HISTORY", 1e-9)
     assert many_blocks._debonding_factors(part, 1) is None

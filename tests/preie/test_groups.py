@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 from benchmarks.benches import bench
-from slopekit.preie.elastic_path.path_limit import PathOutcome
 from slopekit.preie.many_blocks import blocks, groups, ravelling
-from slopekit.preie.many_blocks.blocks import limit_of_blocks
 from slopekit.preie.many_blocks.blocks_limit import Basis
-from tests.preie.block_scenes import boxes_in_space, first_part
+from tests.preie.block_scenes import first_part
 
 EXACT = math.tan(math.radians(35.0)) / math.tan(math.radians(45.0))
 
@@ -114,62 +112,3 @@ def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> N
     assert seen == [False]
     assert (limit.group, limit.factor) == (0, pytest.approx(EXACT, rel=1e-3))
     assert [one.found for one in made] == [None]  # what was refused has no range to give
-
-
-@pytest.fixture
-def search(monkeypatch) -> groups.Groups:
-    """That of a bench of 41 moving blocks, once it has ended."""
-    made = []
-
-    class Kept(groups.Groups):
-        def __init__(self, *scene):
-            super().__init__(*scene)
-            made.append(self)
-
-    monkeypatch.setattr(ravelling, "Groups", Kept)
-    key_part()
-    return made[-1]
-
-
-def test_a_limit_is_proposed_at_once_until_a_group_has_ended_in_a_peak(search, monkeypatch) -> None:
-    _, found, _ = search.found
-    at_once = []
-
-    def peak(_model, bond, *_, **options):
-        at_once.append(options["at_once"])
-        return replace(found, bond=bond, outcome=PathOutcome.BRACKET if len(at_once) == 2 else found.outcome)
-
-    search.solved = {}
-    monkeypatch.setattr(groups, "first_limit", peak)
-    bond = np.ones(len(search.model.control_area))
-    first = search._first(bond, True)
-    more = groups._with_neighbours(search.scene.assembly, first, search.blocks)
-    for falls in (True, False):
-        for group in (first, more):
-            assert search._of_group(group, bond, falls) is not None
-    assert at_once == [True, True, False, False]
-
-
-@pytest.mark.parametrize(("proposal", "factor", "basis"), [
-    (0.905, 0.905, Basis.LIMIT),
-    (0.95, 0.9, Basis.PEAK),  # the blocks ran at 0.91
-    (None, 0.9, Basis.PEAK),
-])  # fmt: skip
-def test_what_is_proposed_for_a_peak_is_not_above_where_blocks_ran(proposal, factor, basis, monkeypatch) -> None:
-    """A path that ends in a peak at 0.90 of its limit, blocks running at 0.91, and what is proposed there."""
-    model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
-    path, whole = blocks.follow, limit_of_blocks(model, ranged=False).factor
-    unit = float(model.tan_friction.max())  # the path is followed in unit strength
-
-    def peak(*args, **options):
-        found = path(*args, **options)
-        rests, runs = found.parameter / 0.9, found.parameter / 0.91
-        return replace(found, outcome=PathOutcome.BRACKET, parameter=rests, peak=(rests, runs))
-
-    def proposed(bed, *_):
-        return None if proposal is None else replace(path(bed, 2.0 * unit / whole), parameter=unit / (proposal * whole))
-
-    monkeypatch.setattr(blocks, "follow", peak)
-    monkeypatch.setattr(blocks, "proposed", proposed)
-    found = limit_of_blocks(model, ranged=False)
-    assert (found.factor / whole, found.basis) == (pytest.approx(factor, rel=1e-6), basis)

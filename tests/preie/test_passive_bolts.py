@@ -142,18 +142,19 @@ def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
     for force, toward in ((1e6, (0.0, 10.0)), (5e5, (20.0, 40.0)), (3e6, (340.0, -15.0))):
         wedge = {"dips": ("45/115", "45/245"), "bolts": [{"force": force, "toward": toward, "acts": "passive"}]}
         scene = cut(wedge_design(wedge)).scene_at(0)
-        whole, one = as_assembly(scene)
-        analysis = limit_analysis(one)
+        analysis = limit_analysis(scene.model)
         assert not analysis.moments_govern
-        assert limit_of_blocks(whole, ranged=False).factor == pytest.approx(analysis.governing.factor, rel=1e-9)
+        many = limit_of_blocks(as_assembly(scene), ranged=False)
+        assert many.factor == pytest.approx(analysis.governing.factor, rel=1e-9)
 
 
 def test_random_wedges_with_passive_bolts() -> None:
-    """Where the limit state opens no joint with cohesion the two are one (`benchmarks.wedge_paths`)."""
+    """The limit of a wedge on its exact polygons, and of one block of many (`benchmarks.wedge_paths`)."""
     rng = np.random.default_rng(4)
-    words = [compared(rng, passive=True) for _ in range(8)]
-    assert sum(word == "alike" for word, _ in words) >= 4
-    assert not [off for word, off in words if word == "DIFFER"]
+    off = [off for word, off in (compared(rng, passive=True) for _ in range(8)) if not word.startswith("no factor")]
+    assert len(off) >= 6
+    assert max(abs(each) for each in off) < 0.01
+    assert min(abs(each) for each in off) < 1e-9
 
 
 def test_a_bolt_square_to_the_movement() -> None:

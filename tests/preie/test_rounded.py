@@ -26,7 +26,7 @@ from slopekit.preie.system.assembly import AssemblyModel
 from tests.preie import path_oracle
 from tests.preie.block_scenes import boxes_in_space, first_part, wall
 
-SECTIONS = [("wall", 0), ("section", 3)]
+SECTIONS = [("wall", 0), ("section", 42)]
 
 
 def bed_of(model: AssemblyModel) -> Bed:
@@ -78,24 +78,24 @@ def test_sharpened_states_are_those_of_the_joints() -> None:
     assert exact.parameter == pytest.approx(sharp.reduction, rel=1e-7)
 
 
-@pytest.mark.parametrize("number", [33, 85])
+@pytest.mark.parametrize("number", [8, 20])
 def test_limits_are_those_of_histories(number) -> None:
-    """Benches that run at a peak and come to rest again farther on, each with what is left of its cohesion.
+    """Benches of 11 and 6 blocks without cohesion, whose limits lie far below the static bound.
 
     A history has incremental slip and slowly lowered strength; both are settled to 1e-6 of λ.
     """
     part = first_part(populations.bench(number))
     model, found = part.model, part.limit
     assert found.basis in (Basis.LIMIT, Basis.SETTLED)
-    history = path_oracle.history(model, 2.0 / found.static_bound, cohesion=model.cohesion * found.bond)
+    history = path_oracle.history(model, 2.0 / found.static_bound, cohesion=model.cohesion)
     assert history.end == "settled"
     assert found.factor == pytest.approx(history.factor, rel=3e-6)
 
 
-@pytest.mark.parametrize("number", [85])
+@pytest.mark.parametrize("number", [20])
 def test_the_order_of_blocks_does_not_matter(number) -> None:
     part = first_part(populations.bench(number))
-    model = replace(part.model, cohesion=part.model.cohesion * part.limit.bond)
+    model = part.model
     assert len(model.load) > 1
     assert limit_of(reordered(model)) == pytest.approx(limit_of(model), rel=1e-8)
 
@@ -128,7 +128,7 @@ def traced(model: AssemblyModel, rounding: float) -> PathLimit | None:
 def test_limits_of_rounded_sections_are_those_of_sharp_ones(population, number) -> None:
     """The limit state of the sharp path, and a history of incremental slip, that locks in other forces: half a percent.
 
-    Section 3 has its limit 1 % below the static bound; section 18 below has it 31 % below.
+    Section 42 has its limit 4 % below the static bound.
     """
     model = path_oracle.model_of(getattr(populations, population)(number))
     strength = 2.0 / static_bound(model).factor
@@ -171,8 +171,8 @@ def test_sharp_states_that_do_not_agree_are_no_limit(drift, settles, monkeypatch
 
 
 def test_rounding_that_leads_to_another_motion_is_found_out() -> None:
-    """Seven blocks: with corners rounded by all of their elastic displacement they slide at 1.0028, sharp at 0.7492."""
-    model = path_oracle.model_of(populations.section(18))
+    """Two blocks: with corners rounded by all of their elastic displacement they do not settle, sharp at 1.35387."""
+    model = path_oracle.model_of(populations.section(42))
     history = path_oracle.history(model, 2.0 / static_bound(model).factor)
     found = traced(model, 1e-4)
     assert found is not None

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.motion.settlement import Settlement, settlement
 from slopekit.preie.system.assembly import AssemblyModel
@@ -129,7 +131,10 @@ def test_a_pair_that_opens_loses_its_cohesion(model: AssemblyModel) -> None:
     found = settlement(model, EVEN)
     opening, _ = model.opening_and_slip(found.at)
     assert (opening > 0.0).any()
-    assert ((found.bond == 0.0) == (opening > 0.0)).all()
+    forces = Bed(model, Drive(model.load.ravel()), ratio=found.ratio).forces(found.at, 1.0)
+    whole = model.by_group(model.cohesion) + model.tan_friction * model.by_group(forces.normal)
+    assert forces.residual < 1e-9
+    assert (forces.strength < whole).all()
 
 
 def test_what_slides_and_what_is_lifted_off_come_to_no_rest() -> None:

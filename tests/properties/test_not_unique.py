@@ -100,8 +100,8 @@ LEANING_ROW = {
 KNOWN = {
     "two blocks": (TWO_BLOCKS, (0.529555, 0.52049, 0.52955, 0.52956)),
     "rough columns": (ROUGH_COLUMNS, (0.818, 0.669, 0.971, 1.000)),
-    "bonded columns": (BONDED_COLUMNS, (0.172230, None, 0.4226, 0.468)),
-    "a bonded row": (BONDED_ROW, (1.529922, 1.5077, 1.5299, 1.53506)),
+    "bonded columns": (BONDED_COLUMNS, (0.172230, None, 0.4144, 0.468)),
+    "a bonded row": (BONDED_ROW, (1.531150, 1.5001, 1.5312, 1.53506)),
     "shards": (SHARDS, (3.749624, 3.7050, 3.7496, 3.74962)),
     "Goodman & Bray": (GOODMAN_BRAY, (0.999956835, 0.799, 1.111, 1.19089)),
     "a bench of 46 blocks": (BENCH, (2.498175, 2.491, 2.509, 2.634)),
@@ -150,18 +150,19 @@ def test_a_block_that_leans_out_of_the_row_topples_in_four_writings(change, time
     said = {notice.code: notice.message for notice in found.warnings}
     assert (found.status, found.fos.limit) == ("topples", None)
     assert "W307" in said
-    assert said["W362"].startswith("without the cohesion that is lost")
+    assert said["W362"].startswith("on elastic joints the blocks came to rest at none of the strengths that were tried")
 
 
 @pytest.mark.parametrize(("design", "low", "high"), [
-    (populations.section(235), 0.24290, 0.24291),  # 0.24289 in other steps than those of the path, 0.24291 in them
-], ids=["sides"])  # fmt: skip
-def test_a_peak_has_the_lowest_factor_of_the_ways_to_it_and_the_range_has_the_others(design, low, high) -> None:
+    (populations.section(389), 0.63830, 0.63840), (populations.section(235), 0.24289, 0.24292),
+], ids=["columns", "sides"])  # fmt: skip
+def test_a_peak_is_where_blocks_were_last_at_rest_and_the_range_has_where_they_ran(design, low, high) -> None:
+    """Paths of other steps (strides of 0.5 to 0.97) have their last rests between these."""
     one = changes.run(design)
     assert "W317" in {notice.code for notice in one.warnings}
-    assert 0.95 * low < one.fos.limit <= low
+    assert low < one.fos.limit < high
     assert one.fos.lowest <= one.fos.limit
-    assert high <= one.fos.highest <= one.fos.static_bound
+    assert one.fos.limit < one.fos.highest <= one.fos.static_bound
 
 
 def test_a_peak_and_its_range_are_divided_with_the_strength() -> None:

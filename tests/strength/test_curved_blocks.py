@@ -65,7 +65,7 @@ def test_the_limit_is_a_limit_state_of_the_law(law, number) -> None:
     model, limit = part.model, part.limit
     assert limit.basis in (Basis.LIMIT, Basis.PEAK)
     shear, kpa = model.lines.laws[0].resistance, in_units(model)
-    lost = kpa * shear(np.zeros(len(kpa))) * (limit.bond == 0.0)
+    lost = kpa * shear(np.zeros(len(kpa))) * (1.0 - limit.bond)
     most = model.by_group(kpa * shear(limit.normal_force / kpa) - lost) / limit.factor
     friction = np.abs(limit.friction[:, 0])
     assert np.abs(model.unbalanced(limit.normal_force, limit.friction)).max() < 1e-5

@@ -323,10 +323,11 @@ def test_a_load_on_a_cohesive_bench_says_what_it_has_to_do_with_cohesion() -> No
     """W307 in the load's own terms, on the sheet of `solve` and of `quake`: contacts that it opens lose their bonds."""
     found = sk.solve(_bench(7), KEY, fos=1.0)
     (said,) = [notice.message for notice in found.warnings if notice.code == "W307"]
-    assert "with 13 % of the node pairs; open pairs of other contacts keep theirs): the load jumps" in said
-    assert found.answer.value == pytest.approx(0.91049, rel=1e-4)
+    assert "5 of 5 contacts with cohesion are open or partly open" in said
+    assert said.endswith("11 % of the cohesion does not act")
     shaken = sk.quake(_bench(7), "sine:0.5g,1Hz")
-    assert said in [notice.message for notice in shaken.warnings]
+    (of_load,) = [notice.message for notice in shaken.warnings if notice.code == "W307"]
+    assert "in the state that gives the load, and carry none there" in of_load
     assert "notes" not in shaken.to_dict()["yield"][0]
 
 
@@ -340,33 +341,6 @@ def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_d
     said = [notice.message for notice in found.warnings]
     assert "W477" in [notice.code for notice in found.warnings]
     assert [message for message in said if message in of_bonds] == of_bonds
-
-
-@pytest.mark.parametrize(("without", "said"), [(1.02, True), (1.0005, False)])
-def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, said) -> None:
-    """W477 names the strength whose cohesion is better gone: what rests without it rests with it, another way."""
-    given = _bench(97)
-    cohesive = [name for name, strength in given.strengths if strength.cohesion_kpa > 0.0]
-    asked_first = []
-    real = by_factor._path_in_load
-
-    def path(asked):
-        if not asked_first:
-            asked_first.append(real(asked))
-        (whole,) = asked_first
-        gone = dict(asked.design.strengths)[cohesive[0]].cohesion_kpa == 0.0
-        return replace(whole, multiplier=whole.multiplier * without) if gone else whole
-
-    monkeypatch.setattr(by_factor, "_path_in_load", path)
-    found = sk.solve(given, KEY, fos=1.0)
-    (whole,) = asked_first
-    assert found.answer.value == pytest.approx(whole.multiplier, rel=1e-9)
-    words = f"without the cohesion of {cohesive[0]} "  # W477 also says that the order of loads was not compared
-    told = [one.message for one in found.warnings if one.code == "W477" and one.message.startswith(words)]
-    assert bool(told) == said
-    for message in told:
-        assert f"{words}the blocks stand {KEY} up to" in message
-        assert f"up to {whole.multiplier * without:.4g}, with it {found.answer.value:.4g}:" in message
 
 
 def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:

@@ -14,6 +14,7 @@ import pytest
 from scipy.optimize import brentq, linprog
 
 import slopekit as sk
+from tests.hard_cases.cases import stack as incline_block
 
 Polygon = Sequence[tuple[float, float]]
 
@@ -396,3 +397,16 @@ def test_a_stack_that_leans_out_too_far_topples() -> None:
     assert found.answer is None
     assert found.reason.code == "E316"
     assert "slopekit run says how" in found.reason.advice
+
+
+@pytest.mark.parametrize(("wide", "pressure"), [(1.0, 0.0), (0.8, 0.0), (4.0, 19.0), (4.0, 21.0)])
+def test_the_pressed_part_of_a_base_has_the_cohesion(wide, pressure) -> None:
+    """A block 1 m high on 20°: its base is pressed on 3 (1/2 - e / b) of it, e = M / N; node pairs give 0.4 %."""
+    dip, weight, cohesion = math.radians(20.0), 25.0 * wide, 3.0
+    presses, slides = weight * math.cos(dip) - pressure * wide, weight * math.sin(dip)
+    pressed = 3.0 * (0.5 - 0.5 * slides / presses / wide)
+    assert 0.2 < pressed < 0.96
+    exact = (cohesion * pressed * wide + presses * math.tan(math.radians(35.0))) / slides
+    found = sk.run(incline_block(wide, c=cohesion, pressure=pressure).design)
+    assert found.fos.limit == pytest.approx(exact, rel=4e-3)
+    assert "W307" in [notice.code for notice in found.warnings]

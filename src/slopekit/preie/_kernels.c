@@ -469,6 +469,60 @@ INLINE void tangent_in(const Law *l, const There *at, double *out, const int u, 
     }
 }
 
+/* -- the pressed share of contacts (ContactCells.pressed_share) -------------------------------------------------------- */
+
+/* The part of a cell whose gap, linear between its corners, is negative, and its slopes by the gaps. */
+INLINE double pressed_fraction(const double *gap, double *slope, const int corners)
+{
+    int count = 0;
+    for (int v = 0; v < corners; v++) count += gap[v] < 0.0, slope[v] = 0.0;
+    if (count == 0 || count == corners) return count ? 1.0 : 0.0;
+    int lone = 0, alone = count == 1;
+    while ((gap[lone] < 0.0) != alone) lone++;
+    double a = gap[lone], side = 1.0, sum = 0.0, sign = alone ? 1.0 : -1.0;
+    for (int v = 0; v < corners; v++)
+        if (v != lone) side *= a / (a - gap[v]);
+    for (int v = 0; v < corners; v++)
+        if (v != lone) slope[v] = sign * side / (a - gap[v]), sum += slope[v];
+    slope[lone] = a != 0.0 ? sign * side * (corners - 1) / a - sum : 0.0;
+    return alone ? side : 1.0 - side;
+}
+
+/* pressed_share(law, corners, contact, fraction, gap_rows, touches, displacement, share, slopes) */
+static PyObject *pressed_share(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 9)) return NULL;
+    const Law *l = PyCapsule_GetPointer(a[0], LAW);
+    if (!l) return NULL;
+    const Contacts *c = l->of;
+    const int u = c->u, corners = (int)PyLong_AsLong(a[1]);
+    const double touches = PyFloat_AsDouble(a[5]);
+    Kept here = {0}, *kept = &here;
+    int failed = PyErr_Occurred() != NULL;
+    const whole *contact = WHOLES(a[2], -1);
+    const whole cells = failed ? 0 : kept->views[0].len / 8;
+    const double *fraction = FLOATS(a[3], cells), *rows = FLOATS(a[4], cells * corners * u);
+    const double *x = FLOATS(a[6], c->blocks * u);
+    double *share = OUT(a[7], c->contacts), *slopes = OUT(a[8], c->contacts * u), r[6];
+    for (whole i = 0; !failed && i < cells; i++) {
+        const whole k = contact[i];
+        if (i == 0 || contact[i - 1] != k) {
+            motion_of(c, k, x, r, u);
+            if (l->held)
+                for (int j = 0; j < u; j++) r[j] += l->held[k * u + j];
+            share[k] = 0.0;
+        }
+        double gap[3], slope[3];
+        const double *row = rows + i * corners * u;
+        for (int v = 0; v < corners; v++) gap[v] = dot(row + v * u, r, u) - touches;
+        share[k] += fraction[i] * pressed_fraction(gap, slope, corners);
+        for (int v = 0; v < corners; v++)
+            for (int j = 0; j < u; j++) slopes[k * u + j] += fraction[i] * slope[v] * row[v * u + j];
+    }
+    released(kept);
+    return failed ? NULL : Py_NewRef(Py_None);
+}
+
 /* tangent(law, reduction, viscosity, coupled, turning, touching, slips, direction, friction, slip, elastic, out) */
 static PyObject *tangent(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
@@ -1395,7 +1449,7 @@ static PyObject *cone_middle(PyObject *self, PyObject *const *a, Py_ssize_t n)
 
 #define FAST(name) {#name, (PyCFunction)(void (*)(void))name, METH_FASTCALL, NULL}
 static PyMethodDef METHODS[] = {
-    FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(couple), FAST(tangent), FAST(plan),
+    FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(couple), FAST(pressed_share), FAST(tangent), FAST(plan),
     FAST(longest_step), FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), FAST(polygons), FAST(pressed),
     FAST(cone_residuals), FAST(cone_springs), FAST(cone_sources), FAST(cone_step), FAST(cone_targets), FAST(cone_middle),
     {"bind", bind, METH_O, NULL}, {NULL},

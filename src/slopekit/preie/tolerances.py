@@ -98,6 +98,9 @@ LEVEL = 1e-7
 #: on its elastic bed, in parts of the load.
 SETTLED = 1e-10
 
+#: Gap in parts of what the mean load presses into the mean contact: less is none, it comes from rounding.
+TOUCHES = 1e-9
+
 #: The same where it takes no further step: still good for seven digits of λ.
 ROUGHLY_SETTLED = 1e-8
 

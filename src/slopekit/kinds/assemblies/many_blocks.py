@@ -59,10 +59,7 @@ from slopekit.kinds.words import (
 )
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import those_of_factors
-from slopekit.preie.elastic_path import falling
-from slopekit.preie.elastic_path.bed import Bed
-from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.path import START
+from slopekit.preie.many_blocks.debonding import debonding_limit
 from slopekit.preie.many_blocks.ravelling import (
     CriticalLoad,
     Failure,
@@ -86,7 +83,7 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
-MOST_FOLLOWED = 100  # cohesive blocks whose history is followed unasked: it takes a second or two
+MOST_FOLLOWED = 24  # cohesive blocks whose history is followed unasked: it takes as long as the limit
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
 _DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (METHOD-4, 16)
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
@@ -333,21 +330,17 @@ def debonding(part: Part, most: int, limit: float) -> tuple[float | None, tuple[
 def _debonding_factors(part: Part, most: int) -> tuple[float, float | None] | None:
     """Return the last stable and the first unstable factor of all blocks whose slip and lost cohesion stay.
 
-    Only cohesion needs such a history, without dilation, curved laws and loads that come on last: else None.
+    Only cohesion needs such a history, without dilation and curved laws: else None.
     """
     model, limit = part.model, part.limit
-    left_out = model.lines is not None or limit.loads_last or bool(model.tan_dilation.any())
+    left_out = model.lines is not None or bool(model.tan_dilation.any())
     if left_out or not model.has_cohesion or not limit.factor or len(model.load) > most:
         return None
     try:
         with one_thread(), work_limit.allowed(_HISTORY * work_limit.SECOND):
-            parameters = falling.history(Bed(model, Drive(model.load.ravel())), START / limit.factor)
+            return debonding_limit(model, limit.factor)
     except work_limit.WorkSpentError:
         return None
-    if parameters is None:
-        return None
-    stable, unstable = parameters
-    return 1.0 / stable, None if unstable is None else 1.0 / unstable
 
 
 def search_of_all_pairs(

@@ -18,13 +18,11 @@ from slopekit.notices import (
     mesh_notices,
     undrawn_notice,
 )
-from slopekit.preie.elastic_path.loads_last import STRONGER
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.tolerances import PASSES_SETTLED
+from slopekit.preie.tolerances import PASSES_SETTLED, SAME_LIMIT, TINY
 
-_ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
 _SMALL = 0.01  # of the volume that can move: the factor of less says little of the slope
 _BOULDER_M3 = 1.0  # a piece that may be left to its neighbours; a larger one is a failure of its own
 _FEW = 3  # mechanisms, of which one is mostly larger
@@ -48,8 +46,8 @@ def notices_of(
     yield from mesh_notices(max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0))
     if limit.basis is Basis.PEAK and first.fos:
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
-                     "rest, the peak of the elastic path, on the way to it that holds least; where limits of random "
-                     "sections were found they lay up to 4 % below their peaks, which bounds none")  # fmt: skip
+                     "rest of the elastic path; where limits of random sections were found they lay up to 4 % below "
+                     "such a rest, which bounds none")  # fmt: skip
     if first.fos and limit.change > PASSES_SETTLED and any(strength.law for strength in scene.strengths):
         yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
@@ -58,14 +56,6 @@ def notices_of(
         yield Notice("W317", f"all blocks rest {where} the factor but for a rounding of the law of their joints: "
                      "forces balance within strength, and what joints give, open and slip fits them but for "
                      f"{limit.rounding * 100.0:.1g} % of the elastic energy")  # fmt: skip
-    if limit.loads_last and first.fos:
-        yield Notice("W317", "with all loads on at once no limit state was found: weight and water came first, the "
-                     "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
-    if limit.begun and first.fos and limit.static_bound:
-        last = "led to no limit state" if limit.fit_on is None else f"fit on at F = {limit.fit_on:.4f}"
-        yield Notice("W317", "with all loads on at once the blocks come to rest at "
-                     f"{limit.static_bound / limit.begun:.3g} times the strength of the upper bound and not at "
-                     f"twice; those that came on after the weight {last}")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit, design.seismic.coefficient)
     if limit.spent:
@@ -113,12 +103,14 @@ def _four(volume: float) -> str:
 
 
 def lost_cohesion(failure: Failure) -> LostCohesion:
-    """Return the part of the node pairs that has lost its cohesion at a limit, and the numbers of such contacts."""
+    """Return the part of the cohesion that does not act at a limit, and the numbers of such contacts and of all."""
     limit, model = failure.limit, failure.parts[0].model
     joints = model.joint_pairs
-    gone, of = limit.bond[joints] == 0.0, model.pair_contact[joints]
-    lost = float(gone.mean()) if gone.size else 0.0
-    return lost, len(np.unique(of[gone])), len(np.unique(of[(model.cohesion[joints] > 0.0) | gone]))
+    full, of = model.cohesion[joints], model.pair_contact[joints]
+    acts = full * limit.bond[joints]
+    open_somewhere = acts < full * (1.0 - SAME_LIMIT)
+    lost = 1.0 - float(acts.sum()) / max(float(full.sum()), TINY) if full.any() else 0.0
+    return lost, len(np.unique(of[open_somewhere])), len(np.unique(of[full > 0.0]))
 
 
 def _unsettled(limit: BlocksLimit) -> Notice:
@@ -132,26 +124,13 @@ def _unsettled(limit: BlocksLimit) -> Notice:
     above = ", and no upper bound was found"
     if limit.static_bound is not None:
         above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the upper bound"
-    alone = ""
-    if limit.held is not None:
-        factor, count = limit.held
-        few = "one block has its" if count == 1 else f"{count} blocks have their"
-        alone = (
-            f"; with all others held where they are {few} limit at {factor:.4g}, no number of all: theirs may be lower"
-        )
     return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
-                  f"counted, not timed: every machine ends here): {rests}{above}{alone}")  # fmt: skip
+                  f"counted, not timed: every machine ends here): {rests}{above}")  # fmt: skip
 
 
 def _given_up(limit: BlocksLimit) -> Notice:
     """Why a search ended without a limit although work was left."""
     why = "the motion that was followed led to no state whose forces balance within strength"
-    if limit.by_turns is not None:
-        low, high = limit.by_turns
-        fit = f"fit on and do not by turns with the strength divided by {low:.4g} to {high:.4g}"
-        if high <= low * (1.0 + _ONE_PLACE):
-            fit = f"just all fit on with the strength divided by {low:.4g}"
-        why = f"the loads beside weight and water, coming on last, {fit}, and no rest under all of them was found there"
     above = "" if limit.static_bound is None else f"; the upper bound is {limit.static_bound:.4g}"
     return Notice("W308", f"the search for the limit of these blocks gave up: {why}{above}")
 
@@ -162,28 +141,17 @@ def _without_rest(limit: BlocksLimit, seismic: float) -> Notice:
     def earthquake(part: float) -> str:
         return f" (k {part * seismic:.4g})" if seismic else ""
 
-    most = f"{STRONGER[-1]:g} times the strength of the upper bound"
-    if limit.loads_last and limit.carried is not None and limit.carried < 1.0:
-        tried = f"up to {most}" if limit.static_bound else "at any strength that was tried"
-        tips = ""
-        if limit.tips is not None:
-            part, factor = limit.tips
-            tips = (
-                f"; with their strength divided by {factor:.4g} or less they go at {part:.4g} of "
-                f"them{earthquake(part)} in a motion that slips nowhere: they tip, and no friction or cohesion hinders "
-                "it: a wider base or bolts would"
-            )
-        return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight "
-                      f"and water{earthquake(limit.carried)}, and {tried} they did not carry all of them: no factor of "
-                      f"safety is given{tips}")  # fmt: skip
+    if limit.tips is not None:
+        part, factor = limit.tips
+        return Notice("W362", f"with their strength divided by {factor:.4g} or less the blocks topple at {part:.4g} of "
+                      f"the loads beside weight and water{earthquake(part)} without slipping anywhere: a wider base or "
+                      "bolts would hold them; no factor of safety is given")  # fmt: skip
     exist = (
         "" if limit.static_bound is None else "; the upper bound says that forces in balance exist, not that they arise"
     )
-    bonds, tip = "without the cohesion that is lost, ", ""
-    if not (limit.bond == 0.0).any():
-        bonds, tip = "", " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
-    return Notice("W362", f"{bonds}on elastic joints the blocks came to rest at none of the strengths that were tried"
-                  f"{tip}: no factor of safety is given{exist}")  # fmt: skip
+    tip = " (mostly such blocks tip: a wider base or bolts hold them, more strength does not)"
+    return Notice("W362", f"on elastic joints the blocks came to rest at none of the strengths that were tried{tip}: "
+                  f"no factor of safety is given{exist}")  # fmt: skip
 
 
 def _drawn_out(part: Part) -> bool:

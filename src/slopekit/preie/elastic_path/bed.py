@@ -23,7 +23,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
-from slopekit.preie.elastic_path.bed_states import BedForces, Drive, NewtonStep
+from slopekit.preie.elastic_path.bed_states import BedForces, Drive, NewtonStep, PressedShare
 from slopekit.preie.solvers.stiffness import SparseStiffness
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
@@ -36,6 +36,7 @@ from slopekit.preie.tolerances import (
     ROUGHLY_SETTLED,
     SPRING_ROUNDING,
     TINY,
+    TOUCHES,
 )
 
 _DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
@@ -47,8 +48,10 @@ _BENDS, _STRAIGHT = 40, 1e-14  # Newton steps along a curved one, and change, in
 
 
 class Bed:
-    """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load.
+    """A model on its elastic joints, driven by its strength or by a load.
 
+    Cohesion acts on the pressed part of a contact (`cells`), but for contacts that `have_opened` (k,), which have none;
+    where `bond` (m,) is given it is the share of the cohesion that acts, wherever the blocks go.
     `held` (k, u) is the relative motion of contacts by blocks that are held where they are, `slid` (g, t) the slip that
     stays, None where joints spring back from all of it.
     """
@@ -79,6 +82,8 @@ class Bed:
         self.spring = ratio * self._summed(self.area)
         self.cohesion = self._summed(model.cohesion * self.bond)
         self.friction = model.tan_friction
+        self.cells = model.cells if bond is None else None
+        self.have_opened: Bools | None = None
         self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
         self.stiffness = SparseStiffness(model, symmetric=held is None)
@@ -104,10 +109,86 @@ class Bed:
         if held is None:  # of a few blocks hardly anybody asks
             self._at_first = self._elastic()
 
-    @property
-    def has_bonds(self) -> bool:
-        """Whether any joint has cohesion left."""
-        return bool((self.model.cohesion * self.bond)[self.model.joint_pairs].any())
+    def contact_motion(self, displacement: Floats) -> Floats:
+        """Return the relative motion (k, u) of the contacts for a motion (N,) of the blocks."""
+        model = self.model
+        blocks = np.concatenate([displacement.reshape(model.load.shape), np.zeros((1, model.unknowns))])
+        motion: Floats = np.matmul(model.plus_motion, blocks[model.plus][:, :, None])[:, :, 0]
+        motion += np.matmul(model.minus_motion, blocks[model.minus][:, :, None])[:, :, 0]
+        return motion
+
+    def pressed_share(self, displacement: Floats, reduction: float) -> PressedShare | None:
+        """Return the pressed share of each contact; None where no contact has cohesion.
+
+        Joints that dilate are pressed by as much as slip opens them.
+        """
+        cells = self.cells
+        if cells is None:
+            return None
+        by_strength = np.zeros(self.contacts)
+        if self._kernels is not None and not self.dilates:
+            share, slopes = np.ones(self.contacts), np.zeros((self.contacts, self.model.unknowns))
+            self._kernels.pressed_share(
+                self._law, cells.gap_rows.shape[1], cells.contact, cells.fraction, cells.gap_rows, TOUCHES,
+                np.ascontiguousarray(displacement), share, slopes,
+            )  # fmt: skip
+        else:
+            motion = self.contact_motion(displacement)
+            motion = motion if self.held is None else motion + self.held
+            relative, by_slip = self._without_dilation(motion, reduction)
+            share, slopes = cells.pressed_share(relative)
+            if self.dilates:  # where the joint dilates by all of its reduced friction angle that angle falls too
+                friction = self.friction[self._group_starts]
+                steeper = np.where(self.model.tan_dilation[self._group_starts] > reduction * friction, friction, 0.0)
+                slip = motion[:, 1 : 1 + self.tangents]
+                by_strength = -slopes[:, 0] * steeper * np.sqrt((slip * slip).sum(axis=1))
+            slopes[:, 1 : 1 + self.tangents] -= by_slip * slopes[:, :1]
+        if self.have_opened is not None:
+            share[self.have_opened] = by_strength[self.have_opened] = 0.0
+            slopes[self.have_opened] = 0.0
+        return PressedShare(share, slopes, by_strength)
+
+    def _without_dilation(self, motion: Floats, reduction: float) -> tuple[Floats, Floats]:
+        """Return relative motions (k, u) of contacts less what their slip opens, and that by the slip (k, t)."""
+        by_slip = np.zeros((self.contacts, self.tangents))
+        if not self.dilates:
+            return motion, by_slip
+        slip = motion[:, 1 : 1 + self.tangents]
+        size = np.sqrt((slip * slip).sum(axis=1))
+        dilation = self._dilation(reduction)[self._group_starts]
+        by_slip = dilation[:, None] * slip / np.maximum(size, TINY)[:, None]
+        motion = motion.copy()
+        motion[:, 0] -= dilation * size
+        return motion, by_slip
+
+    def opened_by(self, motion: Floats, parameter: float, least: float) -> Bools:
+        """Return the cohesive contacts (k,) that a motion (N,) opens anywhere, by `least` of its fastest part."""
+        opened = np.zeros(self.contacts, dtype=bool)
+        if self.cells is not None:
+            opening, slip = self.motion(motion, parameter)
+            fastest = max(float(np.abs(opening).max()), float(np.abs(slip).max()))
+            relative, _ = self._without_dilation(self.contact_motion(motion), self.drive.at(parameter)[0])
+            opened[self.cells.contact[self.cells.largest_gap(relative) > least * fastest]] = True
+        return opened
+
+    def with_opened(self, contacts: Bools) -> "Bed":
+        """Return the same joints without the cohesion of some contacts (k,), which have opened."""
+        other = copy.copy(self)
+        other.have_opened = contacts
+        return other
+
+    def with_cohesion_at(self, displacement: Floats, parameter: float) -> "Bed":
+        """Return the same joints with the cohesion of what is pressed at a displacement (N,), wherever they go."""
+        pressed = self.pressed_share(displacement, self.drive.at(parameter)[0])
+        if pressed is None:
+            return self
+        other = copy.copy(self)
+        other.cells, other.bond = None, pressed.share[self.model.pair_contact]
+        other.cohesion = self._summed(self.model.cohesion * other.bond)
+        if self._kernels is not None:
+            given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
+            other._law = self._kernels.law(self._pattern.contacts, *given)
+        return other
 
     @cached_property
     def rows(self) -> Any:
@@ -157,21 +238,19 @@ class Bed:
 
     # -- the law ------------------------------------------------------------------------------------------------------
 
-    def forces(
-        self, at: Floats, parameter: float, frozen: Floats | None = None, modes: BedForces | None = None
-    ) -> BedForces:
+    def forces(self, at: Floats, parameter: float, modes: BedForces | None = None) -> BedForces:
         """Forces at the displacement (N,).
 
         Parameters
         ----------
-        frozen : (g,) friction has these strengths, already reduced
         modes : pairs touch and joints slip (in a section) as they do there, whatever the forces: all is linear
         """
         self.evaluations += 1
         reduction, load = self.drive.at(parameter)
         if self._kernels is not None and modes is None and not self.dilates and self.slid is None:
-            there = self._compiled_forces(at, reduction, load, frozen)
-            return self._by_laws(there, at, reduction, frozen, load) if self.strengths.curved else there
+            there = self._compiled_forces(at, reduction, load, None)
+            is_plain = not self.strengths.curved and self.cells is None
+            return there if is_plain else self._by_laws(there, at, reduction, load)
         relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         if self.slid is not None:
@@ -182,13 +261,13 @@ class Bed:
         touching = opening < 0.0 if modes is None else modes.touching
         normal = np.where(touching, pressing, 0.0)
         direction = elastic / np.maximum(size, TINY)[:, None] if modes is None else modes.direction
-        cohesion = self.cohesion
+        pressed = self.pressed_share(at, reduction)
+        cohesion = self._cohesion_of(pressed)
         if self.bolted is not None:
             slack = self.bolted & (direction[:, 0] > 0.0)
             cohesion = np.where(slack, 0.0, cohesion)
-            frozen = None if frozen is None else np.where(slack, 0.0, frozen)
         strength = self.strengths.at(normal, cohesion)
-        allowed = reduction * strength if frozen is None else frozen
+        allowed = reduction * strength
         if modes is None:
             slips = size > allowed
             carried = np.minimum(size, allowed)
@@ -196,7 +275,7 @@ class Bed:
             slips = modes.slips
             size = (elastic * direction).sum(axis=1)
             carried = np.where(slips, allowed, size)
-        if self.dilates and frozen is None and slips.any():
+        if self.dilates and slips.any():
             normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes, cohesion)
             strength = self.strengths.at(normal, cohesion)
         friction = -direction * carried[:, None]
@@ -206,16 +285,20 @@ class Bed:
         return BedForces(
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
-            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())), pressed,
         )  # fmt: skip
 
-    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
+    def _cohesion_of(self, pressed: PressedShare | None) -> Floats:
+        """Return the cohesion forces (g,) of contacts that are pressed on a share of them."""
+        return self.cohesion if pressed is None else self.cohesion * pressed.share[self.model.group_contact]
+
+    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, allowed: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
         friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
         touching, slips = np.empty(self.pairs, dtype=bool), np.empty(self.groups, dtype=bool)
         unbalanced = np.empty(self.size)
         highest, pressed, longest = self._kernels.forces(
-            self._law, np.ascontiguousarray(at), reduction, load, frozen,
+            self._law, np.ascontiguousarray(at), reduction, load, allowed,
             normal, friction, strength, touching, slips, direction, slip, unbalanced,
         )  # fmt: skip
         return BedForces(
@@ -223,16 +306,14 @@ class Bed:
             SPRING_ROUNDING * (pressed + longest),
         )  # fmt: skip
 
-    def _by_laws(
-        self, there: BedForces, at: Floats, reduction: float, frozen: Floats | None, load: Floats
-    ) -> BedForces:  # fmt: skip
-        """The same with the strengths that curved laws have at its normal forces."""
-        strength = self.strengths.at(there.normal, self.cohesion)
+    def _by_laws(self, there: BedForces, at: Floats, reduction: float, load: Floats) -> BedForces:
+        """The same with the strengths of curved laws at its normal forces, and of cohesion where it is pressed."""
+        pressed = self.pressed_share(at, reduction)
+        strength = self.strengths.at(there.normal, self._cohesion_of(pressed))
         if self.bolted is not None:  # slack ones have none
             strength = np.where(self.bolted, there.strength, strength)
-        if frozen is None:
-            there = self._compiled_forces(at, reduction, load, reduction * strength)
-        there.strength = strength
+        there = self._compiled_forces(at, reduction, load, reduction * strength)
+        there.strength, there.pressed = strength, pressed
         return there
 
     def _dilation(self, reduction: float) -> Floats:
@@ -272,24 +353,23 @@ class Bed:
         sums: Floats = np.add.reduceat(of_groups, self._group_starts)
         return sums
 
-    def tangent(
-        self, there: BedForces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
-    ) -> Floats:
+    def tangent(self, there: BedForces, parameter: float, viscosity: float = 0.0, turning: bool = True) -> Floats:
         """Stiffness (k, u, u) of the contacts at some forces.
 
         Parameters
         ----------
-        coupled : friction follows the normal forces; turning : and, in space, the direction of slip
+        turning : in space the direction of slip follows the displacement
         """
         if self._kernels is not None and not self.dilates:
             local = np.empty_like(self.elastic)
             reduction, _ = self.drive.at(parameter)
-            curved = coupled and self.strengths.curved
+            curved = self.strengths.curved
             self._kernels.tangent(
-                self._law, reduction, viscosity, coupled and not curved, turning, there.touching, there.slips,
+                self._law, reduction, viscosity, not curved, turning, there.touching, there.slips,
                 there.direction, there.friction, there.slip, self.elastic, local,
             )  # fmt: skip
-            return local - self._coupled(there, reduction) if curved else local
+            local = local - self._coupled(there, reduction) if curved else local
+            return local if there.pressed is None else local + self._shared(there, reduction)
         carried = np.sqrt((there.friction * there.friction).sum(axis=1))
         sideways = self.spring.copy()
         if turning:
@@ -301,10 +381,12 @@ class Bed:
         along = np.where(there.slips, sideways, 0.0)
         tangent -= along[:, None, None] * e[:, :, None] * e[:, None, :]
         local = self._local(there.touching, tangent)
-        if coupled and there.slips.any():
+        if there.slips.any():
             reduction, _ = self.drive.at(parameter)
             if not self.dilates:
                 local -= self._coupled(there, reduction)
+                if there.pressed is not None:
+                    local += self._shared(there, reduction)
             else:
                 slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
                 rows = self._pressing * there.touching[:, None]
@@ -313,6 +395,8 @@ class Bed:
                 dilation = np.where(there.slips, self._dilation(reduction), 0.0)
                 stiff = self.spring + dilation * self._pushed(follows, there)
                 dragged = self.strengths.rows(follows, rows)
+                if there.pressed is not None:
+                    dragged -= (reduction * self.cohesion)[:, None] * there.pressed.slopes[self.model.group_contact]
                 dragged[~there.slips] = 0.0
                 beyond = (self.spring[:, None] * slipping + dragged) / stiff[:, None]
                 carries = np.where(there.slips, self.spring, 0.0)[:, None] * (slipping - beyond)
@@ -327,6 +411,13 @@ class Bed:
         dragged = self.strengths.rows(reduction * self.strengths.slopes(there.normal), pressing)
         dragged[~there.slips] = 0.0
         return self._by_contact(slipping[:, :, None] * dragged[:, None, :])
+
+    def _shared(self, there: BedForces, reduction: float) -> Floats:
+        """How friction that slips follows the pressed share of its contact: a stiffness (k, u, u)."""
+        assert there.pressed is not None
+        slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
+        slipping *= np.where(there.slips, reduction * self.cohesion, 0.0)[:, None]
+        return self._by_contact(slipping)[:, :, None] * there.pressed.slopes[:, None, :]
 
     def _pushed(self, follows: Floats, there: BedForces) -> Floats:
         """How strength grows with an even closing of what touches, (g,)."""
@@ -357,6 +448,9 @@ class Bed:
             dilation = np.where(there.slips, self._dilation(parameter), 0.0)
             pushed = self._pushed(parameter * self.strengths.slopes(there.normal), there)
             stiff = self.spring + dilation * pushed
+            if there.pressed is not None:
+                shared = parameter * self.cohesion * there.pressed.by_strength[self.model.group_contact]
+                weaker = weaker + np.where(there.slips, shared, 0.0)
             # where the joint dilates by all of its reduced friction angle that angle falls too
             steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)
             carried = np.sqrt((there.friction * there.friction).sum(axis=1))
@@ -422,19 +516,11 @@ class Bed:
         ramp = None if self.drive.ramp is None else self.drive.ramp[those]
         drive = replace(self.drive, load=self.drive.load[those], ramp=ramp)
         ratio = self.ratio[groups] if isinstance(self.ratio, np.ndarray) else self.ratio
-        few = Bed(model, drive, self.bond[pairs], ratio, held[:, :, 0])
+        few = Bed(model, drive, None if self.cells is not None else self.bond[pairs], ratio, held[:, :, 0])
+        few.have_opened = None if self.have_opened is None else self.have_opened[contacts]
         few.unbalanced_at_most = self.unbalanced_at_most[those]
         few.slid = None if self.slid is None else self.slid[groups]
         return few
-
-    def with_bonds(self, bond: Floats) -> "Bed":
-        """The same joints with cohesion where `bond` (m,) is 1."""
-        other = copy.copy(self)
-        other.bond, other.cohesion = bond, self._summed(self.model.cohesion * bond)
-        if self._kernels is not None:
-            given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
-            other._law = self._kernels.law(self._pattern.contacts, *given)
-        return other
 
     def with_slip_of(self, at: Floats, there: BedForces) -> "Bed":
         """The same joints, their slip at a displacement (N,) there to stay but for what its forces spring back.
@@ -477,9 +563,9 @@ class Bed:
         return self.tangents == 1 or bool((np.abs(off) < self.unbalanced_at_most).all())
 
     def unbalanced_parts(
-        self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
+        self, at: Floats, before: Floats, parameter: float, viscosity: float
     ) -> tuple[BedForces, Floats]:
-        there = self.forces(at, parameter, frozen)
+        there = self.forces(at, parameter)
         if not viscosity:
             return there, there.unbalanced
         return there, there.unbalanced - viscosity * self.viscous(at - before)

@@ -7,6 +7,15 @@ from slopekit.core.records import dataclass
 from slopekit.preie.tolerances import SETTLED
 
 
+@dataclass(frozen=True, slots=True)
+class PressedShare:
+    """The pressed share of each contact (k,), and its slopes by the relative motion (k, u) and, dilating, by λ (k,)."""
+
+    share: Floats
+    slopes: Floats
+    by_strength: Floats
+
+
 @dataclass(slots=True)
 class BedForces:
     """What the joints carry at a displacement.
@@ -16,6 +25,7 @@ class BedForces:
     normal : (m,); friction : (g, t); strength : (g,) r, before it is reduced
     touching : (m,); slips : (g,); direction : (g, t) of the slip; slip : (g,) its size
     unbalanced : (N,) R; largest : of all forces; rounding : unbalanced force that is none
+    pressed : the pressed share of the contacts; None without cohesion
     """
 
     normal: Floats
@@ -28,6 +38,7 @@ class BedForces:
     unbalanced: Floats
     largest: float
     rounding: float
+    pressed: PressedShare | None = None
 
     @property
     def residual(self) -> float:

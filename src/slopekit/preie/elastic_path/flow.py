@@ -9,7 +9,6 @@ they are, and it goes on with all (nonlinear elimination: Cai & Keyes 2002, SIAM
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import SolverError
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces, NewtonStep
@@ -88,8 +87,7 @@ def stepped(
 ) -> NewtonStep:
     """Balance of the forces and of viscous flow away from `before`.
 
-    Newton downhill; where that stalls a few blocks by themselves, full steps, which may climb, and, without `work`,
-    passes of frozen friction.
+    Newton downhill; where that stalls a few blocks by themselves, and full steps, which may climb.
 
     Parameters
     ----------
@@ -101,10 +99,7 @@ def stepped(
         step = _eliminated(bed, step, before, viscosity)
     if step.settled or (viscosity == 0.0 and work is None):
         return step
-    step = bed.newton(at, before, parameter, viscosity, work, downhill=False)
-    if step.settled or work is not None or (many and viscosity < THICKEST):
-        return step
-    return _by_passes(bed, before, parameter, viscosity)
+    return bed.newton(at, before, parameter, viscosity, work, downhill=False)
 
 
 def _eliminated(bed: Bed, last_step: NewtonStep, before: Floats, viscosity: float) -> NewtonStep:
@@ -144,38 +139,3 @@ def _eliminated(bed: Bed, last_step: NewtonStep, before: Floats, viscosity: floa
         if last_step.settled:
             break
     return last_step
-
-
-def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> NewtonStep:
-    """Friction frozen: a convex energy, Newton with a line search along its slope; then Newton on everything."""
-    at = before
-    reduction, _ = bed.drive.at(parameter)
-    for _ in range(6):
-        allowed = reduction * bed.forces(at, parameter).strength
-        if bed.bolted is not None:
-            allowed = np.where(bed.bolted, reduction * bed.cohesion, allowed)
-        for _ in range(25):
-            there, off = bed.unbalanced_parts(at, before, parameter, viscosity, allowed)
-            if there.balanced(float(np.abs(off).max()), 1e-6):
-                break
-            try:
-                way = bed.factored(bed.tangent(there, parameter, viscosity, coupled=False), True)(off)
-            except SolverError:
-                return NewtonStep(at, parameter, there, False, 0)
-            slope, low, high, length = float(off @ way), 0.0, None, 1.0
-            for _ in range(25):
-                _, left = bed.unbalanced_parts(at + length * way, before, parameter, viscosity, allowed)
-                now = float(left @ way)
-                if abs(now) < 0.5 * abs(slope):
-                    break
-                if now > 0.0:
-                    low = length
-                    length = 2.0 * length if high is None else 0.5 * (low + high)
-                else:
-                    high = length
-                    length = 0.5 * (low + high)
-            at = at + length * way
-        step = bed.newton(at, before, parameter, viscosity, None, downhill=True)
-        if step.settled:
-            return step
-    return NewtonStep(at, parameter, bed.forces(at, parameter), False, 0)

@@ -21,7 +21,6 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
-from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, stepped
@@ -35,49 +34,36 @@ START = 2.0  # times the strength of the static bound, or of a known limit, at w
 _STRIDE = 0.85  # of the strength, a step of stage A
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
-_OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
+_COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose peaks need no more digits
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
+_LIGHTER = 4  # first loads, each a tenth of the one before
+_OTHER = 0.2  # of ln λ: a limit so far from the last rest is that of another motion
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
-_SNAPS, _FARTHER, _SLOWLY = (
-    20,
-    1e3,
-    4000,
-)  # of a path in the load; work at which they run; factorisations
+_SNAPS, _FARTHER, _SLOWLY = 20, 1e3, 4000  # of a path in the load; work at which they run; factorisations
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4,)  # rounding in sections of many blocks, one after the other, and of few
 
 
-@dataclass(frozen=True, slots=True)
-class Ran:
-    """Blocks that were at rest at a parameter, and how they ran at the next one, `bad`."""
-
-    parameter: float
-    rest: Flow
-    bad: float
-    flow: Flow
-
-
-def follow(bed: Bed, start: float, brief: bool = False, ran: Ran | None = None) -> PathLimit:
-    """The limit of one bed.
+def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
+    """Return the limit of one assembly on its elastic joints.
 
     Parameters
     ----------
     start : strength (λ) at which gravity comes on, or the first load multiplier
     brief : gives up where gravity does not come to rest there, and after the first bracket that does not settle
-    ran : stage A, where it was gone through already
 
     Raises
     ------
     WorkSpentError
         The work that is allowed is done.
     """
-    rested: list[float] = []
+    path = _Path(bed, start)
     try:
-        ended = _followed(bed, start, brief, rested, ran)
+        ended = path.limit(brief)
     except WorkSpentError:
-        raise WorkSpentError(1.0 / rested[-1] if rested and bed.drive.ramp is None else None) from None
+        raise WorkSpentError(1.0 / path.stable if path.stable and bed.drive.ramp is None else None) from None
     if ended.found or ended.outcome is PathOutcome.STANDS or bed.drive.ramp is not None:
         return ended
     normal = held_by_normals(bed.model, bed.drive.load)
@@ -90,109 +76,124 @@ def follow(bed: Bed, start: float, brief: bool = False, ran: Ran | None = None) 
     )
 
 
-def _followed(bed: Bed, start: float, brief: bool, rested: list[float], ran: Ran | None) -> PathLimit:
-    """The limit; `rested` gets the parameters at which the blocks are at rest on the way."""
-    strength = bed.drive.ramp is None
-    if ran is None:
-        parameter, flow = at_rest_first(bed, start, 0 if brief else ROUGHER)
-    else:
-        parameter, flow = ran.parameter, ran.rest
-    if flow.ended != "rest":
-        without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
-        return result_of(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
-    at, forces, begun, first = flow.at, flow.forces, parameter, flow.at
-    rested.append(parameter)
-    # parameters at which nothing was found at rest, the worst first
-    runs: list[tuple[float, Flow]] = [] if ran is None else [(ran.bad, ran.flow)]
-    failed: Flow | None = None  # the last flow whose forces did not settle
-    ratio = _STRIDE
-    brackets = (_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2])
-    nearest, snaps = iter(brackets), 0 if strength else _SNAPS
-    near = next(nearest)
-    traces = strength and bed.tangents > 1 and not bed.dilates
-    smooth = strength and bed.tangents == 1 and not bed.dilates and bed.bolted is None
-    if smooth and bed.size > MANY and ran is None:
-        ended = traced_in_section(bed, at, parameter, _BROADLY)
-        if ended is not None:
-            return replace(ended, started=begun)
-        smooth = False
-    while True:
-        if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
-            bad, flow = runs.pop()
-            if flow.ended != "runs":
-                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), runs_at=RUNS)
-            if flow.ended != "rest":
-                ended = None if flow is failed else _run(bed, flow, bad)
-                failed = flow  # the same again ends the same
-                if ended is None and traces:
-                    ended, traces = traced(bed, at, parameter), False
-                if ended is not None:
-                    return replace(ended, peak=(parameter, bad), started=begun)
-                runs.append((bad, flow))
-                near = next(nearest, 0.0)
-                if near:
-                    continue
-                slow = relaxed(bed, at, bad, THICK, runs_at=_FARTHER, patience=_SLOWLY) if snaps else flow
-                if slow.ended != "rest":
-                    break
-                flow = slow
-                snaps, nearest, ratio = snaps - 1, iter(brackets), _STRIDE  # they only snapped, to another rest
-                near = next(nearest)
-                runs.clear()
-            parameter, at, forces = bad, flow.at, flow.forces
-        if runs:
-            ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))
-        trial = bed.drive.harder(parameter, ratio)
-        say("path, strength divided by" if strength else "path, load times", 1.0 / trial if strength else trial)
-        tried = at_rest_next(bed, at, trial)
-        if tried.ended != "rest":
-            runs.append((trial, tried))
-            continue
-        parameter, at, forces = trial, tried.at, tried.forces
-        rested.append(parameter)
-        if (parameter < LEAST_STRENGTH * start) if strength else (parameter > FARTHEST):
-            return result_of(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
-        if not runs:
-            ratio = max(ratio * _STRIDE, 0.5)
-    if smooth and not brief:
-        ended = traced_in_section(bed, first, begun, _FINELY)
-        if ended is not None and (ended.parameter or 0.0) >= bad:
-            return replace(ended, peak=(parameter, bad), started=begun)
-    peak = result_of(bed, PathOutcome.BRACKET, parameter, (parameter, bad), at, flow.at - flow.before, forces)
-    return replace(peak, started=begun)
+class _Path:
+    """The states at rest of one assembly, from a strength that holds it, or its first load, to its limit.
 
-
-def first_peak(bed: Bed, peak: PathLimit) -> PathLimit:
-    """Of the peaks that the path comes to in other steps, and the one found, that of the most strength.
-
-    Where blocks snap from rest to rest the step decides which rest they come to, and so where they are last at rest.
+    Attributes
+    ----------
+    stable : the last parameter at rest, None before the first; state : the flow that came to rest there
     """
-    ways = [peak]
-    parameter, flow = at_rest_first(bed, peak.started, 0)
-    for ratio in _OTHER_WAYS if flow.ended == "rest" else ():
-        good, rest, bad = parameter, flow, None
-        while bad is None or 1.0 - bed.drive.gap(bad, good) > _NEARER[1]:
-            trial = bed.drive.harder(good, ratio if bad is None else math.sqrt(bed.drive.gap(bad, good)))
-            if trial < LEAST_STRENGTH * parameter:
-                break
-            tried = at_rest_next(bed, rest.at, trial)
-            if tried.ended not in ("rest", "runs"):
-                tried = relaxed(bed, tried.at, trial, max(tried.viscosity, THICK), runs_at=RUNS)
-            if tried.ended == "rest":
-                good, rest = trial, tried
-            elif tried.ended == "runs":
-                bad = trial
-            else:  # this way says nothing
-                bad = None
-                break
-        if bad is not None:
-            forces = bed.forces(rest.at, good)
-            ways.append(result_of(bed, PathOutcome.BRACKET, good, (good, bad), rest.at, peak.motion, forces))
-    ways.sort(key=lambda way: way.parameter or 0.0)
-    return replace(
-        ways[-1], started=peak.started, motion=peak.motion, reached=ways[0].parameter,
-        factorisations=bed.factorisations,
-    )  # fmt: skip
+
+    def __init__(self, bed: Bed, start: float) -> None:
+        self.bed, self.start = bed, start
+        self.is_strength = bed.drive.ramp is None
+        self.stable: float | None = None
+        self.failed: Flow | None = None  # the last flow whose forces did not settle
+        bolts, cohesion = bed.bolted is not None, bed.cells is not None
+        self.rounds = self.is_strength and not bed.dilates and not cohesion
+        self.smooth = self.rounds and bed.tangents == 1 and not bolts
+        self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER[: None if bed.tangents == 1 else 2]))
+        self.tried = 1 if cohesion and bed.tangents > 1 else len(self.brackets)  # brackets with a try at a limit state
+
+    def limit(self, brief: bool) -> PathLimit:
+        """Return the limit, a peak, or why there is none."""
+        bed = self.bed
+        parameter, flow = at_rest_first(bed, self.start, 0 if brief else ROUGHER)
+        if flow.ended != "rest":
+            outcome = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
+            return result_of(bed, outcome, None, None, flow.at, flow.at - flow.before, flow.forces)
+        self.begun, self.first = parameter, flow.at
+        self.stable, self.state = parameter, flow
+        if self.smooth and bed.size > MANY:
+            ended = traced_in_section(bed, flow.at, parameter, _BROADLY)
+            if ended is not None:
+                return replace(ended, started=parameter)
+            self.smooth = False
+        return replace(self._narrowed(brief), started=self.begun)
+
+    def _narrowed(self, brief: bool) -> PathLimit:
+        """Return the limit between a state at rest and ever nearer parameters at which the blocks run."""
+        bed, brackets = self.bed, self.brackets[: 2 if brief else None]
+        assert self.stable is not None
+        runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
+        ratio, place, snaps = _STRIDE, 0, 0 if self.is_strength else _SNAPS
+        while True:
+            if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
+                unstable, flow = runs.pop()
+                if flow.ended != "runs":
+                    flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
+                if flow.ended != "rest":
+                    ended = self._running_limit(flow, unstable) if place < self.tried else None
+                    if ended is not None:
+                        return replace(ended, peak=(self.stable, unstable))
+                    runs.append((unstable, flow))
+                    place += 1
+                    if place < len(brackets):
+                        continue
+                    slow = flow
+                    if snaps:
+                        slow = relaxed(bed, self.state.at, unstable, THICK, runs_at=_FARTHER, patience=_SLOWLY)
+                    if slow.ended != "rest":
+                        return self._peak(flow, unstable, brief)
+                    flow, snaps, ratio = slow, snaps - 1, _STRIDE  # they only snapped, to another rest
+                    runs.clear()
+                    place = 0
+                self.stable, self.state = unstable, flow
+            if runs:
+                ratio = math.sqrt(bed.drive.gap(runs[-1][0], self.stable))
+            trial = bed.drive.harder(self.stable, ratio)
+            say("path, strength divided by" if self.is_strength else "path, load times",
+                1.0 / trial if self.is_strength else trial)  # fmt: skip
+            tried = at_rest_next(bed, self.state.at, trial)
+            if tried.ended != "rest":
+                runs.append((trial, tried))
+                continue
+            self.stable, self.state = trial, tried
+            if (trial < LEAST_STRENGTH * self.begun) if self.is_strength else (trial > FARTHEST):
+                return result_of(bed, PathOutcome.STANDS, None, None, tried.at, tried.at, tried.forces)
+            if not runs:
+                ratio = max(ratio * _STRIDE, 0.5)
+
+    def _running_limit(self, flow: Flow, unstable: float) -> PathLimit | None:
+        """Return the limit of the motion that runs, None where its forces do not settle.
+
+        Of cohesive contacts that of the cohesion that acts at the last state at rest, where a motion that opens them
+        has no limit between that state and itself; and none that lies beyond that state, which would then run before.
+        """
+        bed = self.bed
+        assert self.stable is not None
+        ended = None if flow is self.failed else _run(bed, flow, unstable)
+        self.failed = flow  # the same again ends the same
+        if ended is None and self.rounds and bed.tangents > 1:
+            ended, self.rounds = traced(bed, self.state.at, self.stable), False
+        if bed.cells is None:
+            far = ended is not None and abs(math.log((ended.parameter or math.nan) / self.stable)) > _OTHER
+            return None if far else ended
+        if ended is not None and self._is_between(ended, unstable):
+            return ended
+        bonded = bed.with_cohesion_at(self.state.at, self.stable)
+        flow = relaxed(bonded, self.state.at, unstable, THICK, runs_at=RUNS)
+        ended = _run(bonded, flow, unstable) if flow.ended == "runs" else None
+        if ended is None or ended.parameter is None or bed.drive.gap(ended.parameter, self.stable) < 1.0:
+            return None
+        return ended
+
+    def _is_between(self, ended: PathLimit, unstable: float) -> bool:
+        """Return whether a limit lies between the last state at rest and a parameter at which the blocks run."""
+        assert self.stable is not None
+        low, high = sorted((self.stable, unstable))
+        return ended.parameter is not None and low * (1.0 - SAME_LIMIT) <= ended.parameter <= high * (1.0 + SAME_LIMIT)
+
+    def _peak(self, flow: Flow, unstable: float, brief: bool) -> PathLimit:
+        """Return the last state at rest; in a section the limit of hardly rounded joints, where that lies before it."""
+        assert self.stable is not None
+        bed, peak = self.bed, (self.stable, unstable)
+        if self.smooth and not brief:
+            ended = traced_in_section(bed, self.first, self.begun, _FINELY)
+            if ended is not None and (ended.parameter or 0.0) >= unstable:
+                return replace(ended, peak=peak)
+        moved, forces = flow.at - flow.before, self.state.forces
+        return result_of(bed, PathOutcome.BRACKET, self.stable, peak, self.state.at, moved, forces)
 
 
 def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
@@ -201,12 +202,18 @@ def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     if bed.drive.ramp is not None:
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
         flow = Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
-        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, runs_at=1e9)
+        flow = flow if step.settled else relaxed(bed, none, 0.0, 1.0, runs_at=1e9)
+        for parameter in start * 0.1 ** np.arange(_LIGHTER):
+            tried = at_rest_next(bed, flow.at, float(parameter)) if flow.ended == "rest" else flow
+            if tried.ended == "rest":
+                return float(parameter), tried
+        return start, flow
     parameter = start
     flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
-        if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
+        is_balanced = step.settled and step.forces.balanced(step.forces.residual)
+        if is_balanced and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
             return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
         flow = relaxed(bed, none, parameter, 1.0, runs_at=3e2)
         if flow.ended == "rest":
@@ -266,7 +273,8 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
         far = work > 1e3 * bed.elastic_work
-        settled = same and viscous < SAME_LIMIT and (changed < 1e-2 * SAME_LIMIT or (changed < SAME_LIMIT and far))
+        steady, slow = changed < 1e-2 * SAME_LIMIT, changed < SAME_LIMIT
+        settled = viscous < SAME_LIMIT and ((same and (steady or (slow and far))) or (steady and far))
         small = bed.size <= (BORDERED if bed.tangents == 1 else _BORDERED_AS_WELL)
         tries = small and viscous < VISCOUS_LEFT
         if failed is not None and forces.same_modes(failed):

@@ -11,7 +11,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.records import dataclass
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
-from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, SAME_LIMIT, TINY
+from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, OPENS_ROUGHLY, SAME_LIMIT, TINY
 
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 #: Unknowns from which a path takes seconds: then other ways are tried first, and fewer where they lead nowhere.
@@ -39,7 +39,7 @@ class PathLimit:
     outcome, parameter : λ = 1/F or the load multiplier, None where there is none
     peak : the last parameter at rest, and the first that runs
     motion : (N,) of the mechanism, its largest part 1; normal : (m,); friction : (g, t)
-    bond : (m,) 0 where a pair has lost its cohesion on the way
+    bond : (m,) share of the cohesion that acts
     displacement : (N,) of the elastic joints
     reduction : λ of the joints there
     residual : largest unbalanced force in parts of the largest load
@@ -47,7 +47,6 @@ class PathLimit:
     group : blocks that were not held when it was found, 0 where none was; width : how much nearer than that, in
         parts of it, all blocks were not seen at rest
     factorisations : work done
-    reached : of a last state at rest, the parameter that another way there came to
     rounding : what the law of the joints is rounded by in that state, in parts of their elastic energy
     touching : (m,) there, where it is rounded; else what presses touches
     """
@@ -66,7 +65,6 @@ class PathLimit:
     started: float = math.nan
     group: int = 0
     width: float = 0.0
-    reached: float | None = None
     rounding: float = 0.0
     touching: Bools | None = None
 
@@ -83,7 +81,8 @@ def result_of(
     fastest = max(float(np.abs(motion).max(initial=0.0)), TINY)
     return PathLimit(
         outcome, parameter, peak, at, motion / fastest, forces.normal, forces.friction,
-        bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations, bed.bond,
+        bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations,
+        bed.bond if forces.pressed is None else forces.pressed.share[bed.model.pair_contact],
     )  # fmt: skip
 
 
@@ -98,10 +97,13 @@ def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLi
     v = moved / np.sqrt(float(moved @ moved))
     at = at - v * (float((across := bed.viscous(v)) @ at) / float(across @ v))
     for _ in range(1 if bed.tangents == 1 else _TURNS):
-        state = _of_modes(bed, modes, at, v, parameter)
+        opened = bed.opened_by(v, parameter, OPENS_ROUGHLY)
+        state = _of_modes(bed.with_opened(opened), modes, at, v, parameter)
         if state is None:
             return None
         at, parameter, here, v, agrees = state
+        if agrees and (bed.opened_by(v, parameter, NO_MOTION) != opened).any():
+            return None
         if agrees:
             return result_of(bed, PathOutcome.LIMIT, parameter, None, at, v, here)
         if bed.tangents == 1:

@@ -18,9 +18,8 @@ from slopekit.preie.solvers.work_limit import WorkSpentError, part
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 
 _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
-#: From one gap to the next in parts of it: in one leap, with cohesion, where that fails as a rule and takes twice as
-#: long, in shorter ones; and where they come to rest at none so near.
-_LEAP, _LEAP_WITH_BONDS, _CLOSER = 0.01, 0.1, 0.5
+#: From one gap to the next in parts of it: in one leap, and where they come to rest at none so near.
+_LEAP, _CLOSER = 0.01, 0.5
 #: Unknowns from which the last rest is looked for at once, and up to which: of 1,500 blocks that takes half as long as
 #: the first rest and a leap from it, of 939 hardly less. Of more a lagged one is found sooner (of 1,987 in a third of
 #: the time, of 3,199 in a sixth), up to some number just before the factor, of 7,251 in minutes only farther from it.
@@ -42,8 +41,8 @@ def rest_at(bed: Bed, at: Floats, parameter: float) -> Flow | None:
 
 
 def _is_large(bed: Bed) -> bool:
-    """Whether a lagged rest is looked for first: with bonds only where there is no other, it rounds what lies open."""
-    return bed.tangents > 1 and not bed.strengths.curved and bed.size > (_LAGGED_FAR if bed.has_bonds else _LAGGED)
+    """Return whether a lagged rest is looked for first: it knows neither curved laws nor cohesion."""
+    return bed.tangents > 1 and not bed.strengths.curved and bed.cells is None and bed.size > _LAGGED
 
 
 def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:
@@ -92,7 +91,7 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
-    leap = _LEAP_WITH_BONDS if bed.has_bonds else _LEAP
+    leap = _LEAP
     while flow.ended == "rest" and gap > JUST and leap < _CLOSER:
         trial = max(leap * gap, JUST)
         ahead_of_it = rest_from(bed, flow.at, 1.0 / (factor * (1.0 - trial)))

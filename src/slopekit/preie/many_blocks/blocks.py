@@ -1,16 +1,12 @@
-"""The limit of an assembly: the static bound, the path, the bonds it breaks, and the range of its mechanism.
+"""The limit of an assembly: the static bound, the path, and the range of its mechanism.
 
     S   the static bound of all blocks (`programs.bounds`): what exceeds it is no factor
     F   the limit of the elastic path (`elastic_path.path`) from the strength 2/S downwards
-    B   a contact that is open all over at rest as strength falls, and a flat one that the limit's motion opens
-        anywhere, which touches along a line at most, lose all their cohesion: the path starts again
-        (`many_blocks.bonds`)
     M   [lowest, highest]: what the same mechanism can have under any admissible forces
 
-Where the blocks come to rest at no strength with all loads on at once, or where their motion does not settle, the loads
-beside weight and water (earthquake, forces) come on afterwards, at one strength after the other: F is where they just
-all fit on, exactly, with the modes found there. Where they fit on at no strength the blocks topple whatever the
-friction: there is no factor, but the part of the loads that they carry at full strength.
+Where the blocks come to rest at no strength, the loads beside weight and water (earthquake, forces) come on after them
+at twice the strength of the static bound: a motion under a part of those that slips nowhere is a proof that the blocks
+topple whatever the friction.
 """
 
 import math
@@ -22,27 +18,19 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.onlooker import told_times
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.falling import fall
-from slopekit.preie.elastic_path.loads_last import FIRST_LOAD, LoadsOn, loads_last
-from slopekit.preie.elastic_path.path import START, first_peak, follow
-from slopekit.preie.elastic_path.path_limit import MANY, PathLimit, PathOutcome, result_of
-from slopekit.preie.elastic_path.proposal import proposed
+from slopekit.preie.elastic_path.path import START, follow
+from slopekit.preie.elastic_path.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit, Proposal, Span
-from slopekit.preie.many_blocks.bonds import with_bonds
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.programs.bound import StaticBound, is_proved
 from slopekit.preie.programs.bounds import mechanism_range, static_bound
 from slopekit.preie.solvers.work_limit import MOST, WorkSpentError, allowed, part
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL
-from slopekit.preie.tolerances import (
-    BOUND_ACCURACY,
-    LIMIT_BALANCED,
-    SAME_FACTOR,
-    TINY,
-)
+from slopekit.preie.tolerances import ADMISSIBLE, BOUND_ACCURACY, LIMIT_BALANCED, NO_MOTION, TINY
 
 _STRONGEST = 100.0  # a path starts at no more than this times what friction angles and cohesions suggest
+FIRST_LOAD = 1e-3  # part of the loads that grow to begin with
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _OF_BOUND = 0.3  # of the work that is left, for a static bound
 _BITS = 40  # of a strength in parts of the largest: 12 digits
@@ -50,24 +38,22 @@ _RANGED = 120  # moving blocks in space up to which the range is found: it takes
 
 
 def limit_of_blocks(
-    model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL, proposal: Proposal | None = None,
-    bond: Floats | None = None,
-) -> BlocksLimit:  # fmt: skip
-    """The limit factor of an assembly with its static bound.
+    model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL, proposal: Proposal | None = None
+) -> BlocksLimit:
+    """Return the limit factor of an assembly with its static bound.
 
     Parameters
     ----------
     ranged : whether the range of the mechanism is wanted
     ratio : k_t / k_n of the elastic joints
     proposal : what is tried before the path
-    bond : (m,) 0 where a pair has lost its cohesion between other node pairs of the same contacts
     """
     with allowed(MOST):
-        limit = _limit_within(model, ratio, proposal, bond)
+        limit = _limit_within(model, ratio, proposal)
         return with_range(model, limit, proposal) if ranged else limit
 
 
-def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None, bond: Floats | None) -> BlocksLimit:
+def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None) -> BlocksLimit:
     """The limit with the work that is allowed."""
     model, unit = _in_unit_strength(model)
     strong = unit > 0.0
@@ -76,14 +62,12 @@ def _limit_within(model: AssemblyModel, ratio: float, proposal: Proposal | None,
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
-    limit = _limit_of(model, unit, bound, ratio, proposal, bond)
+    limit = _limit_of(model, unit, bound, ratio, proposal)
+    tips = None if limit.tips is None else (limit.tips[0], unit * limit.tips[1])
     return replace(
         limit, factor=_times(limit.factor, unit), static_bound=_times(limit.static_bound, unit),
         lowest=_times(limit.lowest, unit), highest=_times(limit.highest, unit), rested=_times(limit.rested, unit),
-        held=None if limit.held is None else (unit * limit.held[0], limit.held[1]),
-        by_turns=None if limit.by_turns is None else (unit * limit.by_turns[0], unit * limit.by_turns[1]),
-        tips=None if limit.tips is None else (limit.tips[0], unit * limit.tips[1]), begun=_times(limit.begun, unit),
-        fit_on=_times(limit.fit_on, unit),
+        tips=tips,
     )  # fmt: skip
 
 
@@ -133,56 +117,24 @@ def _rounded(values: Floats) -> Floats:
 
 
 def _limit_of(
-    model: AssemblyModel, unit: float, bound: StaticBound, ratio: float, proposal: Proposal | None,
-    bond: Floats | None,
-) -> BlocksLimit:  # fmt: skip
-    """The limit of a model in unit strength; a proposal is in the strength of the design."""
-    steps, loads, drive = 0, LoadsOn(), Drive(model.load.ravel())
-    snapped: set[bytes] = set()  # bonds with which a peak was taken for a round
-
-    def once(bond: Floats, falls: bool, vouched: bool) -> tuple[PathLimit, bool]:
-        nonlocal steps, loads
-        loads = LoadsOn()
-        settled = None
-        if proposal is not None and not vouched:
-            own = proposal.limit_alone(bond, falls)
-            if own is not None and (own.found or own.outcome is PathOutcome.BRACKET):
-                if not own.found:
-                    snapped.add(bond.tobytes())
-                return _weaker(own, 1.0 / unit), False
-        try:
-            if proposal is not None:
-                settled = proposal.limit(bond, falls, unit * (bound.factor or math.inf), bond.tobytes() in snapped)
-        except WorkSpentError as spent:
-            raise spent.times(1.0 / unit) from None
-        if settled is not None and _off(model, settled) < LIMIT_BALANCED:
-            steps += settled.factorisations
-            return _weaker(settled, 1.0 / unit), True
-        peak = None if proposal is None or bond.tobytes() in snapped else proposal.peak()
-        if proposal is not None and peak is not None and model.has_cohesion:  # it may break bonds
-            snapped.add(bond.tobytes())
-            proposal.begins_with(peak.motion)
-            return _weaker(peak, 1.0 / unit), False
-        with told_times(unit, "divided by"):
-            path_end, loads, work = _on_path(model, unit, bond, bound, ratio, falls)
-        steps += work
-        if proposal is not None and path_end.parameter:
-            proposal.begins_with(path_end.motion)
-        return path_end, True
-
-    if proposal is not None and bound.factor is not None and model.has_cohesion:
-        proposal.begins_with(bound.velocity.ravel())
+    model: AssemblyModel, unit: float, bound: StaticBound, ratio: float, groups: Proposal | None
+) -> BlocksLimit:
+    """Return the limit of a model in unit strength; what groups of it find is in the strength of the design."""
+    of_groups = groups is not None
     try:
-        ended = with_bonds(model, once, drive.working, False, bond)
+        path_end = None if groups is None else groups.limit(unit * (bound.factor or math.inf))
+        if path_end is not None and _off(model, path_end) < LIMIT_BALANCED:
+            return _limit(model, _weaker(path_end, 1.0 / unit), bound, path_end.factorisations, None)
+        of_groups = False
+        with told_times(unit, "divided by"):
+            path_end, tips = _on_path(model, bound, ratio)
+        return _limit(model, path_end, bound, path_end.factorisations, tips)
     except WorkSpentError as spent:
-        unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
-        whole = model.lines is None and not model.has_cohesion  # a rest says little where cohesion may yet be lost
-        held = proposal.held() if whole and proposal is not None else None
-        return replace(
-            unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None,
-            held=None if held is None else (held[0] / unit, held[1]),
-        )  # fmt: skip
-    return _without_share(_limit(model, ended.limit, bound, steps, loads), ended.share)
+        unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound)
+        rested = None
+        if spent.rested is not None and not model.has_cohesion:  # else one block alone may fail before
+            rested = spent.rested / (unit if of_groups else 1.0)
+        return replace(unsettled, static_bound=bound.factor, spent=True, rested=rested)
 
 
 def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None = None) -> BlocksLimit:
@@ -211,23 +163,22 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
 
 
 def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -> Span | None:
-    """The range of the mechanism of a limit; None where it takes too long.
-
-    Of a limit without the work of cohesion that is kept, that of the limit with it, as much lower.
-    """
+    """Return the range of the mechanism of a limit; None where it takes too long."""
     assert limit.factor is not None
-    span, times = None, 1.0 - limit.kept_share
     if limit.group and proposal is not None:
-        span = proposal.span(limit.velocity)
-    elif model.unknowns == 3 or len(model.load) <= _RANGED:
-        model, unit = _in_unit_strength(model)
-        factor, forces = limit.factor / unit / times, (limit.normal_force, limit.friction)
-        span, times = mechanism_range(model, limit.velocity.ravel(), factor, limit.bond, forces), times * unit
-    return None if span is None else (_times(span[0], times), _times(span[1], times))
+        return proposal.span(limit.velocity)
+    if model.unknowns == 6 and len(model.load) > _RANGED:
+        return None
+    model, unit = _in_unit_strength(model)
+    forces = limit.normal_force, limit.friction
+    span = mechanism_range(model, limit.velocity.ravel(), limit.factor / unit, limit.bond, forces)
+    return None if span is None else (_times(span[0], unit), _times(span[1], unit))
 
 
-def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps: int, loads: LoadsOn) -> BlocksLimit:
-    """What the path says, once every block has vouched for it; of a peak the range has what other ways to it give."""
+def _limit(
+    model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps: int, tips: tuple[float, float] | None
+) -> BlocksLimit:
+    """Return what the path says."""
     factor = 1.0 / path_end.parameter if path_end.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0
     highest: float | None = None
@@ -242,35 +193,22 @@ def _limit(model: AssemblyModel, path_end: PathLimit, bound: StaticBound, steps:
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(path_end.outcome, Basis.PEAK)
         if path_end.peak is not None and basis is Basis.PEAK:
             change = abs(path_end.peak[0] / path_end.peak[1] - 1.0)  # to the factor at which they run
-            highest = max(factor * (1.0 + change), 1.0 / (path_end.reached or math.inf))
-        off = _off(model, path_end)
+            highest = factor * (1.0 + change)
         if top is not None and factor > top > factor * (1.0 - BOUND_ACCURACY):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
-        if path_end.outcome is PathOutcome.GAVE_UP or off > LIMIT_BALANCED or (top is not None and factor > top):
+        unbalanced = _off(model, path_end) > LIMIT_BALANCED
+        if path_end.outcome is PathOutcome.GAVE_UP or unbalanced or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
-    by_turns: tuple[float, float] | None = None
-    if outcome is Outcome.NOT_CONVERGED and loads.last and factor is not None and path_end.reached:
-        by_turns = factor, 1.0 / path_end.reached
     if outcome is not Outcome.SLIDES or factor is None:
         factor, highest, basis = None, None, Basis.NONE
     elif highest is not None:
         highest = max(factor, min(highest, top or highest))
-        change = max(change, highest / factor - 1.0)
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
-        None if highest is None else factor, highest, loads.carried, loads.last, steps, bound.steps, path_end.group,
-        path_end.width, path_end.rounding, by_turns=by_turns, tips=loads.tips, begun=loads.begun,
-        fit_on=loads.fit_on, locked=bound.locked,
+        None if highest is None else factor, highest, steps, bound.steps, path_end.group, path_end.width,
+        path_end.rounding, tips=tips, locked=bound.locked,
     )  # fmt: skip
-
-
-def _without_share(limit: BlocksLimit, share: float) -> BlocksLimit:
-    """Return a limit that leaves out a share of its motion's work: that of the cohesion which the motion opens."""
-    if not share or limit.factor is None:
-        return limit
-    basis = Basis.SETTLED if limit.basis is Basis.LIMIT else limit.basis  # a part of its work is taken away
-    return replace(limit, basis=basis, kept_share=share)
 
 
 def _off(model: AssemblyModel, path_end: PathLimit) -> float:
@@ -284,8 +222,7 @@ def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: Static
     pairs = len(model.control_area)
     return BlocksLimit(
         outcome, None, Basis.NONE, 0.0, frozen(motion.reshape(model.load.shape) / fastest), frozen(np.zeros(pairs)),
-        frozen(np.zeros(model.slip_rows.shape[:2])), frozen(np.ones(pairs)), None, None, None, None, False, steps,
-        bound.steps,
+        frozen(np.zeros(model.slip_rows.shape[:2])), frozen(np.ones(pairs)), None, None, None, steps, bound.steps,
     )  # fmt: skip
 
 
@@ -302,32 +239,25 @@ def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
 
 
 def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[PathLimit, BlocksLimit]:
-    """The multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
+    """Return the multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
 
-    The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
-    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ.
+    The limit of the elastic path in the load: its own loads come on first, then the ramp. The limit that is returned
+    has the factor 1/λ.
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
-
-    def once(bond: Floats, falls: bool, _: bool) -> tuple[PathLimit, bool]:
-        bed = Bed(model, Drive(own, grows, reduction), bond)
+    bed = Bed(model, Drive(own, grows, reduction))
+    with allowed(MOST):
         try:
-            return (fall if falls and model.has_cohesion else follow)(bed, first), True
+            path_end = follow(bed, first)
         except WorkSpentError:
             none = np.zeros(bed.size)
-            return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first)), True
-
-    with allowed(MOST):
-        ended = with_bonds(model, once, grows, True)
-    path_end = ended.limit
-    basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
-    basis = basis if path_end.found else Basis.PEAK
-    basis = Basis.SETTLED if ended.share and basis is Basis.LIMIT else basis
+            path_end = result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first))
+    basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(path_end.outcome, Basis.PEAK)
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
-        frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond), None, None, None, None, False,
-        path_end.factorisations, 0, kept_share=ended.share,
+        frozen(path_end.normal), frozen(path_end.friction), frozen(path_end.bond), None, None, None,
+        path_end.factorisations, 0,
     )  # fmt: skip
 
 
@@ -345,23 +275,13 @@ def bound_of(model: AssemblyModel) -> float | None:
         return _times(_bound(_bounding(model)).factor, unit)
 
 
-def first_limit(
-    model: AssemblyModel, bond: Floats, bound: StaticBound, falls: bool, at_once: bool = True
-) -> PathLimit | None:
-    """The limit of some blocks with bonds (m,) as they are, and their `unit_bound`; None where there is none.
-
-    A peak is that of one way to it: nobody asks how sure it is.
-
-    Parameters
-    ----------
-    falls : whether more of them break as strength falls
-    at_once : whether a limit is proposed before the path, or where it ends in a peak
-    """
+def first_limit(model: AssemblyModel, bound: StaticBound) -> PathLimit | None:
+    """Return the limit of some blocks, whose `unit_bound` this is; None where there is none."""
     model, unit = _in_unit_strength(model)
     if bound.lifted:
         return None
     with told_times(unit or 1.0, "divided by"):
-        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL, falls, peaks=False, at_once=at_once)
+        path_end, _ = _on_path(model, bound, SHEAR_TO_NORMAL)
     return _weaker(path_end, unit or 1.0) if path_end.parameter else None
 
 
@@ -370,7 +290,7 @@ def _weaker(path_end: PathLimit, unit: float) -> PathLimit:
     peak = None if path_end.peak is None else (path_end.peak[0] / unit, path_end.peak[1] / unit)
     return replace(
         path_end, parameter=_times(path_end.parameter, 1.0 / unit), peak=peak, reduction=path_end.reduction / unit,
-        started=path_end.started / unit, reached=_times(path_end.reached, 1.0 / unit),
+        started=path_end.started / unit,
     )  # fmt: skip
 
 
@@ -378,71 +298,37 @@ def _times(factor: float | None, by: float) -> float | None:
     return None if factor is None else by * factor
 
 
-# -- the path, and the loads that come on last ------------------------------------------------------------------------
+# -- the path ---------------------------------------------------------------------------------------------------------
 
 
-def _on_path(
-    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float, falls: bool, peaks: bool = True,
-    at_once: bool = True,
-) -> tuple[PathLimit, LoadsOn, int]:  # fmt: skip
-    """The path with some bonds, how the loads beside weight came on, and the work.
-
-    The model is in unit strength: the design's is `unit` times that. Where loads that come on last end in no limit
-    state, and tip nothing, they come on at once again, at more strength. With `peaks` other ways to a peak are tried,
-    with `at_once` a limit without the path.
-    """
+def _on_path(model: AssemblyModel, bound: StaticBound, ratio: float) -> tuple[PathLimit, tuple[float, float] | None]:
+    """Return the limit of the path of a model in unit strength, and the part of the loads that tips it and a factor."""
     start = START / min(bound.factor or _STRONGEST, _STRONGEST)
-    live = bool(model.live.any())
-    bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    bonded = bed.has_bonds
-    falls = falls and bonded
-    path_end = _at_once(bed, ratio) if at_once and bed.size > MANY and not bonded else None
-    path_end = path_end or (fall if falls else follow)(bed, start, live and bed.tangents == 1)
-    # the peak of falling strength has other bonds
-    peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1 and not falls
-    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and at_once and bed.size <= MANY:
-        path_end = _at_once(bed, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
-    if path_end.found or path_end.outcome is PathOutcome.STANDS:
-        return path_end, LoadsOn(), bed.factorisations
-    # in space a motion that does not settle says nothing of the order of the loads
-    if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
-        last, loads, work = loads_last(model, unit, bond, bound, ratio)
-        tipped = math.inf if loads.tips is None else 1.0 / loads.tips[1]  # and with all greater strengths
-        most = min(_LOCKED * start / START, tipped)
-        if last.outcome is PathOutcome.LIMIT or bed.tangents > 1 or bed.size > MANY or most < start:
-            return last, loads, work + bed.factorisations
-        path_end = follow(bed, start)
-        settled = path_end.found or last.outcome not in (PathOutcome.BRACKET, PathOutcome.SETTLED)
-        if path_end.parameter is None or path_end.parameter > most or not settled:
-            return last, loads, work + bed.factorisations
-        fit_on = None
-        if last.outcome is PathOutcome.SETTLED and last.parameter is not None:
-            if path_end.parameter < last.parameter * (1.0 - SAME_FACTOR):  # the lower of the two factors
-                return last, loads, work + bed.factorisations
-            fit_on = 1.0 / last.parameter
-        if peaks and path_end.outcome is PathOutcome.BRACKET:
-            path_end = first_peak(bed, path_end)
-        begun = 1.0 / path_end.started if path_end.started > start else None
-        return path_end, LoadsOn(begun=begun, fit_on=fit_on), work + bed.factorisations
-    if path_end.outcome is PathOutcome.BRACKET:
-        if not falls and _is_locked(model, path_end, bound):
-            path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
-        elif peaks and path_end.peak is not None and not bonded:
-            path_end = first_peak(bed, path_end)
-    return path_end, LoadsOn(), bed.factorisations
+    bed = Bed(model, Drive(model.load.ravel()), ratio=ratio)
+    path_end = follow(bed, start)
+    peak = path_end.parameter if path_end.outcome is PathOutcome.BRACKET else None
+    if peak and bed.cells is None and peak * (bound.factor or 0.0) > _LOCKED:
+        path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
+    if path_end.parameter is None and path_end.outcome is not PathOutcome.STANDS and model.live.any():
+        tips = _tipping(model, start, ratio)
+        if tips is not None:
+            part = float(tips.parameter or 0.0)
+            return replace(tips, outcome=PathOutcome.NO_REST, parameter=None), (part, 1.0 / start)
+    return path_end, None
 
 
-def _is_locked(model: AssemblyModel, peak: PathLimit, bound: StaticBound) -> bool:
-    """Whether a rest needs many times the strength of the static bound with the bonds that are left there."""
-    parameter = peak.parameter or 0.0
-    if parameter * (bound.factor or 0.0) > _LOCKED and (peak.bond == 0.0).any():
-        bound = _bound(_bounding(replace(model, cohesion=frozen(model.cohesion * peak.bond))))
-    return parameter * (bound.factor or 0.0) > _LOCKED
+def _tipping(model: AssemblyModel, reduction: float, ratio: float) -> PathLimit | None:
+    """Return the limit state under a part of the loads beside weight and water that no strength hinders.
 
-
-def _at_once(bed: Bed, ratio: float, ran: float = 0.0) -> PathLimit | None:
-    """The limit that is proposed, in balance, and not below the λ at which the blocks have run."""
-    limit = proposed(bed, bed.bond, ratio)
-    if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > LIMIT_BALANCED:
+    Their motion slips nowhere where forces act. None where that part is all of them, or the motion another.
+    """
+    live = model.live.ravel()
+    path_end = follow(Bed(model, Drive(model.load.ravel() - live, live, reduction), ratio=ratio), FIRST_LOAD)
+    if path_end.outcome is not PathOutcome.LIMIT or not 0.0 < (path_end.parameter or 0.0) < 1.0:
         return None
-    return limit
+    opening, slip = model.opening_and_slip(path_end.motion)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    forces = model.by_group(np.abs(path_end.normal)) + np.abs(path_end.friction).sum(axis=1)
+    acts = forces > ADMISSIBLE * float(np.abs(model.load).max())
+    still = size[acts].max(initial=0.0) < NO_MOTION * max(float(np.abs(opening).max()), float(size.max()))
+    return path_end if still else None

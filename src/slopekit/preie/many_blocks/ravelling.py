@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -32,7 +33,7 @@ from slopekit.preie.system.model import JointStrength
 from slopekit.preie.tolerances import MESH_CHANGE, MOVES, SAME_FACTOR, SAME_LIMIT, TINY, TWISTS
 
 _LARGE = 24  # blocks in space: fewer are one path
-_MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
+_MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts: splits, and node pairs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -303,7 +304,7 @@ def _solved(scene: WholeAssembly, there: Bools, among: Ints) -> Iterator[Part]:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
             model, patch = model_patch
-            groups = Groups(scene, there, blocks, model, patch) if _large(model) else None
+            groups = Groups(scene, there, blocks, model) if _large(model) else None
             yield Part(*component_limit(model, groups), blocks, patch, groups=groups)
 
 
@@ -313,17 +314,17 @@ def _large(model: AssemblyModel) -> bool:
 
 
 def component_limit(
-    model: AssemblyModel, proposal: Groups | None = None, bond: Floats | None = None, ratio: float = SHEAR_TO_NORMAL
-) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
+    model: AssemblyModel, proposal: Groups | None = None, ratio: float = SHEAR_TO_NORMAL
+) -> tuple[AssemblyModel, BlocksLimit]:
     """The limit of a component, and its model: where laws are curved with the lines that the limit settled on.
 
     The range of its mechanism comes later, of those that fail first.
     """
     if model.lines is None:
-        return model, limit_of_blocks(model, False, ratio, proposal, bond)
+        return model, limit_of_blocks(model, False, ratio, proposal)
     from slopekit.preie.system.strength_lines import settled_blocks  # only curved laws pay for it
 
-    return settled_blocks(model, partial(limit_of_blocks, ranged=False, ratio=ratio, bond=bond), proposal)
+    return settled_blocks(model, partial(limit_of_blocks, ranged=False, ratio=ratio), proposal)
 
 
 def limit_again(model: AssemblyModel, divided_by: float = 1.0, ratio: float = SHEAR_TO_NORMAL) -> BlocksLimit:
@@ -357,7 +358,7 @@ def finer_model(
 
 
 def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part]:
-    """The parts, those that come first with finer node pairs where their mechanism twists contacts."""
+    """The parts, those that come first with finer node pairs where contacts twist or are partly open."""
     done: set[int] = set()
     while True:
         first = min(range(len(parts)), key=lambda k: parts[k].rank, default=None)
@@ -368,28 +369,24 @@ def _refined(scene: WholeAssembly, there: Bools, parts: list[Part]) -> list[Part
 
 
 def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
-    """A part with the contacts that twist split until its factor stays, or its node pairs are too many."""
+    """A part with contacts split where that matters until its factor stays, or its node pairs are too many."""
     for level in range(1, _MOST_SPLIT + 1):
-        twists = _twisting(part)
-        if not twists.any():
+        coarse = _too_coarse(part)
+        if not coarse.any():
             break
-        if part.limit.basis is Basis.PEAK and part.model.has_cohesion and _large(part.model):
+        if part.limit.basis is Basis.PEAK and _large(part.model):
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
-        refine[part.patch[twists[: len(part.patch)]]] = level
+        refine[part.patch[coarse[: len(part.patch)]]] = level
         model_patch = model_of(scene, there, part.blocks, refine)
         if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model, patch = model_patch
-        by_groups = _large(model) and model.has_cohesion
-        groups = Groups(scene, there, part.blocks, model, patch, refine) if by_groups else None
-        lost = np.bincount(part.model.pair_contact, part.limit.bond, len(part.model.plus)) == 0.0
-        model, limit = component_limit(model, groups, np.where(lost[model.pair_contact], 0.0, 1.0))
+        model = model_patch[0]
+        groups = Groups(scene, there, part.blocks, model, refine) if _large(model) else None
+        model, limit = component_limit(model, groups)
         if not limit.factor:
             break
         assert part.limit.factor is not None  # what twists contacts has one
-        if limit.basis is Basis.PEAK and model.has_cohesion:
-            return _no_higher(part, limit.factor)
         change = abs(limit.factor / part.limit.factor - 1.0)
         part = replace(
             part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change, groups=None
@@ -399,32 +396,34 @@ def _split(scene: WholeAssembly, there: Bools, part: Part) -> Part:
     return part
 
 
-def _no_higher(part: Part, finer: float) -> Part:
-    """Return a part whose lowest factor is no higher than that on finer node pairs, whose motion did not settle."""
-    limit = part.limit
-    if not limit.factor or finer >= limit.factor * (1.0 - MESH_CHANGE):
-        return part
-    return replace(part, limit=replace(limit, lowest=min(finer, limit.lowest or finer)))
+def _too_coarse(part: Part) -> Bools:
+    """Return the contacts (k,) whose forces depend on where their node pairs lie.
 
-
-def _twisting(part: Part) -> Bools:
-    """Contacts in space (k,) that slip about a point near them: their friction depends on where their pairs lie."""
+    In space those that slip about a point near them, and cohesive ones that are partly open.
+    """
     model, limit = part.model, part.limit
-    if model.unknowns == 3 or not limit.factor or len(model.plus) == 0:
+    if not limit.factor or len(model.plus) == 0:
         return np.zeros(len(model.plus), dtype=bool)
+    bonds: Any = np.bincount(model.pair_contact, model.cohesion / limit.factor, len(model.plus))
+    carries: Any = np.bincount(model.pair_contact, limit.normal_force, len(model.plus))
+    bonds[len(part.patch) :] = carries[len(part.patch) :] = 0.0  # bolts do not twist
+    area = np.bincount(model.pair_contact, model.control_area, len(model.plus))
+    pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus)) / np.maximum(area, TINY)
+    carries = carries + bonds * pressed  # what is left of cohesion at the limit
+    partly_open = (pressed > 0.0) & (pressed < 1.0) & (bonds > TWISTS * float(carries.sum()))
+    too_coarse: Bools = partly_open
+    if model.unknowns == 3:
+        return too_coarse
     velocity = np.concatenate([limit.velocity, np.zeros((1, model.unknowns))])
     motion = np.einsum("kij,kj->ki", model.plus_motion, velocity[model.plus])
     motion += np.einsum("kij,kj->ki", model.minus_motion, velocity[model.minus])
-    radius = np.sqrt(np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale)
+    radius = np.sqrt(area * model.area_scale)
     twist = np.abs(motion[:, 3]) * radius / model.length_scale / 2.0
     slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
-    carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) + np.bincount(
-        model.pair_contact, model.cohesion * limit.bond / limit.factor, len(model.plus)
-    )  # what is left of cohesion at the limit: it does not depend on what the strength is divided by
-    carries[len(part.patch) :] = 0.0  # bolts do not twist
     weighs = carries * twist
-    twisting: Bools = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
-    return twisting
+    twisting = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
+    too_coarse |= twisting
+    return too_coarse
 
 
 def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksLimit]:
@@ -443,7 +442,7 @@ def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksL
     driven = float(np.abs(load).max()) > 0.0
     limit = BlocksLimit(
         Outcome.LIFTED if driven else Outcome.NO_DRIVING_FORCE, None, Basis.NONE, 0.0, load / size, pairs,
-        np.zeros((0, 2)), pairs, None, None, None, None, False, 0, 0,
+        np.zeros((0, 2)), pairs, None, None, None, 0, 0,
     )  # fmt: skip
     return model, limit
 

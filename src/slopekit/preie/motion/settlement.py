@@ -33,7 +33,7 @@ class Settlement:
     slips : (g,) friction forces at their strength, or in an open contact; no bolts
     failed_pairs : node pairs that share in those
     residual : largest unbalanced force in parts of the largest load
-    at, ratio, bond : (N,) displacement in the model's units, (g,) k_t / k_n and (m,) cohesion left, to go on from
+    at, ratio : (N,) displacement in the model's units and (g,) k_t / k_n, to go on from
     """
 
     displacement: Floats
@@ -42,7 +42,6 @@ class Settlement:
     residual: float
     at: Floats
     ratio: Floats
-    bond: Floats
 
 
 def settlement(
@@ -52,7 +51,7 @@ def settlement(
 
     Parameters
     ----------
-    start : the same at a smaller factor, to go on from; cohesion that is lost stays lost
+    start : the same at a smaller factor, to go on from
     """
     if model.lines is not None:
         from slopekit.preie.system.strength_lines import by_lines, drawn  # only curved laws pay for it
@@ -64,14 +63,13 @@ def settlement(
     bolted, capacity = model.bolted, model.by_group(model.cohesion) * model.force_scale
     of_bolts = (capacity / (BOLT_GIVE_M * stiffness.normal * group_area))[bolted]
     if start is None:
-        bond = np.ones(len(model.control_area))
         ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
         ratio[bolted] = of_bolts
-        at: Floats = Bed(model, Drive(model.load.ravel()), bond, ratio).elastic_displacement
+        at: Floats = Bed(model, Drive(model.load.ravel()), ratio=ratio).elastic_displacement
     else:
-        at, ratio, bond = start.at, start.ratio, start.bond
+        at, ratio = start.at, start.ratio
     for taken in range(_ROUNDS):
-        bed, before = Bed(model, Drive(model.load.ravel()), bond, ratio), at
+        bed, before = Bed(model, Drive(model.load.ravel()), ratio=ratio), at
         step = stepped(bed, at, at, 1.0 / factor, 0.0)
         if step.settled:
             forces, at = step.forces, step.at
@@ -81,9 +79,6 @@ def settlement(
             if flow.ended != "rest":
                 return None
             forces, at = flow.forces, flow.at
-        parted = (bond > 0.0) & ~forces.touching & (model.cohesion > 0.0)
-        parted[model.joint_pairs.stop :] = False
-        bond = np.where(parted, 0.0, bond)
         if isinstance(law, CloughDuncan):
             stiff, bent, *_ = law.hyperbola(model.by_group(forces.normal) * model.force_scale / group_area)
             shear = np.sqrt((forces.friction * forces.friction).sum(axis=1)) * model.force_scale / group_area
@@ -94,12 +89,12 @@ def settlement(
         moved = float(np.abs(at - before).max()) / float(np.abs(at).max())
         settled = taken > 0 and moved < SETTLEMENT_STEADY
         constant = not isinstance(law, CloughDuncan) and model.lines is None
-        if not parted.any() and (settled or constant):
+        if settled or constant:
             break
     unknowns = model.unknowns
     to_metres = np.where(np.arange(unknowns) < unknowns // 2 + unknowns % 2, model.length_scale, 1.0) / per_metre
     slips: Bools = (forces.slips | ~(model.by_group(forces.normal) > 0.0)) & ~bolted
     return Settlement(
         frozen(at.reshape(model.load.shape) * to_metres), slips, int(slips[model.group_of_pair].sum()),
-        forces.residual / bed.load_size, at, ratio, bond,
+        forces.residual / bed.load_size, at, ratio,
     )  # fmt: skip

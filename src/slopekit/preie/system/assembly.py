@@ -23,6 +23,7 @@ from slopekit.core.errors import Fault, SolverError
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
+from slopekit.preie.system.contact_cells import ContactCells, contact_cells
 from slopekit.preie.system.model import JointStrength, Model, local_axes
 from slopekit.preie.system.patch_pairs import polygon_pairs, segment_pairs
 from slopekit.preie.tolerances import LIGHTEST, TINY
@@ -52,6 +53,7 @@ class AssemblyModel:
     length_scale : m; force_scale : kN; area_scale : m²
     kinematics, statics : (m + g t, n u) sparse B, from block motions to openings and slips, and its transpose
     bolts : (b,) which of the passive bolts are the last b contacts, friction forces and node pairs; they have no patch
+    cells : of contacts with cohesion, which acts on the part of them that is pressed; None where none has any
     lines : where tan_friction was drawn on curved laws, None where none is
     """
 
@@ -79,6 +81,7 @@ class AssemblyModel:
     kinematics: Any
     statics: Any
     bolts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    cells: ContactCells | None = None
     lines: "StrengthLines | None" = None
 
     @property
@@ -168,6 +171,7 @@ class AssemblyModel:
             patch=self.patch[contacts[contacts < len(self.patch)]], points=self.points[pairs],
             moving=self.moving[blocks], load=self.load[blocks], live=self.live[blocks],
             kinematics=kinematics, statics=kinematics.T, bolts=bolts,
+            cells=None if self.cells is None else self.cells.renumbered(number),
             lines=None if self.lines is None else self.lines.chosen(pairs),
         )  # fmt: skip
         return model, contacts, pairs, groups
@@ -204,7 +208,7 @@ def build_assembly(
     centroids : (b, 3) m; forces : (b, 3) kN; moments : (b, 3) kNm about the centroids
     strength : indexed by `patches.joint`
     in_section : the blocks move in their x-z section only
-    refine : (k,) how often the triangles of each contact in space are split in four
+    refine : (k,) how often each contact is split: halved in a section, its triangles in four in space
     live : forces and moments (b, 3) that are part of those and neither weight nor water
     bolts : passive ones; those between blocks that do not move are left out
 
@@ -227,11 +231,9 @@ def build_assembly(
     middle = patches.centroids[kept]
     length = math.sqrt(float(patches.areas[kept].mean()))
     axes = section_axes(normals) if in_section else local_axes(normals)
-    if in_section:
-        where, pair_contact, areas = segment_pairs(patches, kept)
-    else:
-        split = np.zeros(len(patches), dtype=np.int64) if refine is None else refine
-        where, pair_contact, areas = polygon_pairs(patches, kept, split[kept])
+    split = np.zeros(len(patches), dtype=np.int64) if refine is None else refine
+    pairs_on = segment_pairs if in_section else polygon_pairs
+    where, pair_contact, areas = pairs_on(patches, kept, split[kept])
     offsets = np.einsum("mij,mj->mi", axes[pair_contact], where - middle[pair_contact]) / length
     joint = patches.joint[kept]
     if in_section:
@@ -271,6 +273,7 @@ def build_assembly(
         patch=kept, points=frozen(where), moving=moving,
         load=frozen(load), live=frozen(live_load),
         length_scale=length, force_scale=force_scale, area_scale=area_scale,
+        cells=_cohesive_cells(patches, kept, axes, length, in_section, strength),
     )  # fmt: skip
     if strength.laws:
         from slopekit.preie.system.strength_lines import first_lines  # only curved laws pay for it
@@ -278,6 +281,17 @@ def build_assembly(
         mean = force_scale * len(moving) / float(areas.sum())
         model = first_lines(strength.laws, joint[pair_contact], model, mean)
     return _with_bolts(model, bolts, index, centroids) if len(bolts.head) else model
+
+
+def _cohesive_cells(
+    patches: Patches, kept: Ints, axes: Floats, length: float, in_section: bool, strength: JointStrength
+) -> ContactCells | None:
+    """Return the cells of the contacts with cohesion, None where none has any."""
+    cohesive = np.flatnonzero(strength.cohesion[patches.joint[kept]] > 0.0)
+    if len(cohesive) == 0:
+        return None
+    cells = contact_cells(patches, kept[cohesive], axes[cohesive], length, in_section)
+    return replace(cells, contact=cohesive[cells.contact])
 
 
 def one_block(model: Model) -> AssemblyModel:

@@ -31,7 +31,7 @@ def whole_model(
 
     Parameters
     ----------
-    refine : (k,) how often the triangles of each contact in space are split in four
+    refine : (k,) how often each contact is split: halved in a section, its triangles in four in space
     """
     patches = assembly.patches
     touched = np.zeros(len(assembly) + 1, dtype=bool)

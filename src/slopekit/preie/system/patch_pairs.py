@@ -12,11 +12,9 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.geometry.patches import Patches
 from slopekit.preie.tolerances import PARALLEL
 
-_SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
-
-def segment_pairs(patches: Patches, kept: Ints) -> tuple[Floats, Ints, Floats]:
-    """Simpson's points on every contact of a section.
+def segment_pairs(patches: Patches, kept: Ints, refine: Ints) -> tuple[Floats, Ints, Floats]:
+    """Simpson's points on every contact of a section, which is halved `refine` (k,) times.
 
     Without cohesion the ends alone would carry whatever the middle could, but not as an elastic joint does.
 
@@ -29,10 +27,14 @@ def segment_pairs(patches: Patches, kept: Ints) -> tuple[Floats, Ints, Floats]:
     points (m, 3), contacts (m,) as indices into `kept`, control areas (m,)
     """
     ends = patches.corners.reshape(-1, 2, 3)[kept]
-    along = np.array([0.0, 0.5, 1.0])[:, None]
-    points = ends[:, :1] * (1.0 - along) + ends[:, 1:] * along
-    contact = np.repeat(np.arange(len(kept)), len(_SIMPSON))
-    return points.reshape(-1, 3), contact, (patches.areas[kept, None] * _SIMPSON).ravel()
+    counts = 2 ** (refine + 1) + 1
+    contact = np.repeat(np.arange(len(kept)), counts)
+    place = np.arange(len(contact)) - np.repeat(np.cumsum(counts) - counts, counts)
+    last = counts[contact] - 1
+    along = (place / last)[:, None]
+    points = ends[contact, 0] * (1.0 - along) + ends[contact, 1] * along
+    weights = np.where((place == 0) | (place == last), 1.0, np.where(place % 2 == 1, 4.0, 2.0))
+    return points, contact, patches.areas[kept][contact] * weights / (3.0 * last)
 
 
 def polygon_pairs(patches: Patches, kept: Ints, refine: Ints) -> tuple[Floats, Ints, Floats]:

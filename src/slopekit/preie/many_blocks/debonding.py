@@ -1,0 +1,65 @@
+"""Progressive slip and debonding: the limit of blocks whose slip stays, and whose contacts stay open once they opened.
+
+Gravity comes on while the joints stick. The strength falls step by step; at each rest joints keep the slip beyond their
+elastic one, and cohesive contacts that nothing presses have lost their cohesion from there on (METHOD-4 §16).
+"""
+
+import math
+
+import numpy as np
+
+from slopekit.preie.elastic_path.bed import Bed
+from slopekit.preie.elastic_path.bed_states import Drive
+from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed
+from slopekit.preie.elastic_path.path import ROUGHER, START, at_rest_first, at_rest_next
+from slopekit.preie.system.assembly import AssemblyModel
+from slopekit.preie.tolerances import LEAST_STRENGTH, RUNS
+
+_STUCK = 32.0  # times the strength of a path's start, where hardly anything slips
+_STRIDE, _NARROWEST = 0.05, 0.05 / 16.0  # of ln λ, the longest and the shortest step
+
+
+def debonding_limit(model: AssemblyModel, limit: float) -> tuple[float, float | None] | None:
+    """Return the last stable and the first unstable factor with progressive slip and debonding.
+
+    The second is None where the blocks come neither to rest nor to run; both where they rest at no strength to begin
+    with, or stand without any.
+
+    Parameters
+    ----------
+    limit : the factor of safety of the path
+
+    Raises
+    ------
+    WorkSpentError
+        The work that is allowed is done.
+    """
+    bed = Bed(model, Drive(model.load.ravel()))
+    strength, flow = at_rest_first(bed, _STUCK * START / limit, ROUGHER)
+    if flow.ended != "rest":
+        return None
+    begun, stride = strength, _STRIDE
+    bed = _after(bed, flow)
+    while strength > LEAST_STRENGTH * begun:
+        trial = strength * math.exp(-stride)
+        tried = at_rest_next(bed, flow.at, trial)
+        if tried.ended not in ("rest", "runs"):
+            tried = relaxed(bed, tried.at, trial, max(tried.viscosity, THICK), runs_at=RUNS)
+        if tried.ended == "rest":
+            strength, flow = trial, tried
+            bed = _after(bed, flow)
+        elif stride > _NARROWEST:
+            stride *= 0.5
+        else:
+            return 1.0 / strength, 1.0 / trial if tried.ended == "runs" else None
+    return None
+
+
+def _after(bed: Bed, flow: Flow) -> Bed:
+    """Return the joints as they are after a rest."""
+    bed = bed.with_slip_of(flow.at, flow.forces)
+    pressed = flow.forces.pressed
+    if pressed is None:
+        return bed
+    opened = pressed.share == 0.0
+    return bed.with_opened(opened if bed.have_opened is None else np.logical_or(opened, bed.have_opened))
