@@ -270,7 +270,7 @@ def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
 
         pushes = pushes_of(design, mass, cut.origin)
     return block_loads(
-        _block(mass), design.unit_weight_kn_m3, {}, _seismic(design),
+        _block(mass), design.unit_weight_kn_m3, _seismic(design),
         [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
