@@ -281,8 +281,6 @@ MUTATIONS = (
          ("tests/closed_form/test_columns.py",)),
         ("columns, Bishop and Janbu", "closed_form/columns.py", "grip = base.up + base.sin * tangent * strength",
          "grip = base.up + 1.01 * base.sin * tangent * strength", ("tests/closed_form/test_columns.py",)),
-        ("columns, all equilibrium", "closed_form/columns.py", "resisting = bond + tangent * (normal @ shares)",
-         "resisting = bond + 1.01 * tangent * (normal @ shares)", ("tests/closed_form/test_columns.py",)),
         ("stack of blocks", "tests/closed_form/blocks.py", "factors = (bond + weights *",
          "factors = (bond + 1.01 * weights *",
          ("tests/closed_form/test_blocks.py",)),
