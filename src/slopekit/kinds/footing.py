@@ -191,7 +191,7 @@ def _water(design: FootingDesign, section: PlaneSection) -> dict[str, PointForce
 def closed_form(design: FootingDesign) -> ClosedForm:
     """The design by limit equilibrium."""
     weight = design.unit_weight_kn_m3 * _block(design)[0].block.volume
-    strip, _ = on_secants(
+    strip = on_secants(
         [design.strength],
         lambda lines: footing(
             design.load_kn,

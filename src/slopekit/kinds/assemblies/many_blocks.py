@@ -491,10 +491,11 @@ def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, SecantLine
     lines = {}
     for key, (name, strength) in enumerate(zip(scene.joints, scene.strengths, strict=True)):
         on = (joint == key) & (normal > 0.0)
-        if on.any() and (line := secant_of(strength, float(normal[on].sum() / area[on].sum()))) is not None:
-            tractions = normal[on] / area[on]
+        if on.any() and strength.law is not None:
+            tractions, mean = normal[on] / area[on], float(normal[on].sum() / area[on].sum())
+            line = secant_of(strength, mean)
             lines[name] = SecantLine(
-                line.traction_kpa, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
+                mean, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
                 line.friction_angle_deg,
             )  # fmt: skip
     return lines

@@ -2,12 +2,11 @@
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 
 import numpy as np
 
 from slopekit.core.orientation import line_of
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
 from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
 from slopekit.findings import ToppleColumn as GoodmanBray
@@ -38,6 +37,8 @@ _CHECKS: Mapping[str, str] = {
 }
 _MEASURED = 1e-2  # what is as large is no rounding error
 _UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "°", "s": "s", "mb": "MB"}
+#: Blocks that fail at one factor, or have none for the same reason: the factor in words, the factor, their names.
+_Together = tuple[str, float | None, list[str]]
 _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
 
 
@@ -225,15 +226,6 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 # -- what comes after -----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _SequenceStep:
-    """A mechanism of a sequence and its number."""
-
-    number: int
-    mechanism: Mechanism
-    what: str
-
-
 def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The mechanisms in the order in which they happen, and what is left."""
     mechanisms = findings.mechanisms
@@ -246,20 +238,20 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
         text = _motions(one, order)
         if one.fos is None or not text:
             text = _joined(result.words.status(one.status), text)
-        rows.append(_SequenceStep(k, one, ("at once: " if at_once else "") + text))
+        rows.append((k, one, ("at once: " if at_once else "") + text))
         highest = one.fos if highest is None else max(highest, one.fos or highest)
-    columns: list[Column[_SequenceStep]] = [
-        Column("n", attrgetter("number"), "n", width=3),
-        Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
-        Column("m³", lambda row: row.mechanism.size and row.mechanism.size.volume_m3, "volume_m3", "m³", _volume, 9),
-        Column("t", lambda row: row.mechanism.size and row.mechanism.size.mass_t, "mass_t", "t", _volume, 9),
-        Column("mode", lambda row: row.mechanism.status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
+    columns: list[Column[tuple[int, Mechanism, str]]] = [
+        Column("n", itemgetter(0), "n", width=3),
+        Column("FoS", lambda row: row[1].fos, "fos", show=factor_text, width=9),
+        Column("m³", lambda row: row[1].size and row[1].size.volume_m3, "volume_m3", "m³", _volume, 9),
+        Column("t", lambda row: row[1].size and row[1].size.mass_t, "mass_t", "t", _volume, 9),
+        Column("mode", lambda row: row[1].status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
                about="  {}"),
-        Column("what fails once all before it is gone", attrgetter("what"), "what", width=1),
-        Column("the fastest toward", lambda row: _toward(row.mechanism), "toward"),
+        Column("what fails once all before it is gone", itemgetter(2), "what", width=1),
+        Column("the fastest toward", lambda row: _toward(row[1]), "toward"),
     ]  # fmt: skip
     table = Table(columns, rows, ends=(_FIRST_MECHANISMS, _LAST_MECHANISMS))
-    hidden = [row.mechanism for row in table.left_out]
+    hidden = [one for _, one, _ in table.left_out]
     factors = [one.fos for one in hidden if one.fos is not None]
     within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
     blocks = counted(sum(len(one.blocks) for one in hidden), "block")
@@ -277,25 +269,16 @@ def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
     return highest is not None and one.fos <= highest * (1.0 + SAME_FACTOR)
 
 
-@dataclass(frozen=True, slots=True)
-class _Together:
-    """Blocks that fail at one factor, or have none for the same reason."""
-
-    shown: str
-    factor: float | None
-    names: list[str]
-
-
 def _by_block(findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The lowest factors with the blocks that fail at them; without a number last."""
     groups = _together(findings, order)
     follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
     columns: list[Column[_Together]] = [
-        Column("factor", attrgetter("factor"), "factor", text=attrgetter("shown")),
-        Column("blocks", lambda row: len(row.names), "blocks"),
-        Column("which", attrgetter("names"), text=lambda row: _which(row.names, follow)),
+        Column("factor", itemgetter(1), "factor", text=itemgetter(0)),
+        Column("blocks", lambda row: len(row[2]), "blocks"),
+        Column("which", itemgetter(2), text=lambda row: _which(row[2], follow)),
     ]
-    rest = "none: stays, or its mechanism was not asked for." if any(row.shown == _STAYS for row in groups) else ""
+    rest = "none: stays, or its mechanism was not asked for." if any(row[0] == _STAYS for row in groups) else ""
     return [Table(columns, groups, rest=rest, said=_by_block_in_words(findings, order))] if groups else []
 
 
@@ -319,10 +302,10 @@ def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
     groups: dict[str, _Together] = {}
     for name in in_order(by_block, order):
         shown, factor = by_block[name]
-        groups.setdefault(shown, _Together(shown, factor, [])).names.append(name)
+        groups.setdefault(shown, (shown, factor, []))[2].append(name)
     without = (_FALLS, _UNSETTLED, _STAYS)  # after the numbers, in this order
-    return sorted(groups.values(), key=lambda row: (row.factor is None, row.factor or 0.0,
-                                                    row.factor is None and without.index(row.shown)))  # fmt: skip
+    return sorted(groups.values(), key=lambda row: (row[1] is None, row[1] or 0.0,
+                                                    row[1] is None and without.index(row[0])))  # fmt: skip
 
 
 def _by_block_in_words(findings: Findings, order: Mapping[str, int]) -> str:

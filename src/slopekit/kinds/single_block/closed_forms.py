@@ -116,8 +116,7 @@ class OnArrays(Generic[D]):
             forms = self.closed_forms(arguments | self.of_strengths(lines), bolts)
             return forms.of(), forms.tractions_kpa()
 
-        (form, _), _ = on_secants(strengths, on_lines, lambda answer: answer[1])
-        return form
+        return on_secants(strengths, on_lines, lambda answer: answer[1])[0]
 
     def answers(self, designs: Sequence[D]) -> list[ClosedForm | GeometryError]:
         """The closed form of each of several designs, in one call for all that have the same arguments and bolts.

@@ -365,10 +365,11 @@ def _curved(solved: Solved, interfaces: Sequence[Interface]) -> Mapping[str, Sec
     for interface in interfaces:
         joint = model.interface == interface.key
         traction = float(limit.normal_force[joint].sum() / model.control_area[joint].sum()) * per_area
-        if (line := secant_of(interface.strength, traction)) is not None:
+        if interface.strength.law is not None:
+            line = secant_of(interface.strength, traction)
             pairs = limit.normal_force[joint] / model.control_area[joint] * per_area
             lines[interface.name] = SecantLine(
-                line.traction_kpa, (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
+                max(traction, 0.0), (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
             )
     return lines
 

@@ -211,7 +211,7 @@ def _bolts_of_whole(whole: WedgeDesign) -> tuple[Bolt, ...]:
     if not any(bolt.head_m is not None for bolt in whole.bolts):
         return whole.bolts
     around = wedge_bounds(whole)
-    holds = held(around, whole.bolts, stand_off(around, whole.bolts)).holds[:, 0]
+    holds = held(around, whole.bolts, stand_off(around, whole.bolts))[0][:, 0]
     return tuple(bolt for bolt, own in zip(whole.bolts, holds.tolist(), strict=True) if own)
 
 
@@ -226,7 +226,7 @@ def without_basal_of_many(design: WedgeDesign, arguments: Arguments, before: Flo
     assert basal is not None
     own = {name: value for name, value in arguments.items() if not name.startswith(_OF_THE_THIRD)}
     if any(bolt.head_m is not None for bolt in design.bolts):
-        holds = held(wedge_bounds(replace(design, basal=None)), design.bolts, before).holds
+        holds = held(wedge_bounds(replace(design, basal=None)), design.bolts, before)[0]
         forces: list[Any] = [bolt.force_kn * one for bolt, one in zip(design.bolts, holds, strict=True)]
         bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
         own |= force_on(replace(design, bolts=tuple(bolts)))
