@@ -112,6 +112,8 @@ def test_open_pairs_carry_nothing() -> None:
 def test_what_is_refused() -> None:
     assert faults(lambda: sk.run("templates/sphere.yaml", elastic=True)) == ["E288"]
     assert faults(lambda: sk.run("templates/paper-footing.yaml", elastic=True)) == ["E288"]
+    rough = {"strength": {"s": {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 25}}}
+    assert faults(lambda: sk.run({**PLANE, **rough}, elastic=True)) == ["E288"]
     assert faults(lambda: sk.wedge(**WEDGE | {"edge": "0.5 m"}, elastic=True)) == ["E125"]
     bad = {"modulus": "20 kPa", "poisson": 0.5, "edge": -1}
     assert faults(lambda: sk.wedge(**WEDGE | bad)) == ["E284", "E284", "E284"]

@@ -76,7 +76,7 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
         except GeometryError:
             continue
         onward = cut(replace(sample, bolts=(), crack=None, water=replace(sample.water, mode="dry"))).block
-        holds, moved = held(kind.on_arrays.bounds(sample), sample.bolts, before)
+        holds, _ = held(kind.on_arrays.bounds(sample), sample.bolts, before)
         for k, one in enumerate(sample.bolts):
             if one.head_m is None:
                 assert holds[k, 0]

@@ -57,7 +57,6 @@ class ElasticScene:
 
     Attributes
     ----------
-    redrawn : tan φ of the pairs at normal forces (n,) kN where laws are curved, None where none is
     limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
     names : of the blocks, empty of one; unknowns : of each block
@@ -66,7 +65,6 @@ class ElasticScene:
 
     model: ElasticModel
     stiffness: JointStiffness
-    redrawn: Callable[[Floats], Floats] | None
     rigid_limit: float | None
     limit_without: Callable[[Bools], tuple[float | None, bool]]
     points: Floats
@@ -157,25 +155,18 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     axes = local_axes(scene.pairs.normals)
     give = flexibility(elements, scene.pairs.points, axes, model.flat_rows, model.length_scale)
     rigid = made.limit(model)
-    settled = rigid.model or model
-    plain = elastic_model(settled)
+    plain = elastic_model(model)
     rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
     whole = with_blocks(plain, ((give, rows, own),))
     turn = np.eye(3) if made.axes is None else made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
-        without = replace(settled, cohesion=frozen(settled.cohesion * ~parted))
+        without = replace(model, cohesion=frozen(model.cohesion * ~parted))
         return made.limit(without).governing.factor or None, False
-
-    def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.system.strength_lines import drawn
-
-        return drawn(settled, np.maximum(normal, 0.0) / settled.force_scale).tan_friction
 
     called = {interface.key: interface.name for interface in made.interfaces}
     return ElasticScene(
-        whole, elastic_stiffness(design, False),
-        None if settled.lines is None else redrawn, rigid.governing.factor or None, limit_without,
+        whole, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
         scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
         [called[key] for key in scene.pairs.interface.tolist()], turn, (), model.unknowns, model.length_scale, edge,
         (give,),
@@ -272,7 +263,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         each = replace(
             given, cohesion=given.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
             tan_friction=given.tan_friction[joint], tan_dilation=given.tan_dilation[joint],
-            tension=given.tension[joint], laws=tuple(given.laws[k] for k in joint.tolist()) if given.laws else (),
+            tension=given.tension[joint],
         )  # fmt: skip
         own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
         with work_limit.allowed(_WITHOUT * work_limit.MOST):
@@ -280,21 +271,15 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 
     def bound_without(parted: Bools) -> float | None:
-        if whole.lines is not None or plain.tension.any() or plain.tan_dilation.any():
+        if plain.tension.any() or plain.tan_dilation.any():
             return None  # forces of a rest are not those that it looks at
         kept = whole.cohesion.copy()
         kept[:pairs][parted] = 0.0
         return bound_of(replace(whole, cohesion=frozen(kept)))
 
-    def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.system.strength_lines import drawn
-
-        scaled = np.append(np.maximum(normal, 0.0) / whole.force_scale, np.zeros(len(whole.bolts)))
-        return drawn(whole, scaled).tan_friction[group]
-
     names = [scene.names[block] for block in whole.moving.tolist()]
     return ElasticScene(
-        with_blocks(plain, tuple(flexible)), elastic_stiffness(design, True), None if whole.lines is None else redrawn,
+        with_blocks(plain, tuple(flexible)), elastic_stiffness(design, True),
         result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
         whole.length_scale, edge, [one for one, *_ in flexible], bound_without=bound_without,
@@ -358,9 +343,6 @@ def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
 
 
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
-_LINES = 12  # rounds of strength lines that follow the normal forces
-_WORK_OF_LINES = 2.4e7  # steps of Newton's method times rows of the model: four minutes
-_LINES_STEADY = 1e-6
 _SAME = 1e-6
 _LOCKED = 0.01  # width of the range of locked-in forces, in parts, that is worth a word
 
@@ -376,6 +358,8 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)
     made = kind.cut(design)
+    if any(strength.law is not None for strength in kind.strengths(design)):
+        raise _refuse("strength is curved, and the lines of its law would follow the tractions")
     scene = scene_of_one(design, made) if isinstance(made, Cut) else scene_of_many(design, made, result)
     stands = result.status == "no_driving_force"
     if scene.rigid_limit is None and not stands:
@@ -384,7 +368,8 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     below = _BELOW * min(scene.rigid_limit or math.inf, 1.0)  # elastic blocks may not stand where rigid ones just do
     factors = (below,) if not stands and (scene.rigid_limit or 0.0) <= 1.0 else (1.0, below)
     for factor in factors:
-        search, rest = _at_rest(scene, scene.model, factor)
+        search = RestSearch(scene.model, scene.stiffness)
+        rest = search.rest(factor)
         if rest.stands:
             break
     else:
@@ -392,7 +377,7 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
         how = f"in {search.steps} steps, {pairs}" if search.spent else f"({pairs})"
         said = Notice("W450", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
-    _, rigid = _at_rest(scene, scene.model.rigid(), factor)
+    rigid = RestSearch(scene.model.rigid(), scene.stiffness).rest(factor)
     limit, spent = scene.rigid_limit, False
     rigid_limit = limit
     if not stands:
@@ -452,29 +437,6 @@ def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
         span = f"{lowest:.3f} .. {far}"
         message = f"the limit under ELASTIC is that of the rigid path, other load paths and locked-in stresses: {span}"
         yield Notice("W455", f"{message}; rely on the lowest")
-
-
-# -- at rest ----------------------------------------------------------------------------------------------------------
-
-
-def _at_rest(scene: ElasticScene, model: ElasticModel, factor: float) -> tuple[RestSearch, Rest]:
-    """Rest at a factor, where laws are curved on the lines of its own normal forces."""
-    search = RestSearch(model, scene.stiffness)
-    rest = search.rest(factor)
-    steps = search.steps
-    for _ in range(_LINES if scene.redrawn is not None else 0):
-        if not rest.stands or scene.redrawn is None:
-            break
-        friction = scene.redrawn(rest.forces.reshape(-1, 3)[:, 0])
-        if float(np.abs(friction - model.tan_friction).max()) < _LINES_STEADY:
-            break
-        model = replace(model, tan_friction=friction)
-        search = RestSearch(model, scene.stiffness)
-        rest = search.rest(factor)
-        steps += search.steps
-        if steps * len(rest.forces) > _WORK_OF_LINES:
-            return search, replace(rest, residual=math.inf)
-    return search, rest
 
 
 # -- the answer -------------------------------------------------------------------------------------------------------
