@@ -60,7 +60,6 @@ class ElasticScene:
     limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
     names : of the blocks, empty of one; unknowns : of each block
-    bound_without : of many blocks, the static bound without the bonds of pairs (n,), None where it bounds nothing
     """
 
     model: ElasticModel
@@ -76,7 +75,6 @@ class ElasticScene:
     length: float
     edge: float
     blocks: Sequence[Flexibility | CondensedBlock]
-    bound_without: Callable[[Bools], float | None] | None = None
 
 
 def elastic_stiffness(design: Design, many: bool) -> JointStiffness:
@@ -188,7 +186,6 @@ def elastic_model(model: Model) -> ElasticModel:
 
 def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> ElasticScene:
     """Convex blocks on flat contacts."""
-    from slopekit.preie.many_blocks.blocks import bound_of
     from slopekit.preie.many_blocks.ravelling import ravel
     from slopekit.preie.solvers import work_limit
     from slopekit.preie.system.components import whole_model
@@ -270,19 +267,12 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
             failures = ravel(own, scene_loads(scene), each, ranged=False).failures
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 
-    def bound_without(parted: Bools) -> float | None:
-        if plain.tension.any() or plain.tan_dilation.any():
-            return None  # forces of a rest are not those that it looks at
-        kept = whole.cohesion.copy()
-        kept[:pairs][parted] = 0.0
-        return bound_of(replace(whole, cohesion=frozen(kept)))
-
     names = [scene.names[block] for block in whole.moving.tolist()]
     return ElasticScene(
         with_blocks(plain, tuple(flexible)), elastic_stiffness(design, True),
         result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
-        whole.length_scale, edge, [one for one, *_ in flexible], bound_without=bound_without,
+        whole.length_scale, edge, [one for one, *_ in flexible],
     )  # fmt: skip
 
 
@@ -386,41 +376,25 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
-    last, guess = rest, limit or rigid_limit
-    if spent and guess is not None:
-        say("elastic range", head=True)
-        last = search.upward(rest, guess)
-    between = _between(scene, last) if spent else None
-    answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), between, search.steps)
+    answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if factor < factors[0] and limit is not None:
         known = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
         notes.append(Notice("W455", f"elastic blocks {known}: their limit may lie between, below the {limit:.4f} under "
                             f"ELASTIC, which is without what is open at the first: rely on {factor:.4g}"))  # fmt: skip
     if not stands and limit is None:
-        notes.append(_no_limit(spent, between))
+        notes.append(_no_limit(spent))
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
     return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
-def _between(scene: "ElasticScene", last: Rest) -> tuple[float, float] | None:
-    """Where elastic blocks rest, and the static bound without what is open there: above it no forces hold them.
-
-    What has parted stays so, and all forces of a rest are in balance, within strength and pressing: whatever the way
-    on, it ends below. None where nothing bounds them.
-    """
-    bound = None if scene.bound_without is None else scene.bound_without(last.parted)
-    return None if bound is None or bound < last.factor else (last.factor, bound)
-
-
-def _no_limit(spent: bool, between: tuple[float, float] | None) -> Notice:
+def _no_limit(spent: bool) -> Notice:
     """Why there is none without the cohesion that is pulled open: for want of work, or as nothing holds the blocks."""
     without = "no limit under ELASTIC: without the cohesion that is pulled open"
     if spent:
-        ends = "" if between is None else f"; it lies between {between[0]:.4f} and {between[1]:.4f}"
-        return Notice("W360", f"{without} it was not settled within the effort of one analysis{ends}")
+        return Notice("W360", f"{without} it was not settled within the effort of one analysis")
     return Notice("W308", f"{without} none was found, and not for want of work: the rigid blocks may tip or fall then")
 
 
@@ -444,7 +418,7 @@ def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
 
 def _answer(
     design: Design, scene: ElasticScene, rest: Rest, rigid: Rest, limits: tuple[float | None, float | None],
-    between: tuple[float, float] | None, steps: int,
+    steps: int,
 ) -> ElasticBlocks:  # fmt: skip
     model, (rock, taken) = scene.model, rock_of(design)
     area = model.area
@@ -464,7 +438,7 @@ def _answer(
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
     return ElasticBlocks(
-        limits[0], limits[1], between, rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
+        limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, rest.failed_pairs, len(area),
         sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),
