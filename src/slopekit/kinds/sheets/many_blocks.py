@@ -1,6 +1,6 @@
 """The sheet of many blocks: what moves, how, in what order; short even for ten thousand blocks."""
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from operator import attrgetter, itemgetter
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
-from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
+from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism
 from slopekit.findings import ToppleColumn as GoodmanBray
 from slopekit.kinds import dilates
 from slopekit.kinds.sheets import shared
 from slopekit.kinds.sheets.shared import Factor
-from slopekit.kinds.words import first_and_last, in_order, line_in_words, many_times, names_in_runs, size_number
+from slopekit.kinds.words import in_order, line_in_words, many_times, names_in_runs, size_number
 from slopekit.result import Result
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
@@ -22,11 +22,9 @@ _WAYS = {
     "lifted": "lift", "no_driving_force": "stand", "not_converged": "unknown",
 }  # fmt: skip
 _MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks", "pull": "pulls"}
-_FALLS, _UNSETTLED, _STAYS = "none: held by no strength that was tried", "not settled", "none"
 _MOST_INTERFACES = 6
 _SHARE = 1e-3  # of the work: less is not worth a line
 _WHOLE = 1e-6  # shares that add up to one but for this
-_MOST_FACTORS = 6
 _FIRST_MECHANISMS, _LAST_MECHANISMS = 8, 2
 #: What is checked, in words about its figure.
 _CHECKS: Mapping[str, str] = {
@@ -37,8 +35,6 @@ _CHECKS: Mapping[str, str] = {
 }
 _MEASURED = 1e-2  # what is as large is no rounding error
 _UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "°", "s": "s", "mb": "MB"}
-#: Blocks that fail at one factor, or have none for the same reason: the factor in words, the factor, their names.
-_Together = tuple[str, float | None, list[str]]
 _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
 
 
@@ -56,7 +52,6 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     yield Section("MOVES", (), details=_moves(result, first))
     mechanisms, left = _mechanisms(result, findings, order), [findings.standing] if findings.standing else []
     yield Section("MECHANISM", mechanisms, hang=42, details=left)
-    yield Section("BY BLOCK", _by_block(findings, order))
     yield Section("TABLE", (), details=toppling_rows(result, findings.table))
     yield Section("METHODS", shared.methods(result))
     yield Section("SERIES", shared.series(result))
@@ -267,72 +262,6 @@ def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
     if one.fos is None:
         return one.status in ("falls", "lifted")
     return highest is not None and one.fos <= highest * (1.0 + SAME_FACTOR)
-
-
-def _by_block(findings: Findings, order: Mapping[str, int]) -> list[Entry]:
-    """The lowest factors with the blocks that fail at them; without a number last."""
-    groups = _together(findings, order)
-    follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
-    columns: list[Column[_Together]] = [
-        Column("factor", itemgetter(1), "factor", text=itemgetter(0)),
-        Column("blocks", lambda row: len(row[2]), "blocks"),
-        Column("which", itemgetter(2), text=lambda row: _which(row[2], follow)),
-    ]
-    rest = "none: stays, or its mechanism was not asked for." if any(row[0] == _STAYS for row in groups) else ""
-    return [Table(columns, groups, rest=rest, said=_by_block_in_words(findings, order))] if groups else []
-
-
-def _which(names: Sequence[str], follow: Container[str]) -> str:
-    after = names_in_runs((name for name in names if name in follow), 6)
-    own = names_in_runs((name for name in names if name not in follow), 6)
-    return f"{own}; then at once {after}" if after else own
-
-
-def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
-    """Blocks by their factors, the lowest first, then those without a number and why."""
-    by_block: dict[str, tuple[str, float | None]] = {}
-    for name, factor in findings.factor_by_block.items():
-        by_block[name] = (_STAYS if factor is None else factor_text(factor).strip(), factor)
-    for one in findings.mechanisms:
-        told = (_UNSETTLED, None) if one.status == "not_converged" else (
-            (_FALLS, None) if one.fos is None else (factor_text(one.fos).strip(), one.fos))  # fmt: skip
-        for block in one.blocks:
-            if told[0] == _UNSETTLED or by_block.get(block.name, (_STAYS,))[0] == _STAYS:
-                by_block[block.name] = told
-    groups: dict[str, _Together] = {}
-    for name in in_order(by_block, order):
-        shown, factor = by_block[name]
-        groups.setdefault(shown, (shown, factor, []))[2].append(name)
-    without = (_FALLS, _UNSETTLED, _STAYS)  # after the numbers, in this order
-    return sorted(groups.values(), key=lambda row: (row[1] is None, row[1] or 0.0,
-                                                    row[1] is None and without.index(row[0])))  # fmt: skip
-
-
-def _by_block_in_words(findings: Findings, order: Mapping[str, int]) -> str:
-    follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
-    groups: dict[str, list[str]] = {}
-    numbers: dict[str, float] = {}
-    for name, factor in findings.factor_by_block.items():
-        shown = factor_text(factor).strip()
-        groups.setdefault(shown, []).append(name)
-        if factor is not None:
-            numbers[shown] = factor
-    if len(groups) < 2:
-        return ""  # STATUS has said it
-    lowest, rest, _ = first_and_last(sorted(numbers, key=lambda shown: numbers[shown]), _MOST_FACTORS, 0)
-    parts = []
-    for shown in lowest:
-        names = in_order(groups.pop(shown), order)
-        text = names_in_runs((name for name in names if name not in follow), 2)
-        after = names_in_runs((name for name in names if name in follow), 2)
-        parts.append(f"{shown} {text}" + (f", then at once {after}" if after else ""))
-    without = groups.pop("none", [])
-    if rest:
-        blocks = sum(len(names) for names in groups.values())
-        parts.append(f"... and {counted(blocks, 'block')} up to {factor_text(max(numbers.values()))}")
-    if without:
-        parts.append(f"without a number {names_in_runs(in_order(without, order), 2)}")
-    return " | ".join(parts)
 
 
 # -- the evidence ---------------------------------------------------------------------------------------------------
