@@ -492,4 +492,4 @@ KIND = replace(kind_of_one_block(
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS,
-), has_site=True, in_section=_in_section)  # fmt: skip
+), in_section=_in_section)  # fmt: skip
