@@ -20,7 +20,6 @@ for method, ours, paper in (
     ("Fellenius", true.methods["fellenius"], "1.15"),
     ("Janbu (simplified)", true.methods["janbu"], "1.25"),
     ("Bishop (simplified)", true.methods["bishop"], "1.30"),
-    ("all equilibrium; improved LEM", true.methods["all_equilibrium"], "1.48"),
     ("PFE-IE", None, "1.42"),
     ("PRE-IE limit, zero dilation", true.fos.limit, "1.464"),
     ("static bound (free to dilate)", true.fos.static_bound, ""),

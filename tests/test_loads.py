@@ -5,11 +5,13 @@ import pytest
 
 import slopekit as sk
 from slopekit.geometry.interfaces import node_pairs
+from slopekit.geometry.pressure import Pieces, even, pyramid, resultant
 from slopekit.geometry.rock.cutting import Block, cut_wedge
 from slopekit.geometry.rock.rockmass import J1, J2
+from slopekit.kinds.water import outward_of
 from slopekit.kinds.wedge.cutting import rock_mass
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.loads import PointForce, WaterPressure, block_loads
+from slopekit.loads import Loads, PointForce, block_loads
 
 
 @pytest.fixture(scope="module")
@@ -17,12 +19,19 @@ def block() -> Block:
     return cut_wedge(rock_mass(wedge_design({"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195"})))
 
 
-def moment_of(block: Block, water=None, forces=(), active=()) -> np.ndarray:
-    return block_loads(block, 0.0, water or {}, np.zeros(3), forces, active).moment
+def moment_of(block: Block, forces=(), active=()) -> np.ndarray:
+    return block_loads(block, 0.0, np.zeros(3), forces, active).moment
+
+
+def loads_of_water(block: Block, joint: int, pieces: Pieces) -> Loads:
+    polygon = block.faces[joint]
+    thrust, at = resultant(pieces, polygon)
+    push = PointForce(-thrust * outward_of(polygon), at)
+    return block_loads(block, 0.0, np.zeros(3), pushes={f"water {joint}": push})
 
 
 def test_weight_and_seismic_act_at_the_centroid(block) -> None:
-    loads = block_loads(block, 25.0, {}, np.array([0.1, 0.0, 0.0]))
+    loads = block_loads(block, 25.0, np.array([0.1, 0.0, 0.0]))
     assert loads.force == pytest.approx([2.5 * block.volume, 0.0, -25.0 * block.volume], rel=1e-12)
     assert np.abs(loads.moment).max() == 0.0
 
@@ -32,7 +41,8 @@ def test_even_pressure_acts_at_the_middle_of_its_face(block) -> None:
     pairs = node_pairs({J1: block.faces[J1]})
     forces = 7.0 * pairs.control_areas[:, None] * pairs.normals
     exact = np.cross(pairs.points - block.centroid, forces).sum(axis=0)
-    assert moment_of(block, {J1: WaterPressure(7.0)}) == pytest.approx(exact, rel=1e-10)
+    loads = loads_of_water(block, J1, even(block.faces[J1], 7.0))
+    assert loads.moment == pytest.approx(exact, rel=1e-10)
 
 
 @pytest.mark.parametrize("joint", [J1, J2])
@@ -58,7 +68,7 @@ def test_pyramid_of_pressure_acts_where_integration_says(block, joint) -> None:
         share = np.array([1.0 if np.abs(p - apex).sum() < 1e-9 else 0.0 for p in triangle] + [1.0 / 3.0])
         pushes = (30.0 * share * pairs.control_areas)[:, None] * pairs.normals
         force, moment = force + pushes.sum(axis=0), moment + np.cross(pairs.points - block.centroid, pushes).sum(axis=0)
-    loads = block_loads(block, 0.0, {joint: WaterPressure(10.0, apex)}, np.zeros(3))
+    loads = loads_of_water(block, joint, pyramid(block.faces[joint], 10.0, apex))
     assert loads.force == pytest.approx(force, rel=1e-10)  # the mean is a third of the peak
     assert loads.moment == pytest.approx(moment, rel=1e-10)
 

@@ -1,6 +1,6 @@
 """What an analysis of many blocks finds beside a factor of safety: mechanisms, modes of contact, what was checked."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import field
 from typing import ClassVar
 
@@ -160,21 +160,6 @@ class Findings:
             )
             for k, one in enumerate(self.mechanisms)
         )  # fmt: skip
-
-
-def at_once(mechanisms: Iterable[tuple[float | None, Iterable[str]]], factors: Mapping[str, float | None]) -> set[str]:
-    """Blocks that fail with others that held them, their own mechanism needing less: a lower factor, or none.
-
-    Parameters
-    ----------
-    mechanisms : of each its own factor and its blocks; factors : `Findings.factor_by_block`
-    """
-    return {
-        name
-        for own, names in mechanisms
-        for name in names
-        if (factor := factors.get(name)) is not None and (own is None or own < factor * (1.0 - SAME_FACTOR))
-    }
 
 
 @dataclass(frozen=True, slots=True)

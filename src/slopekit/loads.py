@@ -21,14 +21,6 @@ if TYPE_CHECKING:  # one block has no patches between blocks
 
 
 @dataclass(frozen=True, slots=True)
-class WaterPressure:
-    """Water on one face: its mean pressure (kPa), and the point of highest pressure (None: uniform)."""
-
-    mean_kpa: float
-    apex: Floats | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class PointForce:
     """A force (3,) in kN through a point (3,) in m; without a point it acts through the centroid.
 
@@ -63,7 +55,6 @@ class Loads:
 def block_loads(
     block: Block,
     unit_weight: float,
-    water: Mapping[int, WaterPressure],
     seismic: Floats,
     forces: Sequence[PointForce] = (),
     active: Sequence[PointForce] = (),
@@ -75,20 +66,14 @@ def block_loads(
     Parameters
     ----------
     unit_weight : kN/m³
-    water : plane id -> pressure on that face of the block
     seismic : (3,) parts of the weight, acting at the centroid
     forces, active, passive : forces, active bolts and passive bolts
-    pushes : further forces by the name they have in `parts`
+    pushes : further forces by the name they have in `parts`: water on faces among them
     """
     weight = unit_weight * block.volume
     parts = {"weight": np.array([0.0, 0.0, -weight]), "seismic": weight * seismic}
     moment = np.zeros(3)
     acting = [(name, force, block.centroid) for name, force in parts.items() if force.any()]
-    for plane, pressure in water.items():
-        force, at = _water(block.faces[plane], pressure)
-        parts[f"water {plane}"] = force
-        acting.append((f"water {plane}", force, at))
-        moment += cross(at - block.centroid, force)
     for name, push in (pushes or {}).items():
         parts[name] = push.force
         acting.append((name, push.force, block.centroid + line_of_action(push) if push.at is None else push.at))
@@ -121,21 +106,6 @@ def line_of_action(push: PointForce) -> Floats:
         return np.zeros(3)
     arm: Floats = cross(push.force, push.couple) / size
     return arm
-
-
-def _water(polygon: Floats, pressure: WaterPressure) -> tuple[Floats, Floats]:
-    """Force of the water on the block and the point it acts through.
-
-    A pyramid falls linearly from its apex, on the edge or at a corner of the face, to nothing on the other edges:
-    on each triangle (apex, a, b) the mean is a third of the peak and the resultant passes (2 apex + a + b) / 4.
-    """
-    apex = polygon.mean(axis=0) if pressure.apex is None else pressure.apex
-    a, b = polygon, np.roll(polygon, -1, axis=0)
-    vectors = cross(a - apex, b - apex) / 2.0
-    sizes = np.sqrt((vectors**2).sum(axis=1))
-    centres = (apex + a + b) / 3.0 if pressure.apex is None else (2.0 * apex + a + b) / 4.0
-    force: Floats = -pressure.mean_kpa * vectors.sum(axis=0)
-    return force, sizes @ centres / sizes.sum()
 
 
 @dataclass(frozen=True, slots=True)

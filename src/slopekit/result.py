@@ -92,14 +92,13 @@ class Words:
 #: The closed forms of columns by the names that results and rules have for them, as sheets call them.
 METHODS: Mapping[str, str] = {
     "fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
-    "all_equilibrium": "all equilibrium",
 }  # fmt: skip
 #: Numbers that a rule may judge in place of the limit, in few words.
 JUDGED: Mapping[str, str] = {
     "residual": "residual strength",
     "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
     "static_bound": "upper bound", "whole_wedge": "whole wedge, without the basal joint",
-    **METHODS, "all_equilibrium": "columns in all equilibrium",
+    **METHODS,
 }  # fmt: skip
 _SAME = 5e-5  # factors that differ by less than this part look the same
 

@@ -166,43 +166,6 @@ def test_a_limit_without_the_cohesion_that_is_not_found_is_no_infinite_one(monke
     assert found.to_dict()["elastic"]["limit"] is None
 
 
-def test_a_limit_that_is_not_found_has_two_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Elastic blocks rest at the first, near where they end; the second is no less than that end."""
-    given = wall(cohesion=2.0, high=2)
-    whole = sk.run(given, elastic=True)
-    scenes = []
-
-    def without_limit(*asked):
-        scenes.append(scene_of_many(*asked))
-        return replace(scenes[-1], limit_without=lambda parted: (None, True))
-
-    monkeypatch.setattr("slopekit.kinds.elastic.scene_of_many", without_limit)
-    found = sk.run(given, elastic=True)
-    assert found.elastic.limit is None
-    low, high = found.elastic.between
-    assert low == pytest.approx(whole.elastic.limit, rel=0.02)
-    assert low <= whole.elastic.limit <= high * (1.0 + 1e-4)
-    assert high <= whole.fos.static_bound * (1.0 + 1e-6)
-    (said,) = [one.message for one in found.warnings if one.code == "W360"]
-    assert f"it lies between {low:.4f} and {high:.4f}" in said
-    assert f"{low:.4f} .. {high:.4f}  elastic blocks rest at the first" in str(found.sheet)
-    assert found.to_dict()["elastic"]["between"] == [low, high]
-    # without any bond left it slides on its base, whatever its joints do
-    (scene,) = scenes
-    every = np.ones(len(scene.model.area), dtype=bool)
-    assert scene.bound_without(every) == pytest.approx(np.tan(np.radians(35.0)) / np.tan(0.35), rel=1e-6)
-    assert scene.bound_without(~every) == pytest.approx(whole.fos.static_bound, rel=1e-6)
-
-
-def test_tension_that_a_rest_may_have_is_beyond_the_static_bound() -> None:
-    """It has no tension: no second end."""
-    design = wall(cohesion=2.0, high=2)
-    design["strength"]["joint"]["tension"] = 1.0
-    loaded = sk.load(design)
-    scene = scene_of_many(loaded, cut(loaded), sk.analyse(loaded))
-    assert scene.bound_without(np.zeros(len(scene.model.area), dtype=bool)) is None
-
-
 def slabs(phi_deg: float) -> dict:
     """Three slabs of half a metre between two walls, 3 m high, held by cohesion that pulls open in part."""
     outlines = {
@@ -265,4 +228,3 @@ def test_a_wall_rests_up_to_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     last = search.onward(search.rest(1.0), exact * (1.0 - 2.5e-5))
     assert last is not None
     assert not search.settled(last, exact * (1.0 + 1e-6)).stands
-    assert scene.bound_without(last.parted) == pytest.approx(exact, rel=1e-6)

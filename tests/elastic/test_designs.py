@@ -32,7 +32,6 @@ def test_json_and_sheet_have_it_where_it_is_asked_for() -> None:
     assert document["limit"] == found.elastic.limit <= document["rigid_limit"]
     assert document["rigid_limit"] == pytest.approx(found.fos.limit, rel=1e-9)
     assert document["taken"] == ["modulus", "poisson"]
-    assert document["between"] is None
     assert len(document["pairs"]["elastic_kpa"]) == document["node_pairs"]
     assert "ELASTIC" in str(found.sheet)
     assert found.timing_s["elastic"] > 0.0
@@ -112,6 +111,8 @@ def test_open_pairs_carry_nothing() -> None:
 def test_what_is_refused() -> None:
     assert faults(lambda: sk.run("templates/sphere.yaml", elastic=True)) == ["E288"]
     assert faults(lambda: sk.run("templates/paper-footing.yaml", elastic=True)) == ["E288"]
+    rough = {"strength": {"s": {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 25}}}
+    assert faults(lambda: sk.run({**PLANE, **rough}, elastic=True)) == ["E288"]
     assert faults(lambda: sk.wedge(**WEDGE | {"edge": "0.5 m"}, elastic=True)) == ["E125"]
     bad = {"modulus": "20 kPa", "poisson": 0.5, "edge": -1}
     assert faults(lambda: sk.wedge(**WEDGE | bad)) == ["E284", "E284", "E284"]

@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rock.rockmass import J1, J2
 from slopekit.kinds import cut, wedge
-from slopekit.kinds.single_block.one_block_limit import MomentLimit, moment_limit
+from slopekit.kinds.single_block.one_block_limit import FoundLimit, moment_limit
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.one_block import cracked
@@ -103,7 +103,7 @@ def test_a_square_base_in_torsion(phi) -> None:
     assert all(finer < 0.5 * coarser for coarser, finer in pairwise(errors))
 
 
-def opens(limit: MomentLimit, inputs: dict) -> bool:
+def opens(limit: FoundLimit, inputs: dict) -> bool:
     """Whether moments govern by a state that opens part of a cohesive joint."""
     if not limit.analysis.moments_govern or not limit.openings:
         return False

@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.parts import Strength
 from slopekit.design.templates import path_of
-from slopekit.kinds import analyse, factors_of, kind_of
+from slopekit.kinds import analyse, factors_of
 from slopekit.kinds.single_block.secants import changed_laws
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.system import strength_lines
@@ -147,17 +147,6 @@ def test_water_bolts_a_crack_and_an_earthquake() -> None:
         result = analyse(paper_wedge(ROUGH, **more))
         assert result.difference < 1e-9, more
         assert result.agree, more
-
-
-@pytest.mark.parametrize("name", ["paper-wedge", "plane"])
-def test_straight_and_curved_designs_in_one_question(name) -> None:
-    """A closed form on arrays answers curved designs among straight ones as it does each of them alone."""
-    straight = template(name)
-    asked = [with_law(straight, ROUGH), straight, with_law(straight, CURVED[2])]
-    found = kind_of(straight).on_arrays.answers(asked)
-    alone = [kind_of(design).closed_form(design) for design in asked]
-    assert found == alone
-    assert len({one.factor for one in found}) == 3
 
 
 @pytest.mark.parametrize(

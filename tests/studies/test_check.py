@@ -50,18 +50,13 @@ def rungs(found: Check, method: str) -> list[tuple[Rung, float | None]]:
 
 
 def test_the_paper_wedge() -> None:
-    """Against Hoek & Bray: flat joints, so node pairs do not matter; passes reach the accuracy of their program."""
+    """Against Hoek & Bray: flat joints, so node pairs do not matter."""
     found = plain("paper-wedge")
     assert found.consistent
     assert found.exit_code == 0
     assert found.against == "the closed form"
     assert found.reference == pytest.approx(1.5573963527, abs=1e-9)
     assert found.orders == ()
-    passes = rungs(found, "passes")
-    assert passes[0][1] > 0.1
-    assert passes[-1][1] < 1e-6
-    tolerances = [error for _, error in rungs(found, "tolerance")]
-    assert tolerances == sorted(tolerances, reverse=True)
     assert all(error < 1e-12 for _, error in rungs(found, "mesh"))
     assert found.result.fos.all_pairs_failed == pytest.approx(1.554, abs=5e-4)  # the paper's own
     assert found.errors[found.cheapest] <= found.result.design.agree_within

@@ -26,7 +26,7 @@ def test_the_sheet(name) -> None:
     for finding in checked.findings:
         assert finding.name in sheet
     if checked.result.findings is None:
-        assert sum("pass" in line for line in lines) >= 3
+        assert sum("parts split" in line or "edges of" in line for line in lines) >= 3
     else:  # two ratios of the joints' stiffness, and the node pairs
         assert [sum(rung in line for line in lines) for rung in ("k_t / k_n 0.1", "k_t / k_n 1 ")] == [1, 1]
         assert any("as analysed" in line for line in lines)

@@ -76,10 +76,10 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
         except GeometryError:
             continue
         onward = cut(replace(sample, bolts=(), crack=None, water=replace(sample.water, mode="dry"))).block
-        says = held(kind.on_arrays.bounds(sample), sample.bolts, before)
+        holds, _ = held(kind.on_arrays.bounds(sample), sample.bolts, before)
         for k, one in enumerate(sample.bolts):
             if one.head_m is None:
-                assert says.holds[k, 0]
+                assert holds[k, 0]
                 continue
             turn = np.eye(3) if made.axes is None else made.axes
             head, way = turn @ np.array(one.head_m), turn @ one.toward.vector()
@@ -89,8 +89,8 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
             last = faces_met(onward, head, way)[-1:]  # behind a crack as if it were not there
             passes = len(met) == 2 and met[0][1] in free and last[0][1] in made.joints
             ends = (one.length_m or np.inf) + (met[0][0] - before[k] if met else 0.0)
-            assert says.holds[k, 0] == (passes and ends > last[0][0]), (row, k, met)
-            seen.add(bool(says.holds[k, 0]))
+            assert holds[k, 0] == (passes and ends > last[0][0]), (row, k, met)
+            seen.add(bool(holds[k, 0]))
         cut(standing(sample, before))  # refuses bolts that miss the block, or end within it
     assert seen == {True, False}
 

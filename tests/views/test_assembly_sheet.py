@@ -248,9 +248,6 @@ def test_successive_mechanisms() -> None:
     assert "... 30 more: 180 blocks, FoS 0.980 to 1.270 ..." in text
     assert "40 1.290" in text
     assert text.endswith("9217 blocks are left; 40 were asked for")
-    by_block = part(str(found), "BY BLOCK")
-    assert by_block.startswith("0.850 B207 to B212 | 0.900 B2, B4, ... and 47 more | 0.930 B221 to B226")
-    assert by_block.endswith("... and 198 blocks up to 1.290 | without a number B214 to B219")
 
 
 def test_mechanisms_at_one_factor_are_one_failure() -> None:
@@ -260,14 +257,12 @@ def test_mechanisms_at_one_factor_are_one_failure() -> None:
     found = [mechanism("slides", 1.9238 + 1e-8 * k, motions([names[k]], "slides")) for k in range(2)]
     text = str(result(design, found, names))
     assert "2 1.924 - - slide at once: 1 slides (A2)" in part(text, "MECHANISM")
-    assert "BY BLOCK" not in labels(text)
 
 
 def test_one_mechanism_has_no_table() -> None:
     found = bench(700, 1)
     text = found.sheet.full
     assert "MECHANISM" not in labels(str(found))
-    assert "BY BLOCK" not in labels(text)
     assert part(text, "MECHANISM") == "151 blocks are left; 1 were asked for"
 
 

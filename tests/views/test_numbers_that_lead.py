@@ -12,7 +12,6 @@ from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.sheets.shared import judged_difference, judged_factor
-from slopekit.preie.many_blocks import blocks
 from slopekit.views.pages.report_words import answer
 from slopekit.views.solid.stage import Stage
 
@@ -126,61 +125,12 @@ def assemblies() -> list:
     ]
 
 
-def listed(text: str) -> set[str]:
-    """Names in runs, each for itself; `rest` where some are only counted."""
-    found = set()
-    for part in text.split(", "):
-        first, _, last = part.partition(" to ")
-        head, ends = first.rstrip("0123456789"), [int(re.search(r"\d+$", one)[0]) for one in (first, last) if last]
-        found |= {f"{head}{k}" for k in range(ends[0], ends[1] + 1)} if last else {part}
-    return {"rest" if name.startswith("... and") else name for name in found if name}
-
-
-def blocks_of(result) -> list[list[str]]:
-    """Factor, how many, which: the table of BY BLOCK as a page has it."""
-    tables = result.to_dict()["sheet"].get("BY BLOCK", [])
-    return [row for table in tables for row in table["shown"]]
-
-
-def told_in_sheet(text: str) -> dict[str, str]:
-    """Names by factor of BY BLOCK, as they stand there."""
-    inside = re.search(r"^BY BLOCK( .*(?:\n .*)*)", text, re.MULTILINE)
-    parts = " ".join(inside[1].split()).split(" | ") if inside else []
-    return dict(part.split(" ", 1) for part in parts if re.match(r"\d", part))
-
-
-@pytest.mark.parametrize(("source", "count"), assemblies())
-def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(source, count, monkeypatch) -> None:
-    """BY BLOCK, the page's table: every block at its own mechanism's factor, or named as one that follows at once."""
-    monkeypatch.setattr(blocks, "_span", lambda *_: None)  # the range of a mechanism is not looked at here
-    result = sk.run(source() if callable(source) else source, set={"analysis.mechanisms": count})
-    page = {row[0]: row[2] for row in blocks_of(result)}
-    own = {
-        block.name: factor_text(one.fos).strip()
-        for one in result.findings.mechanisms
-        if one.status != "not_converged"
-        for block in one.blocks
-    }
-    seen = set()
-    for told in (page, told_in_sheet(str(result))):
-        for shown, text in told.items():
-            alone, _, after = text.partition("; then at once " if told is page else ", then at once ")
-            if re.match(r"\d", shown):
-                assert {own.get(name) for name in listed(alone) - {"rest"}} <= {shown}
-                assert all(own[name] != shown for name in listed(after) - {"rest"})
-                seen |= listed(alone) | listed(after)
-    assert "rest" in seen or {name for name, factor in own.items() if factor != "none"} <= seen
-
-
 def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -> None:
     """B1 stands by B3 and B4: freed of them it slides at 1.2564, so it fails with them, at 1.3684."""
     result = sk.run(section(572), set={"analysis.mechanisms": 6})
     first, second, third = result.findings.mechanisms
     assert second.fos < first.fos < third.fos
-    assert blocks_of(result) == [
-        [factor_text(first.fos).strip(), "3", "B3, B4; then at once B1"],
-        [factor_text(third.fos).strip(), "1", "B2"],
-    ]
+    assert dict(result.findings.factor_by_block) == {"B3": first.fos, "B4": first.fos, "B1": first.fos, "B2": third.fos}
     assert "at once: 1 slides (B1)" in str(result)
 
 

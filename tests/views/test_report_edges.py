@@ -113,9 +113,6 @@ def test_pressure_on_a_curved_surface_is_the_designs() -> None:
 def test_why_a_block_has_no_factor() -> None:
     names = [f"B{k}" for k in range(1, 7)]
     found = scenes_of_none(names)
-    (grouped,) = found["sheet"]["BY BLOCK"]
-    table = {row[0]: row[2] for row in grouped["shown"]}
-    assert table == {"1.250": "B1, B2", "none: held by no strength that was tried": "B3", "not settled": "B4"}
     seen = words(report_of(found, with_pictures=False).html)
     assert "was not asked for" not in seen
     assert "3 1.500 - - unknown" in seen

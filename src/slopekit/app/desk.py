@@ -271,7 +271,7 @@ def _analysed(moment: Moment, final: bool) -> tuple[answers.Answer, Result | Non
 def jobs_of(kind: str) -> list[str]:
     """The jobs that can be started with a kind of design."""
     job_names = ["analyse", "curve", "probability"]
-    return [*job_names, "support"] if kind_named(kind).has_site else job_names
+    return [*job_names, "support"] if kind_named(kind).on_arrays is not None else job_names
 
 
 def _kind_of_template(name: str) -> str:

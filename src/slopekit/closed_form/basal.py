@@ -16,7 +16,7 @@ import numpy as np
 from slopekit.closed_form.given import Codes, Columns, of_chunk
 from slopekit.closed_form.tolerances import SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge import (
-    ClosedFormBlocks,
+    ClosedFormWedges,
     WedgeArrays,
     columns_of_wedges,
     mean_pressures,
@@ -90,14 +90,7 @@ class BasalWedgeArrays(WedgeArrays):
     friction3_deg: ArrayLike
 
 
-@dataclass(frozen=True, slots=True)
-class ClosedFormBasalWedges(ClosedFormBlocks):
-    """What the closed form says of wedges on J1, J2 and the basal joint."""
-
-    OUTCOMES = OUTCOMES
-
-
-def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
+def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormWedges:
     """Outcome, factor of safety and forces of wedges on two joints and a basal joint, maybe with a tension crack.
 
     Raises
@@ -132,9 +125,9 @@ def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
     numbers[:, outcome >= _REFUSED] = np.nan
     statuses = outcome < _REFUSED
     numbers[0, statuses & ((outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL))] = np.nan
-    return ClosedFormBasalWedges(
-        outcome, numbers[0], numbers[1:4], numbers[4], numbers[5], numbers[6:10], numbers[10:14], *numbers[14:]
-    )
+    volume, weight, height = numbers[14:]
+    on_joints = numbers[1:4], numbers[4], numbers[5], numbers[6:10], numbers[10:14]
+    return ClosedFormWedges(outcome, numbers[0], *on_joints, volume, weight, height, np.empty((3, 0)))
 
 
 # -- the block --------------------------------------------------------------------------------------------------------
@@ -355,7 +348,7 @@ class JointTriple(NamedTuple):
 
 
 def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes, Sequence[Any]]:
-    """Outcomes, and the numbers of `ClosedFormBasalWedges`, of a chunk."""
+    """Outcomes, and the numbers of `ClosedFormWedges`, of a chunk."""
     block = _block(columns, count)
     weight = columns["unit_weight_kn_m3"] * block.volume
     pressures = mean_pressures(columns, 3, block.height, block.crack_depth)

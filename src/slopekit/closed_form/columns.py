@@ -1,8 +1,7 @@
-"""Methods of columns in 3-D: Fellenius, Janbu (simplified), Bishop, and one that satisfies all six equilibria.
+"""Methods of columns in 3-D: Fellenius, Janbu (simplified) and Bishop.
 
 Sources: Fellenius (1936); Janbu (1954); Bishop (1955), Géotechnique 5; in 3-D Hovland (1977), J. Geotech. Eng. Div.
-103 (GT9), and Hungr, Salgado & Byrne (1989), Can. Geotech. J. 26; the global method Bell (1968), J. Soil Mech. Found.
-Div. 94 (SM6), Zhu & Qian (2007), Chinese J. Rock Mech. Eng. 26 (8), and Zheng (2009), J. Geotech. Geoenviron. Eng. 135.
+103 (GT9), and Hungr, Salgado & Byrne (1989), Can. Geotech. J. 26.
 
 The columns stand on the nodes of Gauss's rule (slices square to y, angles within a slice), not on a grid: some
 thousand give five digits, also where the margins of the surface are upright.
@@ -12,20 +11,18 @@ a base along the direction of sliding d, tan α = n·d / n_z, and shear acts in 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from slopekit.closed_form.rotation import GroundSurface, panels
-from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
+from slopekit.closed_form.tolerances import LEAST_GRIP, SMALL
 from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 
 _COUNT = 12  # nodes between two changes, in either direction
 _PASSES = 200
-_STEPS = 60
-_STARTS = tuple((strength, turn) for turn in (0.0, 0.4, -0.4) for strength in (1.0, 0.6, 1.6))  # 1 / F, θ
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,24 +43,6 @@ class Columns:
     pore_pressure: Floats
     column_heights: Floats
     overhung_share: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class AllEquilibrium:
-    """What the method with all six equilibria found.
-
-    Attributes
-    ----------
-    factor : factor of safety; turned_deg : from d to the direction of shear, counterclockwise from above
-    shares : (λ₀, λ₁, λ₂, λ₃) of σ = σ₀ (λ₀ + λ₁ ξ + λ₂ η + λ₃ ξη); tension_share : of the base, where σ - u < 0
-    residual : largest of the six sums, as part of the weight (moments: of weight times half the length)
-    """
-
-    factor: float
-    turned_deg: float
-    shares: tuple[float, float, float, float]
-    tension_share: float
-    residual: float
 
 
 def ellipsoid_columns(
@@ -182,106 +161,6 @@ def bishop(
     lever = -base.rise * base.cos - base.reach * base.sin
     turning = base.reach * base.up - base.rise * base.along
     return _vertical_balance(base, columns, cohesion_kpa, friction_angle_deg, lever, turning, push)
-
-
-def global_equilibrium(
-    columns: Columns, cohesion_kpa: float, friction_angle_deg: float, direction: ArrayLike, axis_point: ArrayLike,
-    seismic: float = 0.0,
-) -> AllEquilibrium | None:  # fmt: skip
-    """Three forces and three moments of the whole mass balanced by F, the direction of shear and four shares of σ.
-
-    Parameters as for `bishop`; axis_point : not used. Of several roots the one with the least base in tension; None
-    where Newton's method finds none (there may be none: one direction of shear balances no torsion about its normal).
-
-    Formula: Σ(N n - S s + W (k d - e_z)) = 0 and its moments, N = σA, σ = σ₀ (λ₀ + λ₁ ξ + λ₂ η + λ₃ ξη) with
-    σ₀ = W (n_z - k n·d) / A, S = (cA + (N - uA) tan φ) / F, s down the base, turned in plan by θ from d; ξ along d
-    and η across it, from the middle of the mass, as parts of half its length (Bell 1968; Zhu & Qian 2007).
-    The shape of σ is an assumption: six equilibria leave F open within some ten percent, so that F is no bound.
-    """
-    d = np.asarray(direction, dtype=np.float64)
-    d = d / math.hypot(*d)
-    area = columns.plan_areas / columns.base_normals[:, 2]
-    tangent = math.tan(math.radians(friction_angle_deg))
-    weight = float(columns.weights.sum())
-    middle = columns.weights @ columns.base_points / weight
-    size = float(np.ptp(columns.base_points[:, :2] @ d)) / 2.0
-    away = (columns.base_points - middle) / size
-    xi, eta = away[:, :2] @ d, away[:, :2] @ [-d[1], d[0]]
-    start = columns.weights * (columns.base_normals[:, 2] - seismic * (columns.base_normals[:, :2] @ d))
-    normal = (start * np.stack([np.ones_like(xi), xi, eta, xi * eta])).T / weight  # (n, 4) parts of N
-    bond = (cohesion_kpa - columns.pore_pressure * tangent) * area / weight
-    pushes = np.outer(columns.weights / weight, [seismic * d[0], seismic * d[1], -1.0])
-    raised = away + np.outer(columns.column_heights / (2.0 * size), [0.0, 0.0, 1.0])
-    loads = np.concatenate([pushes.sum(axis=0), np.cross(raised, pushes).sum(axis=0)])
-    upward, at = np.array(columns.base_normals.T, order="C"), np.array(away.T, order="C")
-    pressed = _six(upward, at, normal)  # (6, 4)
-    sizes = np.column_stack([bond, normal])
-
-    def residual(unknowns: Floats) -> tuple[Floats, Floats]:
-        """The six sums (6,), and their slopes (6, 6) by 1 / F, θ and the shares."""
-        strength, turn, shares = unknowns[0], unknowns[1], unknowns[2:]
-        down, turned = _down(upward, d, turn)
-        resisting = bond + tangent * (normal @ shares)
-        sizes[:, 0] = resisting
-        sums = _six(down, at, sizes)
-        held, rows = sums[:, 0], pressed - strength * tangent * sums[:, 1:]
-        slopes = np.column_stack([-held, -strength * _six(turned, at, resisting), rows])
-        return pressed @ shares - strength * held + loads, slopes
-
-    best: AllEquilibrium | None = None
-    for strength, turn in _STARTS:
-        root, error = _newton(residual, np.array([strength, turn, 1.0, 0.0, 0.0, 0.0]))
-        if error > BALANCED or not root[0] > 0.0 or abs(root[1]) > math.pi / 2:
-            continue
-        tension = normal @ root[2:] * weight < columns.pore_pressure * area
-        share = float(area[tension].sum() / area.sum())
-        if best is None or share < best.tension_share:
-            l0, l1, l2, l3 = (float(part) for part in root[2:])
-            best = AllEquilibrium(1.0 / float(root[0]), math.degrees(root[1]), (l0, l1, l2, l3), share, error)
-        if best.tension_share == 0.0:
-            break
-    return best
-
-
-def _six(vectors: Floats, at: Floats, sizes: Floats) -> Floats:
-    """Sums of the forces `sizes` (n,) or (n, m) along `vectors` (3, n) and of their moments: (6,) or (6, m)."""
-    (x, y, z), (along_x, along_y, along_z) = at, vectors
-    moments = y * along_z - z * along_y, z * along_x - x * along_z, x * along_y - y * along_x
-    return np.stack([*vectors, *moments]) @ sizes
-
-
-def _down(normals: Floats, d: Floats, turn: float) -> tuple[Floats, Floats]:
-    """Unit vectors down the bases in the upright plane turned from d, and their change with the turn (3, n).
-
-    normals : (3, n)
-    """
-    x, y = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]) @ d
-    up = normals[2]
-    along, across = x * normals[0] + y * normals[1], x * normals[1] - y * normals[0]
-    length = np.hypot(along, up)
-    down = np.stack([x * up, y * up, -along]) / length
-    change = np.stack([-y * up, x * up, -across]) / length
-    return down, change - down * (along * across / length**2)
-
-
-def _newton(residual: Callable[[Floats], tuple[Floats, Floats]], unknowns: Floats) -> tuple[Floats, float]:
-    """Newton's method with halved steps: the unknowns, and the largest sum that is left."""
-    sums, slopes = residual(unknowns)
-    for _ in range(_STEPS):
-        if float(np.abs(sums).max()) <= SMALL:
-            break
-        step = np.linalg.lstsq(slopes, -sums, rcond=None)[0]
-        part = 1.0
-        while part > SMALL:
-            tried = unknowns + part * step
-            after, after_slopes = residual(tried)
-            if float(after @ after) < (1.0 - 1e-4 * part) * float(sums @ sums):
-                break
-            part /= 2.0
-        else:
-            break
-        unknowns, sums, slopes = tried, after, after_slopes
-    return unknowns, float(np.abs(sums).max())
 
 
 @dataclass(frozen=True, slots=True)

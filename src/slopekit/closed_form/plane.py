@@ -14,18 +14,25 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from slopekit.closed_form.given import Codes, Columns, Value, columns_of, counted
-from slopekit.closed_form.search import loss_with_bolts, together
-from slopekit.closed_form.tolerances import PARALLEL_DEG, PULLS_SETTLED, SMALL, SQUARE
-from slopekit.core.array_types import ArrayLike, Bools, Floats
+from slopekit.closed_form.tolerances import PARALLEL_DEG, SMALL
+from slopekit.closed_form.wedge_sliding import (
+    FALLS,
+    LIFTED,
+    SLIDES_ON_J1,
+    SLIDES_UP,
+    STILL,
+    Vector,
+    WedgeSlide,
+    with_bolts,
+)
+from slopekit.core.array_types import ArrayLike, Floats
 from slopekit.core.records import dataclass
-
-Vector = tuple[Value, Value]
 
 #: What may become of a block: it slides, it loses contact, nothing drives it, or the plane cuts none (`explain CODE`).
 OUTCOMES: Final = ("slides", "slides_up", "lifted", "falls", "no_driving_force", "E203", "E204", "E205", "E207", "E209")
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
-_SLIDES, _SLIDES_UP, _LIFTED, _FALLS, _STILL = (_NUMBER[name] for name in OUTCOMES[:5])
-_ROUNDS: Final = 40  # over several bolts, one after the other
+#: Of the numbers that `wedge_sliding` has for how a block moves, those here.
+_NUMBERS: Final = np.array([0, 0, 0, 1, 2, 3, 4], dtype=np.int8)
 _RADIAN: Final = math.pi / 180.0
 _TAN: Final = np.frompyfunc(math.tan, 1, 1)
 
@@ -134,17 +141,19 @@ def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
         block = _block(columns, count)
         bed, load = _bed(columns, block)
         slide = bed.slide(load)
-        slides = slide.outcome <= _SLIDES_UP
-        outcome, factor = slide.outcome, np.where(slides, slide.resisting / slide.driving, np.nan)
-        rows = [factor, slide.normal, slide.driving, slide.resisting, block.length, block.pressure, block.thrust,
+        factor = np.where(slide.outcome <= SLIDES_UP, slide.resisting / slide.driving, np.nan)
+        held = (block.code == 0) & (slide.outcome != STILL) & bool(bolts)
+        for one in np.flatnonzero(held).tolist():
+            plane = bed.of(one)
+            pulls = [(float(along[0]), 0.0, float(off[0])) for along, off in (plane.on_plane(*bolt) for bolt in bolts)]
+            factor[one], last = with_bolts(plane, [float(part[one]) for part in load], pulls)
+            slide.outcome[one], slide.normal[:, one] = last.outcome[0], last.normal[:, 0]
+            slide.driving[one], slide.resisting[one] = last.driving[0], last.resisting[0]
+        outcome = _NUMBERS[slide.outcome]
+        rows = [factor, slide.normal[0], slide.driving, slide.resisting, block.length, block.pressure, block.thrust,
                  block.depth, block.weight]  # fmt: skip
         for row, values in zip(numbers, rows, strict=True):
             row[:] = values
-        if bolts:
-            for one in np.flatnonzero((block.code == 0) & (outcome != _STILL)).tolist():
-                numbers[0, one], last = _with_bolts(bed.of(one), [float(part[one]) for part in load], bolts)
-                outcome[one] = last.outcome[0]
-                numbers[1:4, one] = last.normal[0], last.driving[0], last.resisting[0]
     refused = np.flatnonzero(block.code)
     outcome[refused] = block.code[refused]
     numbers[:, refused] = np.nan
@@ -232,7 +241,7 @@ def _tangent(dip_deg: Value) -> Floats:
     return np.asarray(_TAN(np.asarray(dip_deg) * _RADIAN), dtype=np.float64)
 
 
-def _turned(a: Vector, b: Vector) -> Value:
+def _turned(a: Sequence[Value], b: Sequence[Value]) -> Value:
     """Twice the area between two points and the toe."""
     return a[0] * b[1] - a[1] * b[0]
 
@@ -240,15 +249,11 @@ def _turned(a: Vector, b: Vector) -> Value:
 # -- how it moves -----------------------------------------------------------------------------------------------------
 
 
-class _Slide(NamedTuple):
-    outcome: Codes
-    normal: Floats
-    driving: Floats
-    resisting: Floats
-
-
 class _Bed(NamedTuple):
-    """The plane, (n,): sine and cosine of its dip, its strength, and the sum of the loads' sizes."""
+    """The plane, (n,): sine and cosine of its dip, its strength, and the sum of the loads' sizes.
+
+    Vectors are down the plane, along its strike and off it.
+    """
 
     sine: Floats
     cosine: Floats
@@ -256,25 +261,36 @@ class _Bed(NamedTuple):
     tangent: Floats
     size: Floats
 
+    @property
+    def inward(self) -> Vector:
+        """The normal into the block."""
+        return np.zeros((1, 1)), np.zeros((1, 1)), np.ones((1, 1))
+
+    @property
+    def lines(self) -> Vector:
+        """No line of two joints."""
+        return np.zeros((0, 1)), np.zeros((0, 1)), np.zeros((0, 1))
+
     def of(self, one: int) -> "_Bed":
         """One block's, for any number of loads."""
         return _Bed(*(np.broadcast_to(values, self.size.shape)[one : one + 1] for values in self))
 
-    def on_plane(self, x: Value, z: Value) -> Vector:
+    def on_plane(self, x: Value, z: Value) -> tuple[Value, Value]:
         """Down the plane, and off it."""
         return x * self.cosine - z * self.sine, x * self.sine + z * self.cosine
 
-    def slide(self, load: Vector) -> _Slide:
-        """Mode of sliding from the resultant, down the plane and off it."""
-        along, off = load
+    def slide(self, load: Vector) -> WedgeSlide:
+        """Mode of sliding from the resultant."""
+        along, _, off = load
         nothing = SMALL * self.size
         lost = off >= -nothing
         still = np.where(lost, np.hypot(along, off), np.abs(along)) <= nothing
-        off_it, on_it = np.where(self.cosine <= SMALL, _FALLS, _LIFTED), np.where(along > 0.0, _SLIDES, _SLIDES_UP)
-        outcome = np.where(still, _STILL, np.where(lost, off_it, on_it))
+        off_it, on_it = np.where(self.cosine <= SMALL, FALLS, LIFTED), np.where(along > 0.0, SLIDES_ON_J1, SLIDES_UP)
+        outcome = np.where(still, STILL, np.where(lost, off_it, on_it))
         normal = np.where(lost, 0.0, -off)
         resisting = np.where(lost, 0.0, self.bond + normal * self.tangent)
-        return _Slide(outcome, normal, np.where(lost | still, 0.0, np.abs(along)), resisting)
+        driving = np.where(lost | still, 0.0, np.abs(along))
+        return WedgeSlide(outcome, normal[None], driving, resisting, (along, 0.0, np.where(lost, off, 0.0)))
 
 
 def _bed(columns: Columns, block: _PlaneBlock) -> tuple[_Bed, Vector]:
@@ -288,55 +304,5 @@ def _bed(columns: Columns, block: _PlaneBlock) -> tuple[_Bed, Vector]:
         np.broadcast_to(size, block.code.shape),
     )  # fmt: skip
     along, off = bed.on_plane(block.thrust + columns["seismic"] * block.weight + out, up - block.weight)
-    return bed, (np.broadcast_to(along, bed.size.shape), np.broadcast_to(off + uplift, bed.size.shape))
-
-
-# -- passive bolts ----------------------------------------------------------------------------------------------------
-
-
-def _with_bolts(bed: _Bed, load: Sequence[float], given: Sequence[Vector]) -> tuple[float, _Slide]:
-    """The factor of one block with passive bolts, and how it slides at the first loss."""
-    bolts = together([(float(along[0]), float(off[0])) for along, off in (bed.on_plane(*bolt) for bolt in given)])
-
-    def at(reduction: Floats) -> _Slide:
-        return bed.slide(_pulled(load, bolts, reduction, bed.size))
-
-    def holds_at(reduction: Floats) -> tuple[Bools, Bools]:
-        slide = at(reduction)
-        lost = (slide.outcome == _LIFTED) | (slide.outcome == _FALLS)
-        return (slide.outcome == _STILL) | (~lost & (reduction * slide.resisting >= slide.driving)), lost
-
-    touches = bed.slide((np.array([load[0]]), np.array([load[1]]))).normal[0] > 0.0
-    factor, reduction = loss_with_bolts(holds_at, bool(touches))
-    return factor, at(np.array([reduction]))
-
-
-def _pulled(load: Sequence[float], bolts: Sequence[Vector], reduction: Floats, size: Floats) -> Vector:
-    """The load under bolts that pull between 0 and λ (r,) times their capacity, so as to leave the least movement."""
-    pulls = np.zeros((len(bolts), reduction.size))
-
-    def under() -> Vector:
-        along, off = (
-            part + np.add.reduce(axis[:, None] * pulls) for part, axis in zip(load, np.transpose(bolts), strict=True)
-        )
-        return along, off
-
-    settled = np.zeros(reduction.size, dtype=np.bool_)
-    for _ in range(_ROUNDS):
-        before = pulls.copy()
-        total = under()
-        for k, (along, off) in enumerate(bolts):
-            s, n = total[0] - along * pulls[k], total[1] - off * pulls[k]
-            drawn = s * along + np.maximum(n, 0.0) * off  # below 0: the movement draws the bolt out
-            # on the plane; off it, where the block is lifted; a bolt square to the plane presses with all it has
-            stopped = np.where(np.abs(along) > SQUARE * np.abs(off), -s / along, np.inf)
-            lifted = -(s * along + n * off) / (along * along + off * off)
-            stopped = np.where(n + stopped * off > 0.0, lifted, stopped)
-            pushed_in = drawn >= -SQUARE * np.hypot(along, off) * size
-            pulls[k] = np.where(pushed_in, 0.0, np.minimum(stopped, reduction))
-            total = s + along * pulls[k], n + off * pulls[k]
-        pulls[:, settled] = before[:, settled]
-        settled |= (np.abs(pulls - before) <= PULLS_SETTLED * reduction).all(axis=0)
-        if settled.all():
-            break
-    return under()
+    along, off = (np.broadcast_to(part, bed.size.shape) for part in (along, off + uplift))
+    return bed, (along, np.zeros(bed.size.shape), off)

@@ -36,9 +36,6 @@ ON_CIRCLE = 1e-9
 #: Normal force and spare friction at a column's base, in parts of its forces, that may be missing.
 HOLDS = 1e-9
 
-#: Residual of the six equations of global equilibrium, in parts of weight and weight times radius.
-BALANCED = 1e-9
-
 #: Change of a passive bolt's pull in a round over all of them, in parts of what it may pull.
 PULLS_SETTLED = 1e-12
 

@@ -9,7 +9,7 @@ One wedge is an array of length one, and no line is shared with the solver that 
 import math
 from collections.abc import Sequence
 from dataclasses import fields
-from typing import Any, ClassVar, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -108,21 +108,20 @@ class WedgeArrays:
 
 
 @dataclass(frozen=True, slots=True)
-class ClosedFormBlocks:
-    """What a closed form says of each of n blocks on k joints; numbers are nan where the planes cut none.
+class ClosedFormWedges:
+    """What a closed form says of each of n wedges on k joints; numbers are nan where the planes cut none.
 
     Attributes
     ----------
-    OUTCOMES : what may become of one
-    outcome : (n,) int8, an index into `OUTCOMES`
+    outcome : (n,) int8, an index into the `OUTCOMES` of the closed form
     factor : (n,) factor of safety, nan unless the block slides (or where passive bolts hold it whatever its strength)
     normal_kn : (k, n) effective normal forces: what the joints' own strength carries, 0 off the joint
     driving_kn, resisting_kn : (n,) along the direction of sliding; with passive bolts under their pull at that factor
     areas_m2, pressures_kpa : (k + 1, n) of the joints and the crack: areas, and mean pressures of the water
     volume_m3, weight_kn, total_height_m : (n,)
+    line_m : (3, n) on two joints, the line of intersection from the toe up, as far as it bounds the wedge
     """
 
-    OUTCOMES: ClassVar[Sequence[str]]
     outcome: Codes
     factor: Floats
     normal_kn: Floats
@@ -133,23 +132,11 @@ class ClosedFormBlocks:
     volume_m3: Floats
     weight_kn: Floats
     total_height_m: Floats
+    line_m: Floats
 
     def counts(self) -> dict[str, int]:
-        """How many there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
-        return counted(self.outcome, self.OUTCOMES)
-
-
-@dataclass(frozen=True, slots=True)
-class ClosedFormWedges(ClosedFormBlocks):
-    """What the closed form says of wedges on J1 and J2.
-
-    Attributes
-    ----------
-    line_m : (3, n) the line of intersection from the toe up, as far as it bounds the wedge
-    """
-
-    OUTCOMES = OUTCOMES
-    line_m: Floats
+        """How many wedges on two joints there are of each outcome, the absent ones left out."""
+        return counted(self.outcome, OUTCOMES)
 
     def line_trend_plunge_deg(self) -> tuple[Floats, Floats]:
         """Trend and plunge (n,) of the lines of intersection, degrees."""

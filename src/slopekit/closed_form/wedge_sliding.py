@@ -201,8 +201,8 @@ def _best_pull(bed: WedgeJoints, load: Vector, bolt: Bolt, most: Floats) -> Floa
     slide = bed.slide((east, north, up))
     drawn = np.where(slide.outcome == STILL, 0.0, dot(slide.movement, bolt)).reshape(tries.shape)
     stops = np.take_along_axis(tries[2:], np.argmin(np.abs(drawn[2:]), axis=0)[None], axis=0)[0]
-    pushed_in = drawn[0] >= -SQUARE * math.sqrt(square) * bed.size
-    return np.where(pushed_in, 0.0, np.where(drawn[1] <= 0.0, most, stops))
+    none = SQUARE * math.sqrt(square) * bed.size  # a bolt square to the movement presses with all it has
+    return np.where(drawn[0] >= -none, 0.0, np.where(drawn[1] <= none, most, stops))
 
 
 # -- vectors ------------------------------------------------------------------------------------------

@@ -191,8 +191,7 @@ class Design:
         "acceptance.rules", default=(), example='["fos >= 1.5"]',
         doc="one or a list; `>=`, `>`, `<=`, `<` on `fos`, `fos.limit`, `fos.lowest`, `fos.closed_form`, "
         "`fos.static_bound`, `fos.all_pairs_failed`, `fos.residual`, on surfaces "
-        "`fos.fellenius`, `fos.janbu`, `fos.bishop`, "
-        "`fos.all_equilibrium`",
+        "`fos.fellenius`, `fos.janbu`, `fos.bishop`",
         forms=(ListOf(Leaf(example='"fos >= 1.5"')), Leaf()),
     )  # fmt: skip
     agree_within: float = number("analysis.agree_within", "ratio", default=0.01, above=0.0, below=1.0, code="E127",

@@ -11,7 +11,7 @@ from slopekit.design.parts import Bolt, Force, Rule, Seismic, Water
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
-    "fos.fellenius", "fos.janbu", "fos.bishop", "fos.all_equilibrium",
+    "fos.fellenius", "fos.janbu", "fos.bishop",
 )  # fmt: skip
 _RULE = r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$"  # texts: compiled when first used
 _BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)$"

@@ -37,8 +37,6 @@ class ElasticBlocks:
     ----------
     limit : the rigid limit without the cohesion of the pairs that elastic blocks pull open, `rigid_limit` that without
         what rigid ones pull open in the same state (a sliding block: nothing), on the same node pairs
-    between : of many blocks whose limit was not settled, a factor at which they rest and the static bound without the
-        cohesion of what is open there, above which no forces hold them; None elsewhere
     factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
     opened_share, rigid_opened_share : of the area of all contacts; lost_share, rigid_lost_share : of it what had
         cohesion to lose there; joints : by name
@@ -50,7 +48,6 @@ class ElasticBlocks:
 
     limit: float | None
     rigid_limit: float | None
-    between: tuple[float, float] | None
     factor: float
     opened_share: float
     rigid_opened_share: float

@@ -38,7 +38,6 @@ _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more 
 _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
 _LET_GO = 0.5  # pairs in more than this part of the worst tension part together
 _CROWD, _WORST = 100, 0.25  # of many blocks: where more pairs than that are in tension, so many of them part at least
-_PART_UP, _LEAST_UP = 0.25, 0.02  # of the way to a guess, and where strides upward end
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
 
@@ -169,15 +168,6 @@ class RestSearch:
                 stride = min(stride, left) / 3.0
                 if stride < shortest:
                     return None
-        return here
-
-    def upward(self, here: Rest, guess: float) -> Rest:
-        """The highest factor at rest that the work of one more search finds, towards a guess and beyond it."""
-        self.most = self.steps + int(min(_MOST_STEPS * _MORE, _WORK / self.model.rows.shape[0]))
-        part = _PART_UP
-        while not self.spent and part > _LEAST_UP:
-            trial = self.settled(here, here.factor + part * max(guess - here.factor, _LEAST_UP * here.factor))
-            here, part = (trial, part) if trial.stands else (here, 0.5 * part)
         return here
 
     # -- one factor ---------------------------------------------------------------------------------------------------

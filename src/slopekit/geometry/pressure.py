@@ -7,7 +7,8 @@ exact: of a triangle of area A with corners x_i and pressures p_i
     ∫ p dA = A Σp / 3        ∫ p x dA = A (Σp Σx + Σ p_i x_i) / 12
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from slopekit.core.arrays import Floats, cross
 from slopekit.core.records import dataclass
 
 _ON_EDGE = 1e-12  # of the size of a polygon: nearer to the border of a piece it lies in it
+
+#: Flat convex polygons (k, 3) with the pressures (k,) at their corners, linear in each triangle from the first of them.
+Pieces: TypeAlias = Iterable[tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,12 +118,7 @@ class Pressure:
         >>> Pressure((), 6.0, 10.0).on(wall)
         (180.0, array([0. , 0.5, 2. ]))
         """
-        thrust, moment = 0.0, np.zeros(3)
-        for part, pressures in self._parts(polygon):
-            own, turning = fan(part, pressures)
-            thrust += own
-            moment += turning
-        return thrust, moment / thrust if thrust > 0.0 else polygon.mean(axis=0)
+        return resultant(self.pieces(polygon), polygon)
 
     def above(self, polygon: Floats) -> tuple[float, Floats]:
         """By how much (m) the table stands above a flat convex polygon, and no pond does, at most, and where (3,)."""
@@ -135,7 +134,7 @@ class Pressure:
                 worst, place = float(over.max()), part[int(over.argmax())]
         return worst, place
 
-    def _parts(self, polygon: Floats) -> Iterator[tuple[Floats, Floats]]:
+    def pieces(self, polygon: Floats) -> Iterator[tuple[Floats, Floats]]:
         """The wet parts of a polygon on which the pressure is linear, each with the pressures at its corners."""
         level = None if self.pond is None else Height(np.zeros(3), self.pond)
         for height in self.heights:
@@ -154,6 +153,30 @@ class Pressure:
         wet = _clipped(part, np.array([0.0, 0.0, 1.0]) - height.slope, height.level, True)
         if len(wet) > 2:
             yield wet, self.unit_weight * np.maximum(height.at(wet) - wet[:, 2], 0.0)
+
+
+def even(polygon: Floats, mean: float) -> Pieces:
+    """The same pressure all over a flat convex polygon (k, 3)."""
+    return [(polygon, np.full(len(polygon), mean))]
+
+
+def pyramid(polygon: Floats, mean: float, apex: Floats) -> Pieces:
+    """A pressure that falls linearly from its apex, on the edge or at a corner of a polygon, to nothing on other edges.
+
+    On each triangle (apex, a, b) the mean is a third of the peak.
+    """
+    peak = np.array([3.0 * mean, 0.0, 0.0])
+    return [(np.array([apex, a, b]), peak) for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True)]
+
+
+def resultant(pieces: Pieces, polygon: Floats) -> tuple[float, Floats]:
+    """The force (kN) of a pressure on a flat polygon (k, 3), and the point (3,) it acts through: of none its middle."""
+    thrust, moment = 0.0, np.zeros(3)
+    for part, pressures in pieces:
+        force, turning = fan(part, pressures)
+        thrust += force
+        moment += turning
+    return thrust, moment / thrust if thrust > 0.0 else polygon.mean(axis=0)
 
 
 def fan(polygon: Floats, pressures: Floats) -> tuple[float, Floats]:

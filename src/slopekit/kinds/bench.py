@@ -232,20 +232,18 @@ def cut(design: BenchDesign) -> AssemblyScene:
     )  # fmt: skip
     smaller = f", or a cut.min_volume below {cut.min_volume:.3g} m3" if share > _SLIVERS else ""
     advice = f"Take closer joints or a longer and deeper bench{smaller}."
-    if design.has_table or design.table_depth_m is not None or design.surcharge_kpa:
+    if design.has_table or design.surcharge_kpa:
         scene = _with_ground(design, scene, body)
     return with_loads(design, scene, design.face.dip_direction_deg, advice)
 
 
 def _with_ground(design: BenchDesign, scene: AssemblyScene, body: "ConvexBody") -> AssemblyScene:
     """The water on contacts and free faces, and the surcharge."""
-    from slopekit.geometry.pressure import under_planes
     from slopekit.kinds.assemblies.table_on_patches import Outside, with_surcharge, with_water
 
     normals, offsets = body.normals[:2], body.offsets[:2]
-    depth, into = design.table_depth_m, -Line(design.face.dip_direction_deg, 0.0).vector()
-    table = () if depth is None else under_planes(normals, offsets, depth)
-    outside = Outside((body.corners[[0, 1, 5, 4]], body.corners[[1, 2, 6, 5]]), normals, offsets, table)
+    into = -Line(design.face.dip_direction_deg, 0.0).vector()
+    outside = Outside((body.corners[[0, 1, 5, 4]], body.corners[[1, 2, 6, 5]]), normals, offsets)
     return with_surcharge(with_water(design, scene, into, outside), design.surcharge_kpa, outside)
 
 

@@ -39,7 +39,7 @@ from slopekit.kinds.assemblies.many_blocks_design import (
     water_by,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_ground, with_loads
-from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, strength_in_words
+from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, first_of, names_in_runs, strength_in_words
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class BlockInput:
         default=None,
         example="block.stl",
         left_out="one of the two",
-        doc="a closed mesh file (STL, OBJ, PLY, OFF, GLB, DXF)",
+        doc="a closed mesh file (STL, OBJ, PLY, GLB, DXF)",
     )
     unit_weight_kn_m3: float | None = number(
         "unit_weight", "unit weight", default=None, least=5.0, most=400.0, code="E110", label="unit weight",
@@ -518,8 +518,7 @@ def _slope(design: BlocksDesign, _result: Result) -> Section:
     ]
     for name, strength in design.strengths:
         pairs = [f"{one}/{other}" for one, other, own in design.interfaces if own == name]
-        shown, rest, _ = first_and_last(pairs, _MOST_INTERFACES, 0)
-        listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
+        listed = ", ".join(first_of(pairs, _MOST_INTERFACES))
         on = [f"on {counted(len(pairs), 'named interface')} ({listed})"] if pairs else []
         if name == design.default_strength:
             on.insert(0, "on every other interface" if design.interfaces else "on every interface")

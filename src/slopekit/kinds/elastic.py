@@ -57,16 +57,13 @@ class ElasticScene:
 
     Attributes
     ----------
-    redrawn : tan φ of the pairs at normal forces (n,) kN where laws are curved, None where none is
     limit_without : the rigid limit without the cohesion of pairs (n,), and whether there is none for want of work
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
     names : of the blocks, empty of one; unknowns : of each block
-    bound_without : of many blocks, the static bound without the bonds of pairs (n,), None where it bounds nothing
     """
 
     model: ElasticModel
     stiffness: JointStiffness
-    redrawn: Callable[[Floats], Floats] | None
     rigid_limit: float | None
     limit_without: Callable[[Bools], tuple[float | None, bool]]
     points: Floats
@@ -78,7 +75,6 @@ class ElasticScene:
     length: float
     edge: float
     blocks: Sequence[Flexibility | CondensedBlock]
-    bound_without: Callable[[Bools], float | None] | None = None
 
 
 def elastic_stiffness(design: Design, many: bool) -> JointStiffness:
@@ -157,25 +153,18 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     axes = local_axes(scene.pairs.normals)
     give = flexibility(elements, scene.pairs.points, axes, model.flat_rows, model.length_scale)
     rigid = made.limit(model)
-    settled = rigid.model or model
-    plain = elastic_model(settled)
+    plain = elastic_model(model)
     rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
     whole = with_blocks(plain, ((give, rows, own),))
     turn = np.eye(3) if made.axes is None else made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
-        without = replace(settled, cohesion=frozen(settled.cohesion * ~parted))
+        without = replace(model, cohesion=frozen(model.cohesion * ~parted))
         return made.limit(without).governing.factor or None, False
-
-    def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.system.strength_lines import drawn
-
-        return drawn(settled, np.maximum(normal, 0.0) / settled.force_scale).tan_friction
 
     called = {interface.key: interface.name for interface in made.interfaces}
     return ElasticScene(
-        whole, elastic_stiffness(design, False),
-        None if settled.lines is None else redrawn, rigid.governing.factor or None, limit_without,
+        whole, elastic_stiffness(design, False), rigid.governing.factor or None, limit_without,
         scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
         [called[key] for key in scene.pairs.interface.tolist()], turn, (), model.unknowns, model.length_scale, edge,
         (give,),
@@ -197,7 +186,6 @@ def elastic_model(model: Model) -> ElasticModel:
 
 def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> ElasticScene:
     """Convex blocks on flat contacts."""
-    from slopekit.preie.many_blocks.blocks import bound_of
     from slopekit.preie.many_blocks.ravelling import ravel
     from slopekit.preie.solvers import work_limit
     from slopekit.preie.system.components import whole_model
@@ -272,32 +260,19 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         each = replace(
             given, cohesion=given.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
             tan_friction=given.tan_friction[joint], tan_dilation=given.tan_dilation[joint],
-            tension=given.tension[joint], laws=tuple(given.laws[k] for k in joint.tolist()) if given.laws else (),
+            tension=given.tension[joint],
         )  # fmt: skip
         own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
         with work_limit.allowed(_WITHOUT * work_limit.MOST):
             failures = ravel(own, scene_loads(scene), each, ranged=False).failures
         return (failures[0].limit.factor, failures[0].limit.spent) if failures else (None, False)
 
-    def bound_without(parted: Bools) -> float | None:
-        if whole.lines is not None or plain.tension.any() or plain.tan_dilation.any():
-            return None  # forces of a rest are not those that it looks at
-        kept = whole.cohesion.copy()
-        kept[:pairs][parted] = 0.0
-        return bound_of(replace(whole, cohesion=frozen(kept)))
-
-    def redrawn(normal: Floats) -> Floats:
-        from slopekit.preie.system.strength_lines import drawn
-
-        scaled = np.append(np.maximum(normal, 0.0) / whole.force_scale, np.zeros(len(whole.bolts)))
-        return drawn(whole, scaled).tan_friction[group]
-
     names = [scene.names[block] for block in whole.moving.tolist()]
     return ElasticScene(
-        with_blocks(plain, tuple(flexible)), elastic_stiffness(design, True), None if whole.lines is None else redrawn,
+        with_blocks(plain, tuple(flexible)), elastic_stiffness(design, True),
         result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
-        whole.length_scale, edge, [one for one, *_ in flexible], bound_without=bound_without,
+        whole.length_scale, edge, [one for one, *_ in flexible],
     )  # fmt: skip
 
 
@@ -358,9 +333,6 @@ def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
 
 
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
-_LINES = 12  # rounds of strength lines that follow the normal forces
-_WORK_OF_LINES = 2.4e7  # steps of Newton's method times rows of the model: four minutes
-_LINES_STEADY = 1e-6
 _SAME = 1e-6
 _LOCKED = 0.01  # width of the range of locked-in forces, in parts, that is worth a word
 
@@ -376,6 +348,8 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)
     made = kind.cut(design)
+    if any(strength.law is not None for strength in kind.strengths(design)):
+        raise _refuse("strength is curved, and the lines of its law would follow the tractions")
     scene = scene_of_one(design, made) if isinstance(made, Cut) else scene_of_many(design, made, result)
     stands = result.status == "no_driving_force"
     if scene.rigid_limit is None and not stands:
@@ -384,7 +358,8 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     below = _BELOW * min(scene.rigid_limit or math.inf, 1.0)  # elastic blocks may not stand where rigid ones just do
     factors = (below,) if not stands and (scene.rigid_limit or 0.0) <= 1.0 else (1.0, below)
     for factor in factors:
-        search, rest = _at_rest(scene, scene.model, factor)
+        search = RestSearch(scene.model, scene.stiffness)
+        rest = search.rest(factor)
         if rest.stands:
             break
     else:
@@ -392,7 +367,7 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
         how = f"in {search.steps} steps, {pairs}" if search.spent else f"({pairs})"
         said = Notice("W450", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
-    _, rigid = _at_rest(scene, scene.model.rigid(), factor)
+    rigid = RestSearch(scene.model.rigid(), scene.stiffness).rest(factor)
     limit, spent = scene.rigid_limit, False
     rigid_limit = limit
     if not stands:
@@ -401,41 +376,25 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
-    last, guess = rest, limit or rigid_limit
-    if spent and guess is not None:
-        say("elastic range", head=True)
-        last = search.upward(rest, guess)
-    between = _between(scene, last) if spent else None
-    answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), between, search.steps)
+    answer = _answer(design, scene, rest, rigid, (limit, rigid_limit), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if factor < factors[0] and limit is not None:
         known = f"come to rest at F = {factor:.4g}, at {factors[0]:.4g} none was found"
         notes.append(Notice("W455", f"elastic blocks {known}: their limit may lie between, below the {limit:.4f} under "
                             f"ELASTIC, which is without what is open at the first: rely on {factor:.4g}"))  # fmt: skip
     if not stands and limit is None:
-        notes.append(_no_limit(spent, between))
+        notes.append(_no_limit(spent))
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
     return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
-def _between(scene: "ElasticScene", last: Rest) -> tuple[float, float] | None:
-    """Where elastic blocks rest, and the static bound without what is open there: above it no forces hold them.
-
-    What has parted stays so, and all forces of a rest are in balance, within strength and pressing: whatever the way
-    on, it ends below. None where nothing bounds them.
-    """
-    bound = None if scene.bound_without is None else scene.bound_without(last.parted)
-    return None if bound is None or bound < last.factor else (last.factor, bound)
-
-
-def _no_limit(spent: bool, between: tuple[float, float] | None) -> Notice:
+def _no_limit(spent: bool) -> Notice:
     """Why there is none without the cohesion that is pulled open: for want of work, or as nothing holds the blocks."""
     without = "no limit under ELASTIC: without the cohesion that is pulled open"
     if spent:
-        ends = "" if between is None else f"; it lies between {between[0]:.4f} and {between[1]:.4f}"
-        return Notice("W360", f"{without} it was not settled within the effort of one analysis{ends}")
+        return Notice("W360", f"{without} it was not settled within the effort of one analysis")
     return Notice("W308", f"{without} none was found, and not for want of work: the rigid blocks may tip or fall then")
 
 
@@ -454,35 +413,12 @@ def _notices(result: Result, answer: ElasticBlocks) -> Iterator[Notice]:
         yield Notice("W455", f"{message}; rely on the lowest")
 
 
-# -- at rest ----------------------------------------------------------------------------------------------------------
-
-
-def _at_rest(scene: ElasticScene, model: ElasticModel, factor: float) -> tuple[RestSearch, Rest]:
-    """Rest at a factor, where laws are curved on the lines of its own normal forces."""
-    search = RestSearch(model, scene.stiffness)
-    rest = search.rest(factor)
-    steps = search.steps
-    for _ in range(_LINES if scene.redrawn is not None else 0):
-        if not rest.stands or scene.redrawn is None:
-            break
-        friction = scene.redrawn(rest.forces.reshape(-1, 3)[:, 0])
-        if float(np.abs(friction - model.tan_friction).max()) < _LINES_STEADY:
-            break
-        model = replace(model, tan_friction=friction)
-        search = RestSearch(model, scene.stiffness)
-        rest = search.rest(factor)
-        steps += search.steps
-        if steps * len(rest.forces) > _WORK_OF_LINES:
-            return search, replace(rest, residual=math.inf)
-    return search, rest
-
-
 # -- the answer -------------------------------------------------------------------------------------------------------
 
 
 def _answer(
     design: Design, scene: ElasticScene, rest: Rest, rigid: Rest, limits: tuple[float | None, float | None],
-    between: tuple[float, float] | None, steps: int,
+    steps: int,
 ) -> ElasticBlocks:  # fmt: skip
     model, (rock, taken) = scene.model, rock_of(design)
     area = model.area
@@ -502,7 +438,7 @@ def _answer(
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
     return ElasticBlocks(
-        limits[0], limits[1], between, rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
+        limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, rest.failed_pairs, len(area),
         sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),

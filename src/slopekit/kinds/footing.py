@@ -16,11 +16,13 @@ from slopekit.design.fields import Field, count, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
+from slopekit.geometry.pressure import resultant
 from slopekit.geometry.sections.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.single_block.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
+from slopekit.kinds.water import outward_of
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.notices import Interface
@@ -163,7 +165,7 @@ def cut(design: FootingDesign) -> Cut:
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
     pushes = {"footing": push} | _water(design, section)
-    acting = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes=pushes)
+    acting = block_loads(section.block, design.unit_weight_kn_m3, np.zeros(3), pushes=pushes)
     bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
@@ -176,20 +178,20 @@ def cut(design: FootingDesign) -> Cut:
 
 
 def _water(design: FootingDesign, section: PlaneSection) -> dict[str, PointForce]:
-    """Uplift on the plane, through the centre of its trapezium of pressure."""
+    """Uplift on the plane: linear between its ends."""
     toe, heel = design.ends_kpa
     if not toe + heel > 0.0:
         return {}
-    along = section.bottom / section.length
-    up = np.array([along[2], 0.0, -along[0]])
-    share = (toe + 2.0 * heel) / (3.0 * (toe + heel))  # of the length, from the toe
-    return {f"water {J1}": PointForce(design.uplift_kn * up, section.bottom * share)}
+    plane = section.block.faces[J1]
+    pressures = toe + (heel - toe) * plane[:, 0] / section.bottom[0]
+    thrust, at = resultant([(plane, pressures)], plane)
+    return {f"water {J1}": PointForce(-thrust * outward_of(plane), at)}
 
 
 def closed_form(design: FootingDesign) -> ClosedForm:
     """The design by limit equilibrium."""
     weight = design.unit_weight_kn_m3 * _block(design)[0].block.volume
-    strip, _ = on_secants(
+    strip = on_secants(
         [design.strength],
         lambda lines: footing(
             design.load_kn,

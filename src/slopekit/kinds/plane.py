@@ -11,7 +11,7 @@ import numpy as np
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.core import sheet
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import Fault, GeometryError, MisfitError, Notice
+from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
@@ -24,10 +24,11 @@ from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
+from slopekit.geometry.pressure import Pieces, even
 from slopekit.geometry.rock.cutting import Block
 from slopekit.geometry.sections.section import CRACK, FACE, J1, UPPER, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.protocol import ClosedForm
-from slopekit.kinds.single_block import ground_water, worst_crack
+from slopekit.kinds.single_block import worst_crack
 from slopekit.kinds.single_block.closed_forms import (
     Arguments,
     ClosedForms,
@@ -39,6 +40,7 @@ from slopekit.kinds.single_block.closed_forms import (
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of
 from slopekit.kinds.single_block.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
+from slopekit.kinds.water import LocalSlope, for_closed_form, pushes, standing_in_crack
 from slopekit.kinds.words import (
     loads_part,
     size_number,
@@ -46,13 +48,12 @@ from slopekit.kinds.words import (
     strength_in_words,
     water_in_words,
 )
-from slopekit.loads import Hull, Loads, PointForce, block_loads, check_bolt
+from slopekit.loads import Hull, Loads, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.closed_form.sizes import PlaneSizes
-    from slopekit.kinds.single_block import ground_water
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES), "E213")
@@ -240,55 +241,22 @@ def _axes(face: Plane) -> Floats:
     return np.array([out, np.cross(up, out), up])
 
 
-def _water(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
-    """The pushes on the plane and the crack."""
-    loads: dict[str, PointForce] = {}
-    if design.is_cut_for_loads:
-        from slopekit.kinds.single_block import ground_water
-
-        loads = ground_water.pushes(design, _ground(design, section))
-    return loads if design.water.mode == TABLE else loads | _water_of_fill(design, section)
-
-
-def _ground(design: PlaneDesign, section: PlaneSection) -> "ground_water.LocalSlope":
-    from slopekit.kinds.single_block import ground_water
-
+def _local_slope(design: PlaneDesign, section: PlaneSection) -> LocalSlope:
     upper, face = (math.radians(float(_signed_dip(plane, design.face))) for plane in (design.upper, design.face))
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
     offsets = np.array([0.0, float(normals[1] @ _crest_point(design))])
-    return ground_water.LocalSlope(
-        section.block, (J1, CRACK), (FACE, UPPER), normals, offsets,
-        _axes(design.face), np.array([-1.0, 0.0, 0.0]), in_section=True,
+    return LocalSlope(
+        section.block, (J1,), CRACK, (FACE, UPPER), normals, offsets, _axes(design.face), np.array([-1.0, 0.0, 0.0]),
+        lambda slope: _full(slope, design.water_unit_weight_kn_m3), in_section=True,
+        crack_water_m=None if design.crack is None else design.crack.water_m,
     )  # fmt: skip
 
 
-def _water_of_fill(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
-    water, depth = design.water, section.crack_depth
-    along = section.bottom / section.length
-    up = np.array([along[2], 0.0, -along[0]])
-    if water.mode == "pressures":
-        pressures = water.pressures_kpa
-        pushes = {f"water {J1}": PointForce(pressures[0] * section.length * up, section.bottom / 2.0)}
-        if depth is not None and len(pressures) > 1:
-            middle = section.bottom + np.array([0.0, 0.0, depth / 2.0])
-            pushes[f"water {CRACK}"] = PointForce(np.array([pressures[1] * depth, 0.0, 0.0]), middle)
-        return pushes
-    weight = design.water_unit_weight_kn_m3
-    if depth is None:
-        peak = water.fill * weight * float(np.ptp(section.outline[:, 1])) / 2.0
-        push = PointForce(0.5 * peak * section.length * up, section.bottom / 2.0)
-        return {f"water {J1}": push} if peak else {}
-    level = design.crack.water_m if design.crack else None
-    deep, part = (depth, water.fill) if level is None else (level, 1.0)
-    if deep > depth * (1.0 + 1e-9):
-        message = f"the water stands {deep:.6g} m deep in a crack of {depth:.6g} m"
-        raise MisfitError([Fault("E207", message, "", "Give at most the depth of the crack.")])
-    mean = 0.5 * part * weight * deep
-    if not mean:
-        return {}
-    thrust = PointForce(np.array([mean * deep, 0.0, 0.0]), section.bottom + np.array([0.0, 0.0, deep / 3.0]))
-    uplift = PointForce(mean * section.length * up, section.bottom * (2.0 / 3.0))
-    return {f"water {J1}": uplift, f"water {CRACK}": thrust}
+def _full(slope: LocalSlope, unit_weight: float) -> Mapping[int, Pieces]:
+    """Full water: as high as the crack; without one γ_w H/2 half way along the plane, nothing at its ends."""
+    if CRACK in slope.block.faces:
+        return standing_in_crack(slope, None, unit_weight)
+    return {J1: even(slope.block.faces[J1], unit_weight * float(np.ptp(slope.block.corners[:, 2])) / 4.0)}
 
 
 def _in_section(design: PlaneDesign) -> float:
@@ -306,10 +274,10 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     )  # fmt: skip
     k = design.seismic.coefficient * _in_section(design)
     return block_loads(
-        section.block, design.unit_weight_kn_m3, {}, np.array([k, 0.0, 0.0]),
+        section.block, design.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * _strongest(design)],
-        _water(design, section),
+        pushes(design, _local_slope(design, section)),
     )  # fmt: skip
 
 
@@ -339,12 +307,9 @@ def arguments(design: PlaneDesign) -> Arguments:
     pressures: list[float | None] = [*water.pressures_kpa, 0.0] if given else [None, None]
     force = force_on(design)
     if design.is_cut_for_loads:
-        from slopekit.kinds.single_block import ground_water
-
-        means, rest = ground_water.for_closed_form(design, _ground(design, section_of(design)))
-        force = ground_water.added(force, rest)
+        means, force = for_closed_form(design, _local_slope(design, section_of(design)), force)
         if water.mode == TABLE:
-            given, pressures = True, [means[J1], means.get(CRACK, 0.0)]
+            given, pressures = True, means
     return columns | force | {
         "height_m": design.height_m, **_of_strengths(_strengths(design)), "unit_weight_kn_m3": design.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
@@ -527,4 +492,4 @@ KIND = replace(kind_of_one_block(
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS,
-), has_site=True, in_section=_in_section)  # fmt: skip
+), in_section=_in_section)  # fmt: skip

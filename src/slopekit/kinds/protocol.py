@@ -154,9 +154,9 @@ class Kind(Generic[D]):
     strengths : of the joints
     slope : what was analysed, on the sheet: joints and faces, size, loads
     closed_form : on the same assumptions, in next to no time; None where there is none
-    on_arrays : the same for many designs in one call, None where it takes them one by one
+    on_arrays : the same for many designs in one call, None where it takes them one by one; support is looked for where
+        there is one: the block is a `Cut` with a free face
     cut : the blocks, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`
-    has_site : support can be looked for: the block is a `Cut` with a free face
     beside : what is known of a factor from elsewhere and takes as long as it: said of one answer, not of thousands
     without_basal : a block that the one analysed is part of, and that may fail before it; None where there is none
     at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
@@ -184,7 +184,6 @@ class Kind(Generic[D]):
     cut: Callable[[D], Any]
     closed_form: Callable[[D], ClosedForm] | None = None
     on_arrays: "OnArrays[D] | None" = None
-    has_site: bool = False
     beside: Callable[[D], tuple[Notice, ...]] = lambda _: ()
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None
     at_load: Callable[[D, D, float], AtLoad | None] | None = None

@@ -50,7 +50,7 @@ from slopekit.kinds.single_block.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
     extents_in_words,
-    first_and_last,
+    first_of,
     loads_part,
     mass_in_words,
     size_number,
@@ -484,10 +484,11 @@ def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, SecantLine
     lines = {}
     for key, (name, strength) in enumerate(zip(scene.joints, scene.strengths, strict=True)):
         on = (joint == key) & (normal > 0.0)
-        if on.any() and (line := secant_of(strength, float(normal[on].sum() / area[on].sum()))) is not None:
-            tractions = normal[on] / area[on]
+        if on.any() and strength.law is not None:
+            tractions, mean = normal[on] / area[on], float(normal[on].sum() / area[on].sum())
+            line = secant_of(strength, mean)
             lines[name] = SecantLine(
-                line.traction_kpa, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
+                mean, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
                 line.friction_angle_deg,
             )  # fmt: skip
     return lines
@@ -507,8 +508,7 @@ def _size(result: Result, with_areas: Container[str]) -> Section:
     bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
     groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
     areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in with_areas]
-    shown, rest, _ = first_and_last(areas, 6, 0)
-    listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
+    listed = ", ".join(first_of(areas, 6))
     height, volume = size_number(geometry.total_height_m), size_number(geometry.volume_m3)
     return Section("SIZE", [
         f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
@@ -531,9 +531,7 @@ def _fails_first(findings: Findings) -> list[str]:
 def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:
     """Mean water pressures by what they act on."""
     wet = [f"u = {pressure:g} kPa on {name}" for name, pressure in pressures if pressure]
-    shown, rest, _ = first_and_last(wet, 6, 0)
-    more = [f"... and {rest} more"] if rest else []
-    return ["water " + ", ".join([*shown, *more])] if wet else []
+    return ["water " + ", ".join(first_of(wet, 6))] if wet else []
 
 
 def named_strength(design: AssemblyDesign, name: str) -> str:

@@ -80,7 +80,8 @@ class AssemblyDesign(Design):
     @property
     def has_table(self) -> bool:
         """Whether it has one, or a pond."""
-        return any(one is not None for one in (self.table_points_m, self.table_plane, self.pond_m))
+        names = ("table_depth_m", "table_points_m", "table_plane", "pond_m")
+        return any(getattr(self, name, None) is not None for name in names)
 
     def ground_in_words(self) -> list[str]:
         """Table, pond and surcharge as the sheet prints them."""

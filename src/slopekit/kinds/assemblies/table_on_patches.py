@@ -14,10 +14,10 @@ from slopekit.core.errors import Fault, MisfitError, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
-from slopekit.geometry.pressure import Height, Pressure
+from slopekit.geometry.pressure import Pressure, under_planes
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
-from slopekit.kinds.single_block.ground_water import heights_of, pressure, refuse_above
+from slopekit.kinds.water import pressure_below, refuse_above
 from slopekit.loads import PointForce
 
 _NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
@@ -33,13 +33,12 @@ class Outside:
     Attributes
     ----------
     faces : polygons (k, 3) of face and upper slope, that one last
-    normals, offsets : of these, outward; table : where it lies, of one by its depth
+    normals, offsets : of these, outward
     """
 
     faces: tuple[Floats, Floats]
     normals: Floats
     offsets: Floats
-    table: tuple[Height, ...] = ()
 
 
 def with_water(
@@ -57,20 +56,22 @@ def with_water(
     GeometryError
         E456 the table lies above the ground.
     """
-    table = () if outside is None else outside.table
-    if not (design.has_table or table):
+    if not design.has_table:
         return scene
     level, assembly = float(scene.origin[2]), scene.assembly
-    table = table or heights_of(design, np.eye(3), into, level, assembly.in_section)
-    water = pressure(design, table, level)
+    water = pressure_below(
+        design, np.eye(3), into, level,
+        lambda depth: () if outside is None else under_planes(outside.normals, outside.offsets, depth),
+        assembly.in_section,
+    )  # fmt: skip
     if outside is not None:
         highest = max(float(np.ptp(polygon[:, 2])) for polygon in outside.faces)
         refuse_above(water, outside.faces, highest, np.eye(3))
-    elif table:
+    elif water.heights:
         _refuse_over_highest(replace(water, pond=None), scene)
     means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))
     notices = scene.notices
-    if outside is None and table:
+    if outside is None and water.heights:
         notices = (*notices, *_open_water(water, scene, means))
     pond = () if water.pond is None else tuple(_on_free_faces(Pressure((), water.pond, water.unit_weight), scene))
     if water.pond is not None and not pond:

@@ -22,13 +22,7 @@ def _limit(blocks: ElasticBlocks) -> str:
     if blocks.limit is None and blocks.rigid_limit is not None:
         lost = f"without the cohesion of {_percent(blocks.lost_share)} of the contact area, pulled open"
         found = f"that {lost} at F = {blocks.factor:.4g}, was not found; rigid {blocks.rigid_limit:.4f}"
-        if blocks.between is None:
-            return f"no limit: {found}"
-        low, high = blocks.between
-        ends = (
-            "elastic blocks rest at the first, above the second no forces hold them (upper bound without what is open"
-        )
-        return f"{low:.4f} .. {high:.4f}  {ends} at the first); the rigid limit {found[5:]}"
+        return f"no limit: {found}"
     if blocks.limit is None:
         return "no limit: the blocks stand without strength"
     factor, rigid = factor_text(blocks.limit).strip(), factor_text(blocks.rigid_limit).strip()

@@ -1,20 +1,19 @@
 """The sheet of many blocks: what moves, how, in what order; short even for ten thousand blocks."""
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 
 import numpy as np
 
 from slopekit.core.orientation import line_of
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
-from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
+from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism
 from slopekit.findings import ToppleColumn as GoodmanBray
 from slopekit.kinds import dilates
 from slopekit.kinds.sheets import shared
 from slopekit.kinds.sheets.shared import Factor
-from slopekit.kinds.words import first_and_last, in_order, line_in_words, many_times, names_in_runs, size_number
+from slopekit.kinds.words import in_order, line_in_words, many_times, names_in_runs, size_number
 from slopekit.result import Result
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
@@ -23,11 +22,9 @@ _WAYS = {
     "lifted": "lift", "no_driving_force": "stand", "not_converged": "unknown",
 }  # fmt: skip
 _MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks", "pull": "pulls"}
-_FALLS, _UNSETTLED, _STAYS = "none: held by no strength that was tried", "not settled", "none"
 _MOST_INTERFACES = 6
 _SHARE = 1e-3  # of the work: less is not worth a line
 _WHOLE = 1e-6  # shares that add up to one but for this
-_MOST_FACTORS = 6
 _FIRST_MECHANISMS, _LAST_MECHANISMS = 8, 2
 #: What is checked, in words about its figure.
 _CHECKS: Mapping[str, str] = {
@@ -55,7 +52,6 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     yield Section("MOVES", (), details=_moves(result, first))
     mechanisms, left = _mechanisms(result, findings, order), [findings.standing] if findings.standing else []
     yield Section("MECHANISM", mechanisms, hang=42, details=left)
-    yield Section("BY BLOCK", _by_block(findings, order))
     yield Section("TABLE", (), details=toppling_rows(result, findings.table))
     yield Section("METHODS", shared.methods(result))
     yield Section("SERIES", shared.series(result))
@@ -225,15 +221,6 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 # -- what comes after -----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _SequenceStep:
-    """A mechanism of a sequence and its number."""
-
-    number: int
-    mechanism: Mechanism
-    what: str
-
-
 def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The mechanisms in the order in which they happen, and what is left."""
     mechanisms = findings.mechanisms
@@ -246,20 +233,20 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
         text = _motions(one, order)
         if one.fos is None or not text:
             text = _joined(result.words.status(one.status), text)
-        rows.append(_SequenceStep(k, one, ("at once: " if at_once else "") + text))
+        rows.append((k, one, ("at once: " if at_once else "") + text))
         highest = one.fos if highest is None else max(highest, one.fos or highest)
-    columns: list[Column[_SequenceStep]] = [
-        Column("n", attrgetter("number"), "n", width=3),
-        Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
-        Column("m³", lambda row: row.mechanism.size and row.mechanism.size.volume_m3, "volume_m3", "m³", _volume, 9),
-        Column("t", lambda row: row.mechanism.size and row.mechanism.size.mass_t, "mass_t", "t", _volume, 9),
-        Column("mode", lambda row: row.mechanism.status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
+    columns: list[Column[tuple[int, Mechanism, str]]] = [
+        Column("n", itemgetter(0), "n", width=3),
+        Column("FoS", lambda row: row[1].fos, "fos", show=factor_text, width=9),
+        Column("m³", lambda row: row[1].size and row[1].size.volume_m3, "volume_m3", "m³", _volume, 9),
+        Column("t", lambda row: row[1].size and row[1].size.mass_t, "mass_t", "t", _volume, 9),
+        Column("mode", lambda row: row[1].status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
                about="  {}"),
-        Column("what fails once all before it is gone", attrgetter("what"), "what", width=1),
-        Column("the fastest toward", lambda row: _toward(row.mechanism), "toward"),
+        Column("what fails once all before it is gone", itemgetter(2), "what", width=1),
+        Column("the fastest toward", lambda row: _toward(row[1]), "toward"),
     ]  # fmt: skip
     table = Table(columns, rows, ends=(_FIRST_MECHANISMS, _LAST_MECHANISMS))
-    hidden = [row.mechanism for row in table.left_out]
+    hidden = [one for _, one, _ in table.left_out]
     factors = [one.fos for one in hidden if one.fos is not None]
     within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
     blocks = counted(sum(len(one.blocks) for one in hidden), "block")
@@ -275,81 +262,6 @@ def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
     if one.fos is None:
         return one.status in ("falls", "lifted")
     return highest is not None and one.fos <= highest * (1.0 + SAME_FACTOR)
-
-
-@dataclass(frozen=True, slots=True)
-class _Together:
-    """Blocks that fail at one factor, or have none for the same reason."""
-
-    shown: str
-    factor: float | None
-    names: list[str]
-
-
-def _by_block(findings: Findings, order: Mapping[str, int]) -> list[Entry]:
-    """The lowest factors with the blocks that fail at them; without a number last."""
-    groups = _together(findings, order)
-    follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
-    columns: list[Column[_Together]] = [
-        Column("factor", attrgetter("factor"), "factor", text=attrgetter("shown")),
-        Column("blocks", lambda row: len(row.names), "blocks"),
-        Column("which", attrgetter("names"), text=lambda row: _which(row.names, follow)),
-    ]
-    rest = "none: stays, or its mechanism was not asked for." if any(row.shown == _STAYS for row in groups) else ""
-    return [Table(columns, groups, rest=rest, said=_by_block_in_words(findings, order))] if groups else []
-
-
-def _which(names: Sequence[str], follow: Container[str]) -> str:
-    after = names_in_runs((name for name in names if name in follow), 6)
-    own = names_in_runs((name for name in names if name not in follow), 6)
-    return f"{own}; then at once {after}" if after else own
-
-
-def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
-    """Blocks by their factors, the lowest first, then those without a number and why."""
-    by_block: dict[str, tuple[str, float | None]] = {}
-    for name, factor in findings.factor_by_block.items():
-        by_block[name] = (_STAYS if factor is None else factor_text(factor).strip(), factor)
-    for one in findings.mechanisms:
-        told = (_UNSETTLED, None) if one.status == "not_converged" else (
-            (_FALLS, None) if one.fos is None else (factor_text(one.fos).strip(), one.fos))  # fmt: skip
-        for block in one.blocks:
-            if told[0] == _UNSETTLED or by_block.get(block.name, (_STAYS,))[0] == _STAYS:
-                by_block[block.name] = told
-    groups: dict[str, _Together] = {}
-    for name in in_order(by_block, order):
-        shown, factor = by_block[name]
-        groups.setdefault(shown, _Together(shown, factor, [])).names.append(name)
-    without = (_FALLS, _UNSETTLED, _STAYS)  # after the numbers, in this order
-    return sorted(groups.values(), key=lambda row: (row.factor is None, row.factor or 0.0,
-                                                    row.factor is None and without.index(row.shown)))  # fmt: skip
-
-
-def _by_block_in_words(findings: Findings, order: Mapping[str, int]) -> str:
-    follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
-    groups: dict[str, list[str]] = {}
-    numbers: dict[str, float] = {}
-    for name, factor in findings.factor_by_block.items():
-        shown = factor_text(factor).strip()
-        groups.setdefault(shown, []).append(name)
-        if factor is not None:
-            numbers[shown] = factor
-    if len(groups) < 2:
-        return ""  # STATUS has said it
-    lowest, rest, _ = first_and_last(sorted(numbers, key=lambda shown: numbers[shown]), _MOST_FACTORS, 0)
-    parts = []
-    for shown in lowest:
-        names = in_order(groups.pop(shown), order)
-        text = names_in_runs((name for name in names if name not in follow), 2)
-        after = names_in_runs((name for name in names if name in follow), 2)
-        parts.append(f"{shown} {text}" + (f", then at once {after}" if after else ""))
-    without = groups.pop("none", [])
-    if rest:
-        blocks = sum(len(names) for names in groups.values())
-        parts.append(f"... and {counted(blocks, 'block')} up to {factor_text(max(numbers.values()))}")
-    if without:
-        parts.append(f"without a number {names_in_runs(in_order(without, order), 2)}")
-    return " | ".join(parts)
 
 
 # -- the evidence ---------------------------------------------------------------------------------------------------

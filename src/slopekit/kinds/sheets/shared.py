@@ -9,7 +9,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
-from slopekit.kinds.words import first_and_last, size_number
+from slopekit.kinds.words import first_of, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
 
 if TYPE_CHECKING:
@@ -78,18 +78,15 @@ def _forces_in_words(result: Result, rows: Sequence[_OnJoint]) -> str:
         if row.normal is not None:
             stress = "" if row.stress is None else f" ({row.stress:.4g} kPa)"
             parts.append(f"N' {row.name} {size_number(row.normal)} kN{stress}")
-    shown, rest, _ = first_and_last(parts, 6, 0)
-    more = [f"... and {rest} more"] if rest else []
     wet = [f"{name} {size_number(push)} kN" for name, push in acting.water.items() if push]
-    some, others, _ = first_and_last(wet, 6, 0)
-    water = "water " + (", ".join([*some, *([f"... and {others} more"] if others else [])]) or "0")
+    water = "water " + (", ".join(first_of(wet, 6)) or "0")
     held = [
         f"{what} {size_number(value)} kN"
         for what, value in (("driving", acting.driving), ("resisting", acting.resisting))
         if value is not None
     ]
     alone = " (forces alone)" if result.moments_govern and held else ""
-    return "  ".join([*shown, *more, water, *held]) + alone
+    return "  ".join([*first_of(parts, 6), water, *held]) + alone
 
 
 def _size_or_dash(value: float | None) -> str:

@@ -11,7 +11,7 @@ from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
-from slopekit.kinds.protocol import ClosedForm, D, one_or_error
+from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.held_bolts import Bounds
 from slopekit.kinds.single_block.secants import on_secants
 
@@ -116,34 +116,7 @@ class OnArrays(Generic[D]):
             forms = self.closed_forms(arguments | self.of_strengths(lines), bolts)
             return forms.of(), forms.tractions_kpa()
 
-        (form, _), _ = on_secants(strengths, on_lines, lambda answer: answer[1])
-        return form
-
-    def answers(self, designs: Sequence[D]) -> list[ClosedForm | GeometryError]:
-        """The closed form of each of several designs, in one call for all that have the same arguments and bolts.
-
-        Designs whose strength is curved, or that are cut for their loads, are asked one by one. The error where planes
-        cut no block.
-        """
-        answer_of: dict[int, ClosedForm | GeometryError] = {}
-        alike: dict[tuple[tuple[str, ...], tuple[tuple[float, ...], ...]], list[int]] = {}
-        given: dict[int, Arguments] = {}
-        for number, design in enumerate(designs):
-            if design.is_cut_for_loads or any(strength.law for strength in self.strengths(design)):
-                answer_of[number] = one_or_error(self.of, design)
-                continue
-            arguments = given[number] = self.arguments(design)
-            missing = tuple(name for name, value in arguments.items() if value is None)
-            alike.setdefault((missing, tuple(tuple(bolt) for bolt in self.bolts(design))), []).append(number)
-        for (_, bolts), numbers in alike.items():
-            columns: dict[str, Any] = {}
-            for name, first in given[numbers[0]].items():
-                values = [given[number][name] for number in numbers]
-                columns[name] = first if values.count(first) == len(values) else np.array(values)
-            forms = self.closed_forms(columns, bolts)
-            for place, number in enumerate(numbers):
-                answer_of[number] = one_or_error(forms.of, place if forms.outcome.size > 1 else 0)
-        return [answer_of[number] for number in range(len(designs))]
+        return on_secants(strengths, on_lines, lambda answer: answer[1])[0]
 
 
 def force_on(design: Design) -> Arguments:

@@ -40,20 +40,6 @@ class Bounds:
     size: Floats
 
 
-@dataclass(frozen=True, slots=True)
-class BoltLayout:
-    """How bolts stand in n blocks.
-
-    Attributes
-    ----------
-    holds : (b, n) whether each gives its force; those without a head always do
-    moved : (b, n) m from its head as given to where it stands, along the bolt
-    """
-
-    holds: Bools
-    moved: Floats
-
-
 def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
     """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
     distances_m = np.zeros(len(bolts))
@@ -63,8 +49,10 @@ def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
     return distances_m
 
 
-def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> BoltLayout:
-    """Which bolts hold n blocks, and how far their heads move along them.
+def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> tuple[Bools, Floats]:
+    """Which bolts (b, n) give their force in n blocks, and how far (b, n) their heads move along them, m.
+
+    Those without a head always do.
 
     Parameters
     ----------
@@ -79,7 +67,7 @@ def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> BoltLayout:
         moved[some] = np.where(passes, enters - before[some, None], 0.0)
         reach = np.stack([np.broadcast_to(reaches[k], count) for k in some])
         holds[some] = passes & (leaves - moved[some] < reach)
-    return BoltLayout(holds, moved)
+    return holds, moved
 
 
 def _with_heads(bolts: Sequence[Bolt], designs: int) -> list[list[int]]:
@@ -117,9 +105,9 @@ def _passage(bounds: Bounds, bolts: Sequence[Bolt]) -> tuple[Floats, Floats, Boo
 
 def with_held(design: D, bounds: Bounds, before: Floats) -> D:
     """One design with the bolts that hold its block, their heads on its face."""
-    holding = held(bounds, design.bolts, before)
+    holding, along = held(bounds, design.bolts, before)
     bolts = []
-    for bolt, holds, moved in zip(design.bolts, holding.holds[:, 0], holding.moved[:, 0], strict=True):
+    for bolt, holds, moved in zip(design.bolts, holding[:, 0], along[:, 0], strict=True):
         if not holds:
             continue
         if bolt.head_m is not None:

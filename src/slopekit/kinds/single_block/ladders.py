@@ -1,10 +1,9 @@
-"""Convergence ladders: a design with fewer and more passes, looser and tighter tolerances, coarser and finer pairs.
+"""Convergence ladders: a design by forces alone, with coarser and finer pairs.
 
 Each rung is one way to a factor of safety with the time that it took. What the rungs are worth, `check` says; which of
 them a kind has, its file.
 """
 
-import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import field, replace
@@ -19,9 +18,8 @@ from slopekit.kinds.single_block.one_block_limit import find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor
-from slopekit.preie.one_block.limit import LimitAnalysis, passes_limit
+from slopekit.preie.one_block.limit import LimitAnalysis
 from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.programs.mechanism import COLD, Stages
 from slopekit.preie.system.model import Model
 from slopekit.result import Result
 
@@ -29,16 +27,11 @@ from slopekit.result import Result
 METHODS = {
     "closed form": "closed form",
     "forces alone": "forces alone, no turning",
-    "passes": "plain passes, by their number",
-    "tolerance": "plain passes, by their tolerance",
     "mesh": "limit, by node pairs",
     "stiffness": "limit, by the shear stiffness of the elastic joints",
 }
-_PASSES = (1, 2, 3, 4, 6, 10, 16)
 _MOST_REFINED = 4
 MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
-_SETTLED_PASSES = 12
-_STILL = 1e-13
 OTHER_STRENGTH = 0.5  # strength divided by so much, and by the limit itself
 _SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
 _ONCE_S = 5.0  # what is longer is measured once; the first run of the others may load a library
@@ -52,7 +45,7 @@ class Rung:
     ----------
     method : a key of `METHODS`; setting : in words
     node_pairs : None for a closed form
-    setting_value : passes, tolerance, or level of the mesh (0 the coarsest); None where there is nothing to vary
+    setting_value : stiffness ratio, or level of the mesh (0 the coarsest); None where there is nothing to vary
     factor : None where there is none; seconds : median of a few runs
     edge_m : mean edge of the triangles of a curved slip surface, None for what has none
     """
@@ -118,31 +111,10 @@ def ladder_of_block(
         rungs.append(Rung("closed form", "closed form", None, None, solution.factor, seconds))
     made = cut(design)
     scene = made.scene_at(made.refine)
-    model = scene.model
     if scene.bedding is not None:
-        alone, seconds = timed(lambda: forces_limit(model))
+        alone, seconds = timed(partial(forces_limit, scene.model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
-    elif model.lines is not None:
-        model = made.limit(model).model or model  # on the lines of its limit
-    if not model.dilates and (model.lines is None or scene.bedding is None):  # plain passes know no dilation
-        rungs += _passes(model)
     return Ladder(result, (*rungs, *finer(design, result, made)), tuple(_others(result, made)))
-
-
-def _passes(model: Model) -> Iterator[Rung]:
-    """Passes one by one until they stand still, then the tightness of the program that each of them solves."""
-    pairs, before = len(model.control_area), math.inf
-    for count in _PASSES:
-        factor, seconds = timed(partial(_passed, model, count, COLD))
-        yield Rung("passes", _times(count, "pass", "passes"), pairs, count, factor, seconds)
-        if factor is None or abs(factor / before - 1.0) < _STILL:
-            break
-        before = factor
-    for end in range(1, len(COLD) + 1):
-        stages = COLD[:end]
-        factor, seconds = timed(partial(_passed, model, _SETTLED_PASSES, stages))
-        yield Rung("tolerance", f"12 passes, to {1.0 / stages[-1][0]:.0e}", pairs, 1.0 / stages[-1][0], factor,
-                   seconds)  # fmt: skip
 
 
 def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
@@ -199,18 +171,6 @@ def _reduced(scene: ContactModel, k: float, _: int) -> ContactModel:
     )
 
 
-def _passed(model: Model, count: int, stages: Stages) -> float | None:
-    try:
-        factor = passes_limit(model, count, stages)
-    except (ZeroDivisionError, FloatingPointError):
-        return None
-    return factor if 0.0 < factor < math.inf else None
-
-
 def often(count: int) -> str:
     """How often something is done."""
     return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")
-
-
-def _times(count: int, one: str, more: str) -> str:
-    return f"{count} {one if count == 1 else more}"

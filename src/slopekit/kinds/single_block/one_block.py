@@ -173,16 +173,15 @@ def kind_of_one_block(
         clock = Clock()
         with clock("cut"):
             made = cut(design)
+        with clock("closed_form"):
+            closed = closed_form(design)
         with clock("governs"):
-            changed = tuple(changes(design))
-        with clock("closed_form"):  # of the design and what SENSITIVITY makes of it, where it can be one call
-            closed, *forms = _closed_forms([design, *(other for _, other in changed)], closed_form, on_arrays)
-        if isinstance(closed, GeometryError):
-            raise closed
-        governs = tuple(
-            (name, None, f"no {words.block}") if isinstance(form, GeometryError) else (name, form.factor, form.status)
-            for (name, _), form in zip(changed, forms, strict=True)
-        )
+            forms = [(name, one_or_error(closed_form, other)) for name, other in changes(design)]
+            none = None, f"no {words.block}"
+            governs = tuple(
+                (name, *(none if isinstance(form, GeometryError) else (form.factor, form.status)))
+                for name, form in forms
+            )
         solved = solve(design, made, clock)
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
@@ -223,18 +222,6 @@ def kind_of_one_block(
         lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays,
         answered="drag", variants=variants, without_basal=without_basal,
     )  # fmt: skip
-
-
-def _closed_forms(
-    designs: Sequence[D], closed_form: Callable[[D], ClosedForm], on_arrays: "OnArrays[D] | None"
-) -> list[ClosedForm | GeometryError]:
-    """The closed form of each design, the first as PRE-IE is compared with it; the error where there is no block."""
-    if on_arrays is None:
-        return [one_or_error(closed_form, design) for design in designs]
-    first, *more = on_arrays.answers(designs)
-    if isinstance(first, ClosedForm) and any(strength.dilation_deg for strength in on_arrays.strengths(designs[0])):
-        first = replace(first, why_not=DILATES)
-    return [first, *more]
 
 
 def on_one_plane(factor: float | None, status: str, strength: Strength) -> ClosedForm:
@@ -365,10 +352,11 @@ def _curved(solved: Solved, interfaces: Sequence[Interface]) -> Mapping[str, Sec
     for interface in interfaces:
         joint = model.interface == interface.key
         traction = float(limit.normal_force[joint].sum() / model.control_area[joint].sum()) * per_area
-        if (line := secant_of(interface.strength, traction)) is not None:
+        if interface.strength.law is not None:
+            line = secant_of(interface.strength, traction)
             pairs = limit.normal_force[joint] / model.control_area[joint] * per_area
             lines[interface.name] = SecantLine(
-                line.traction_kpa, (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
+                max(traction, 0.0), (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
             )
     return lines
 

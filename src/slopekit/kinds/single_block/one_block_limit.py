@@ -24,23 +24,26 @@ from slopekit.preie.system.model import Model
 
 
 @dataclass(frozen=True, slots=True)
-class MomentLimit:
-    """The limit of one block on flat joints.
+class FoundLimit:
+    """The limit of a scene on the node pairs that carry it.
 
     Attributes
     ----------
-    scene : the node pairs and the model that carry it; analysis : on them
-    factors : of the forces and on the bed
-    openings : interface -> what of the joint is pressed at the limit of the bed, in local axes
+    bounded : the plain node pairs, which static bound and displacements are asked of: finer ones hardly move the bound
+    change : what finer points of the bed would do to the limit, None where it is exact or not known
+    factors : of forces and bed, None on a curved surface
+    openings : interface -> where the joint is pressed, in local axes; empty where the bed did not settle the limit
     """
 
     scene: ContactModel
+    bounded: ContactModel
     analysis: LimitAnalysis
-    factors: FlatLimit
-    openings: dict[int, ContactOpening]
+    change: float | None = None
+    factors: FlatLimit | None = None
+    openings: dict[int, ContactOpening] = field(default_factory=dict)
 
 
-def moment_limit(scene: ContactModel) -> MomentLimit:
+def moment_limit(scene: ContactModel) -> FoundLimit:
     """Return the limit of one block on flat joints.
 
     Parameters
@@ -57,16 +60,21 @@ def moment_limit(scene: ContactModel) -> MomentLimit:
             from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
 
             scene = replace(scene, model=drawn(model, exact.normal_force))
-        return MomentLimit(scene, LimitAnalysis(exact, exact, exact, False, _curved(scene.model)), factors, {})
+        return FoundLimit(
+            scene, scene, LimitAnalysis(exact, exact, exact, False, _curved(scene.model)), factors=factors
+        )
     if bed is None or state is None:
-        return MomentLimit(scene, LimitAnalysis(forces, forces, forces, False), factors, {})
+        return FoundLimit(scene, scene, LimitAnalysis(forces, forces, forces, False), factors=factors)
+    bounded = _drawn_at_limit(scene, factors)
     if state.factor is None:
         outcome = Outcome.NO_REST if state.is_unstable else Outcome.NOT_CONVERGED
         limit = Limit(outcome, None, np.zeros(model.unknowns), 0.0 * forces.normal_force, forces.bond, 0, 0.0)
-        return MomentLimit(scene, LimitAnalysis(limit, forces, limit, state.is_unstable), factors, {})
+        return FoundLimit(scene, bounded, LimitAnalysis(limit, forces, limit, state.is_unstable), factors=factors)
     on_bed, limit = _on_bed_points(model, bedding, bed, state)
     analysis = governed(on_bed.model, replace(forces_limit(on_bed.model), factor=forces.factor), limit)
-    return MomentLimit(on_bed, replace(analysis, model=_curved(on_bed.model)), factors, _openings(bed, state, scene))
+    change = state.change if analysis.moments_govern else None
+    analysis = replace(analysis, model=_curved(on_bed.model))
+    return FoundLimit(on_bed, bounded, analysis, change, factors, _openings(bed, state, scene))
 
 
 def _curved(model: Model) -> Model | None:
@@ -129,26 +137,6 @@ def _openings(bed: PolygonBed, state: CrackedBase, scene: ContactModel) -> dict[
     return openings
 
 
-@dataclass(frozen=True, slots=True)
-class FoundLimit:
-    """The limit of a scene on the node pairs that carry it.
-
-    Attributes
-    ----------
-    bounded : the plain node pairs, which static bound and displacements are asked of: finer ones hardly move the bound
-    change : what finer points of the bed would do to the limit, None where it is exact or not known
-    factors : of forces and bed, None on a curved surface
-    openings : interface -> where the joint is pressed, in local axes; empty where the bed did not settle the limit
-    """
-
-    scene: ContactModel
-    bounded: ContactModel
-    analysis: LimitAnalysis
-    change: float | None = None
-    factors: FlatLimit | None = None
-    openings: dict[int, ContactOpening] = field(default_factory=dict)
-
-
 def find_limit(
     scene_at: Callable[[int], ContactModel],
     refine: int,
@@ -169,17 +157,7 @@ def find_limit(
             analysis = analyse(scene.model)
             scene = scene if analysis.model is None else replace(scene, model=analysis.model)
             return FoundLimit(scene, scene, analysis)
-        limit = moment_limit(scene)
-        state = limit.factors.state
-        settled = state is not None and limit.analysis.moments_govern and state.factor is not None
-        return FoundLimit(
-            scene=limit.scene,
-            bounded=_drawn_at_limit(scene if limit.factors.exact is None else limit.scene, limit.factors),
-            analysis=limit.analysis,
-            change=state.change if state is not None and settled else None,
-            factors=limit.factors,
-            openings=limit.openings,
-        )
+        return moment_limit(scene)
 
 
 def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:

@@ -12,7 +12,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from slopekit.core.records import dataclass
 from slopekit.design.parts import Strength
 
 Found = TypeVar("Found")
@@ -21,20 +20,12 @@ _STEADY = 1e-14
 _MOST_ROUNDS = 60
 
 
-@dataclass(frozen=True, slots=True)
-class Secant:
-    """The line that a closed form was given for a curved law: where, kPa, and its cohesion (kPa) and angle."""
-
-    traction_kpa: float
-    cohesion_kpa: float
-    friction_angle_deg: float
-
-
 def on_secants(
-    strengths: Sequence[Strength], closed: Callable[[Sequence[Strength]], Found],
+    strengths: Sequence[Strength],
+    closed: Callable[[Sequence[Strength]], Found],
     tractions: Callable[[Found], Sequence[float]],
-) -> tuple[Found, tuple[Secant | None, ...]]:  # fmt: skip
-    """What a closed form says, and the lines it was given; None for the planes whose law is straight.
+) -> Found:
+    """What a closed form says, on the secants of the laws that are curved.
 
     Parameters
     ----------
@@ -42,34 +33,26 @@ def on_secants(
     tractions : mean effective normal traction of each plane, kPa, from what it said
     """
     if not any(strength.law for strength in strengths):
-        return closed(strengths), tuple(None for _ in strengths)
-    lines = [secant_of(strength, _FIRST_KPA) for strength in strengths]
+        return closed(strengths)
+    after = [_FIRST_KPA] * len(strengths)
     for _ in range(_MOST_ROUNDS):
-        given = [
-            strength if line is None else replace(
-                strength, cohesion_kpa=line.cohesion_kpa, friction_angle_deg=line.friction_angle_deg
-            )
-            for strength, line in zip(strengths, lines, strict=True)
-        ]  # fmt: skip
-        answer = closed(given)
-        before, lines = lines, [secant_of(*pair) for pair in zip(strengths, tractions(answer), strict=True)]
-        if all(
-            new is None or old is None or abs(new.traction_kpa - old.traction_kpa) <= _STEADY * new.traction_kpa
-            for new, old in zip(lines, before, strict=True)
-        ):
+        answer = closed([secant_of(*pair) for pair in zip(strengths, after, strict=True)])
+        before, after = after, [max(traction, 0.0) for traction in tractions(answer)]
+        changes = zip(strengths, before, after, strict=True)
+        if all(strength.law is None or abs(new - old) <= _STEADY * new for strength, old, new in changes):
             break
-    return answer, tuple(lines)
+    return answer
 
 
-def secant_of(strength: Strength, traction_kpa: float) -> Secant | None:
-    """The line of a curved law through its strength at a traction; None where the law is straight."""
+def secant_of(strength: Strength, traction_kpa: float) -> Strength:
+    """The strength with the line of a curved law through its strength at a traction, one below 0 taken as 0."""
     if strength.law is None:
-        return None
+        return strength
     from slopekit.strength.protocol import secant
 
-    pressed = max(traction_kpa, 0.0)
-    cohesion, tangent = secant(strength.law, np.array([pressed]))
-    return Secant(pressed, float(cohesion[0]), math.degrees(math.atan(float(tangent[0]))))
+    cohesion, tangent = secant(strength.law, np.array([max(traction_kpa, 0.0)]))
+    angle_deg = math.degrees(math.atan(float(tangent[0])))
+    return replace(strength, cohesion_kpa=float(cohesion[0]), friction_angle_deg=angle_deg)
 
 
 def left_out_of_laws(strengths: Sequence[Strength]) -> list[str]:

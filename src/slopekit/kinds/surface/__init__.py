@@ -69,7 +69,6 @@ _LEVEL_OF_FACETS = 4
 _COARSEST = 2  # level from which the wanted edge is reached by halving
 _NOT_DRIVEN = 1e6  # a factor beyond this is that of level ground
 _OVERHUNG = 1e-6  # of the weight
-_TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not to be trusted
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,7 +269,7 @@ def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
 
         pushes = pushes_of(design, mass, cut.origin)
     return block_loads(
-        _block(mass), design.unit_weight_kn_m3, {}, _seismic(design),
+        _block(mass), design.unit_weight_kn_m3, _seismic(design),
         [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
@@ -386,16 +385,10 @@ def _columns(design: SurfaceDesign, cut: _Mass, notes: list[Notice]) -> dict[str
     bishop = lem.bishop(*inputs, seismic=seismic)
     if bishop is not None and bishop > _NOT_DRIVEN:
         return {}
-    whole = lem.global_equilibrium(*inputs, seismic=seismic)
-    if whole is not None and whole.tension_share > _TENSION:
-        pulled = f"{whole.tension_share * 100:.0f} % of the base would have to pull"
-        notes.append(Notice("W324", f"the method of all equilibrium is left out: {pulled}"))
-        whole = None
     return {
         "fellenius": lem.fellenius(*inputs, seismic=seismic),
         "janbu": lem.janbu(*inputs, seismic=seismic),
         "bishop": bishop,
-        "all_equilibrium": None if whole is None else whole.factor,
     }
 
 

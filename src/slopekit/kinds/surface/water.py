@@ -8,11 +8,11 @@ wet. So a drowned mass has its buoyant weight to the last digit.
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
-from slopekit.geometry.pressure import Pressure, in_strips
+from slopekit.geometry.pressure import Height, Pressure, in_strips
 from slopekit.geometry.solids.shapes import GROUND, SLIP
 from slopekit.geometry.solids.sliding_mass import SlidingMass, volume_of
-from slopekit.kinds.single_block.ground_water import heights_of, pressure, refuse_above
 from slopekit.kinds.surface.design import SurfaceDesign, along_x
+from slopekit.kinds.water import pressure_below, refuse_above
 from slopekit.loads import PointForce
 
 _ALONG = np.array([1.0, 0.0, 0.0])  # what places of points count along
@@ -20,10 +20,12 @@ _ALONG = np.array([1.0, 0.0, 0.0])  # what places of points count along
 
 def water_of(design: SurfaceDesign) -> Pressure:
     """The water of a design, in its own coordinates."""
-    if design.table_depth_m is None:
-        return pressure(design, heights_of(design, np.eye(3), _ALONG, 0.0), 0.0)
-    places, levels = zip(*along_x(design.profile_m or ()), strict=True)
-    return pressure(design, in_strips(_ALONG, places, [level - design.table_depth_m for level in levels]), 0.0)
+
+    def at_depth(depth: float) -> tuple[Height, ...]:
+        places, levels = zip(*along_x(design.profile_m or ()), strict=True)
+        return in_strips(_ALONG, places, [level - depth for level in levels])
+
+    return pressure_below(design, np.eye(3), _ALONG, 0.0, at_depth)
 
 
 def pushes_of(design: SurfaceDesign, mass: SlidingMass, origin: Floats) -> dict[str, PointForce]:

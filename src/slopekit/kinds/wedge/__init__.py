@@ -85,12 +85,9 @@ def arguments(design: WedgeDesign) -> Arguments:
     pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0, 0.0] if given else [None] * 4
     force = force_on(design)
     if design.is_cut_for_loads:
-        from slopekit.kinds.single_block import ground_water
-
-        means, rest = for_closed_form(design)
-        force = ground_water.added(force, rest)
+        means, force = for_closed_form(design, force)
         if water.mode == "table" or design.is_wet_by_crack:
-            given, pressures = True, [*means]
+            given, pressures = True, means
     if basal is not None:
         columns |= {
             "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
@@ -399,6 +396,6 @@ KIND = replace(kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
-), has_site=True, paper_keys=("slope.", "strength.", "rock.density"),
+), paper_keys=("slope.", "strength.", "rock.density"),
     drawn_planes=lambda design: (f"joints.{design.joint_names[0]}.plane", f"joints.{design.joint_names[1]}.plane"),
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """A wedge with a basal joint: its shape and water, its bounds, and what a reader must know of it."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +14,7 @@ from slopekit.core.sheet import counted
 from slopekit.design.parts import Bolt
 from slopekit.evidence import WithoutBasal
 from slopekit.extents import WedgeGeometry
+from slopekit.geometry.pressure import Pieces, even
 from slopekit.geometry.rock.basal import (
     BASAL,
     CRACK,
@@ -34,7 +35,6 @@ from slopekit.kinds.wedge import closed_form, closed_forms, crest_of
 from slopekit.kinds.wedge.cutting import Shape
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
-from slopekit.loads import WaterPressure
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
 _OF_THE_THIRD = ("basal_", "pressure3", "cohesion3", "friction3")  # how its arguments begin
@@ -54,7 +54,7 @@ def shape_of(design: WedgeDesign) -> Shape:
     corners = {"toe": np.zeros(3), "basal_J1": rock.basal_at, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
     return Shape(
         block, JOINTS, PLANE_NAMES, rock.offsets[UPPER], rock.line, _shared_edge(block.faces[J1], block.faces[J2]),
-        corners, _water(design, rock, block), design.face.dip_direction_deg,
+        corners, lambda weight: _full(rock, block, weight), design.face.dip_direction_deg,
         ("the rock below the basal joint (it stays)",),
     )  # fmt: skip
 
@@ -84,29 +84,14 @@ def _rock_mass(design: WedgeDesign) -> BasalRockMass:
     )  # fmt: skip
 
 
-def _water(design: WedgeDesign, rock: BasalRockMass, block: Block) -> dict[int, WaterPressure]:
-    """Mean pressures, even over each joint: γ_w H/6, with a crack γ_w h₅/3 on all, or those that the user gave."""
-    water, joints = design.water, [joint for joint, _ in JOINTS]
-    if water.mode == "table" or (water.mode == "dry" and not water.crack_fill):
-        return {}
-    faces = [*joints, CRACK] if CRACK in block.faces else joints
-    pressures: dict[int, float] = {}
-    if water.mode == "pressures":
-        pressures = dict(zip(faces, water.pressures_kpa, strict=False))
-    elif water.mode == "full":
-        full = _full(design, rock, block) * water.fill
-        pressures = dict.fromkeys(faces, full)
-    if CRACK in block.faces and water.crack_fill is not None:
-        pressures[CRACK] = water.crack_fill * _full(design, rock, block)
-    return {face: WaterPressure(pressure) for face, pressure in pressures.items() if pressure}
-
-
-def _full(design: WedgeDesign, rock: BasalRockMass, block: Block) -> float:
-    if CRACK not in block.faces:
-        return design.water_unit_weight_kn_m3 * float(np.ptp(block.corners[:, 2])) / 6.0
-    upper = rock.outward[UPPER]
-    depths = (rock.offsets[UPPER] - block.faces[CRACK] @ upper) / upper[2]
-    return design.water_unit_weight_kn_m3 * float(depths.max()) / 3.0
+def _full(rock: BasalRockMass, block: Block, unit_weight: float) -> Mapping[int, Pieces]:
+    """Full water, even over each joint: γ_w H/6, with a crack γ_w h₅/3 on all."""
+    mean = unit_weight * float(np.ptp(block.corners[:, 2])) / 6.0
+    if CRACK in block.faces:
+        upper = rock.outward[UPPER]
+        depths = (rock.offsets[UPPER] - block.faces[CRACK] @ upper) / upper[2]
+        mean = unit_weight * float(depths.max()) / 3.0
+    return {face: even(polygon, mean) for face, polygon in block.faces.items() if face in (J1, J2, BASAL, CRACK)}
 
 
 def bounds(design: WedgeDesign) -> Bounds:
@@ -226,7 +211,7 @@ def _bolts_of_whole(whole: WedgeDesign) -> tuple[Bolt, ...]:
     if not any(bolt.head_m is not None for bolt in whole.bolts):
         return whole.bolts
     around = wedge_bounds(whole)
-    holds = held(around, whole.bolts, stand_off(around, whole.bolts)).holds[:, 0]
+    holds = held(around, whole.bolts, stand_off(around, whole.bolts))[0][:, 0]
     return tuple(bolt for bolt, own in zip(whole.bolts, holds.tolist(), strict=True) if own)
 
 
@@ -241,7 +226,7 @@ def without_basal_of_many(design: WedgeDesign, arguments: Arguments, before: Flo
     assert basal is not None
     own = {name: value for name, value in arguments.items() if not name.startswith(_OF_THE_THIRD)}
     if any(bolt.head_m is not None for bolt in design.bolts):
-        holds = held(wedge_bounds(replace(design, basal=None)), design.bolts, before).holds
+        holds = held(wedge_bounds(replace(design, basal=None)), design.bolts, before)[0]
         forces: list[Any] = [bolt.force_kn * one for bolt, one in zip(design.bolts, holds, strict=True)]
         bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
         own |= force_on(replace(design, bolts=tuple(bolts)))

@@ -1,7 +1,7 @@
 """One wedge on two joints cut out of its planes, and what acts on it."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -19,12 +19,14 @@ from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.loads import Hull, Loads, PointForce, WaterPressure, block_loads, check_bolt
+from slopekit.loads import Hull, Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.system.model import build_model
 
 if TYPE_CHECKING:
-    from slopekit.kinds.single_block import ground_water
+    from slopekit.geometry.pressure import Pieces
+    from slopekit.kinds.single_block.closed_forms import Arguments
+    from slopekit.kinds.water import LocalSlope
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
 
@@ -39,7 +41,7 @@ class Shape:
     offset_m : of the upper slope, upward normal · x; the face passes through the origin
     line : (3,) unit vector down the intersection of J1 and J2; line_length_m : of it that bounds the block
     corners_m : (3,) each by name
-    water : on joints and crack
+    full : pressures of full water on joints and crack, by plane id and by the unit weight of water
     trend_deg : that an earthquake without a trend acts toward; stays : in words, what is left out of it alone
     """
 
@@ -50,7 +52,7 @@ class Shape:
     line: Floats
     line_length_m: float
     corners_m: Mapping[str, Floats]
-    water: Mapping[int, WaterPressure]
+    full: "Callable[[float], Mapping[int, Pieces]]"
     trend_deg: float
     stays: tuple[str, ...] = ()
 
@@ -94,7 +96,7 @@ def shape_of(design: WedgeDesign) -> Shape:
     corners = {"toe": rock.toe, "back": back, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
     return Shape(
         block, JOINTS, PLANE_NAMES, float(rock.offsets[UPPER]), line, math.sqrt(float(back @ back)), corners,
-        _water(design, rock, block), line_of(line).trend_deg,
+        lambda weight: _full(rock, block, weight), line_of(line).trend_deg,
     )  # fmt: skip
 
 
@@ -143,68 +145,46 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
         lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, where),
     )  # fmt: skip
     pushes: dict[str, PointForce] = {}
-    if design.is_cut_for_loads:  # ground water and surcharge are integrated over the faces: plain wedges do not pay
-        from slopekit.kinds.single_block import ground_water
+    if design.is_wet or design.surcharge_kpa:  # plain wedges do not pay
+        from slopekit.kinds import water
 
-        pushes = ground_water.pushes(design, _ground(design, shape), _in_crack(design, shape))
+        pushes = water.pushes(design, _local_slope(design, shape))
     return block_loads(
-        block, design.unit_weight_kn_m3, shape.water, design.seismic.coefficient * Line(trend, 0.0).vector(),
+        block, design.unit_weight_kn_m3, design.seismic.coefficient * Line(trend, 0.0).vector(),
         [point_force(force, origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
 
-def _in_crack(design: WedgeDesign, shape: Shape) -> dict[str, PointForce]:
-    """What water that stands so deep in the crack does to the block, there and on its joints."""
-    if not design.crack_water_m:
-        return {}
-    from slopekit.kinds.wedge import crack_water
-
-    depth, weight = design.crack_water_m, design.water_unit_weight_kn_m3
-    return crack_water.pushes(shape.block, shape.ids, shape.crack, depth, weight)
-
-
-def _ground(design: WedgeDesign, shape: Shape) -> "ground_water.LocalSlope":
-    from slopekit.kinds.single_block import ground_water
+def _local_slope(design: WedgeDesign, shape: Shape) -> "LocalSlope":
+    from slopekit.kinds.water import LocalSlope
 
     normals = np.array([design.face.normal(), design.upper.normal()])
-    return ground_water.LocalSlope(
-        shape.block, (*shape.ids, shape.crack), shape.free, normals, np.array([0.0, shape.offset_m]), np.eye(3),
-        -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
+    return LocalSlope(
+        shape.block, shape.ids, shape.crack, shape.free, normals, np.array([0.0, shape.offset_m]), np.eye(3),
+        -Line(design.face.dip_direction_deg, 0.0).vector(), lambda _: shape.full(design.water_unit_weight_kn_m3),
+        design.origin_m[2], crack_water_m=design.crack_water_m,
     )  # fmt: skip
 
 
-def for_closed_form(design: WedgeDesign) -> tuple[list[float], Floats]:
-    """Mean pressures of the joints and the crack (kPa), and the sum of all else (kN)."""
-    from slopekit.kinds.single_block import ground_water
+def for_closed_form(design: WedgeDesign, force: "Arguments") -> "tuple[list[float | None], Arguments]":
+    """Mean pressures of the joints and the crack (kPa), and the force with the sum of all else (kN)."""
+    from slopekit.kinds import water
 
-    shape = shape_of(design)
-    means, rest = ground_water.for_closed_form(design, _ground(design, shape), _in_crack(design, shape))
-    return [means.get(face, 0.0) for face in (*shape.ids, shape.crack)], rest
+    return water.for_closed_form(design, _local_slope(design, shape_of(design)), force)
 
 
-def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, WaterPressure]:
-    """Water on the joints and the crack: Hoek & Bray's pyramid, or the mean pressures that the user gave."""
-    water, faces = design.water, [J1, J2] + ([CRACK] if CRACK in block.faces else [])
-    if water.mode == "table" or (water.mode == "dry" and not water.crack_fill):
-        return {}  # or as deep as it is in the crack, see `in_crack`
-    pressures: dict[int, WaterPressure] = {}
-    if water.mode == "pressures":
-        pressures = {face: WaterPressure(p) for face, p in zip(faces, water.pressures_kpa, strict=False) if p}
-    if CRACK in block.faces and (water.mode == "full" or water.crack_fill is not None):
-        # mean γ_w h₅/3, highest where the crack meets the line of intersection, h₅ below the upper slope
-        bottom = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
-        depth = float((rock.offsets[3] - rock.normals[3] @ bottom) / rock.normals[3][2])
-        full = design.water_unit_weight_kn_m3 * depth / 3.0
-        if water.mode == "full":
-            pressures = {face: WaterPressure(water.fill * full, bottom) for face in faces}
-        if water.crack_fill is not None:
-            pressures[CRACK] = WaterPressure(water.crack_fill * full, bottom)
-        return pressures
-    if water.mode == "pressures":
-        return pressures
+def _full(rock: RockMass, block: Block, unit_weight: float) -> "Mapping[int, Pieces]":
+    """Full water on the joints and the crack: Hoek & Bray's pyramids."""
+    from slopekit.geometry.pressure import pyramid
+
+    faces = [face for face in (J1, J2, CRACK) if face in block.faces]
     # mean γ_w H/6, highest halfway along the line of intersection
-    mean = water.fill * design.water_unit_weight_kn_m3 * float(np.ptp(block.corners[:, 2])) / 6.0
-    return {face: WaterPressure(mean, (rock.toe + rock.back) / 2.0) for face in faces}
+    apex, mean = (rock.toe + rock.back) / 2.0, unit_weight * float(np.ptp(block.corners[:, 2])) / 6.0
+    if CRACK in faces:
+        # mean γ_w h₅/3, highest where the crack meets the line of intersection, h₅ below the upper slope
+        apex = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
+        mean = unit_weight * float((rock.offsets[UPPER] - rock.normals[UPPER] @ apex) / rock.normals[UPPER][2]) / 3.0
+    return {face: pyramid(block.faces[face], mean, apex) for face in faces}
 
 
 def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:

@@ -117,7 +117,7 @@ def _ladder(checked: Check) -> list[Entry]:
     than = "closed form" if base is not None else "quickest"
     said = (
         f"relative errors against {checked.against} ({checked.reference:.10g}); solver times of this run, as multiples "
-        f"of the {than}'s; plain passes start cold and keep every bond, the limit lets go what opens"
+        f"of the {than}'s"
     )
     least = min(rung.seconds for rung in checked.ladder)
     return [said, Table(_LADDER, list(_steps(checked, least if base is None else base)))]

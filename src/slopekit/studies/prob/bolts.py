@@ -77,7 +77,7 @@ def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:
             sample = with_values(design, values)
         except SlopekitError:
             continue
-        holds[:, row] = held(on_arrays.bounds(sample), sample.bolts, before).holds[:, 0]
+        holds[:, row] = held(on_arrays.bounds(sample), sample.bolts, before)[0][:, 0]
     return holds
 
 

@@ -79,7 +79,7 @@ class Vectorised:
         return self._holds(self._scattered(values), len(values))
 
     def _holds(self, design: Design, count: int) -> Bools:
-        holds = held(self.on_arrays.bounds(design), design.bolts, self.before).holds
+        holds = held(self.on_arrays.bounds(design), design.bolts, self.before)[0]
         return np.broadcast_to(holds, (len(design.bolts), count))
 
     def worst_cracks(self, values: Floats) -> tuple[ClosedForms, Lowest] | None:

@@ -24,7 +24,6 @@ QUANTITIES: Mapping[str, str] = {
     "fellenius": "Fellenius",
     "janbu": "Janbu",
     "bishop": "Bishop",
-    "all_equilibrium": "all equilibrium",
     "critical_friction_deg": "critical φ, °",
     "column_force_kn": "P of column {of}, kN",
     "toe_force_kn": "toe force, kN",
@@ -38,7 +37,6 @@ QUANTITIES: Mapping[str, str] = {
 #: Quantities that are factors of safety.
 FACTORS = (
     "limit", "closed_form", "static_bound", "all_pairs_failed", "forces_only", "fellenius", "janbu", "bishop",
-    "all_equilibrium",
 )  # fmt: skip
 #: Sources that are the project's own lists and code, written apart from slopekit.
 OWN_SOURCES = ("cases", "prototype", "lem", "exact", "conic")

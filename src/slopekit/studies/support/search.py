@@ -194,7 +194,7 @@ def site_of(design: Design) -> Site:
         Where no block can be formed.
     """
     kind = kind_of(design)
-    if not kind.has_site or kind.closed_form is None:
+    if kind.on_arrays is None or kind.closed_form is None:
         message = f"support is for a wedge or a plane, this design is of kind {design.kind}"
         advice = (
             f"A design of kind {design.kind} takes no bolts."

@@ -240,10 +240,6 @@ def draw_speed_errors(figure: Any, document: Document) -> None:
 
 
 def _label(rung: Document) -> str:
-    if rung["method"] == "passes":
-        return f"{rung['effort']:.0f}"
-    if rung["method"] == "tolerance":
-        return f"{rung['effort']:.0e}"
     return f"{rung['node_pairs']}" if rung["method"] == "mesh" else ""
 
 

@@ -28,7 +28,7 @@ _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm
 #: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
 _SECTIONS = {
     "factors": ("FoS",), "rules": ("ACCEPT", "FACTORED"), "bolts": ("BOLTS",), "forces": ("FORCES",),
-    "moments": ("MOMENTS", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("MECHANISM", "BY BLOCK", "TABLE"),
+    "moments": ("MOMENTS", "MOVES"), "elastic": ("ELASTIC",), "assembly": ("MECHANISM", "TABLE"),
     "checks": ("CHECKS",),
     "searches": ("STRENGTH", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "SENSITIVITY"),
 }  # fmt: skip
@@ -38,7 +38,7 @@ _CAPTIONS = {
     "FoS": ("Factors of safety",), "FACTORED": ("Partial factors",),
     "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
     "MOVES": ("What governs",), "ELASTIC": ("Normal tractions on the joints, elastic and rigid",),
-    "MECHANISM": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
+    "MECHANISM": ("Mechanisms in order",),
     "TABLE": ("Goodman & Bray's columns",),
     "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
     "METHODS": ("Methods of columns",), "SENSITIVITY": ("What changes the factor most",),
