@@ -43,13 +43,13 @@ def test_as_each_sample_read_by_itself(name) -> None:
     """
     design = sk.load(CASES[name])
     found = sk.prob(design, n=20, confirm=0, near=0.0, seed=4)
-    assert found.evaluator == "closed form, all at once"
+    assert found.judged.evaluator == "closed form, all at once"
     drawn = samples(design.variables, (), 20, 4)
     at = cracked(design, drawn)
     own = kind_of(design).on_arrays
     for row in range(20):
         sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
-        outcome = found.names[found.outcome[row]]
+        outcome = found.judged.names[found.judged.outcome[row]]
         if outcome.startswith("E"):
             with pytest.raises(GeometryError, match=outcome):
                 own.of(sample)
@@ -57,15 +57,17 @@ def test_as_each_sample_read_by_itself(name) -> None:
         single = own.of(sample)
         assert outcome == single.status
         if single.factor is None:
-            assert math.isnan(found.factor[row])
+            assert math.isnan(found.judged.factor[row])
             continue
-        assert found.factor[row] == pytest.approx(single.factor, rel=1e-9)
+        assert found.judged.factor[row] == pytest.approx(single.factor, rel=1e-9)
         if sample.crack_searched == "inside":
             assert at.samples.values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-4)
         else:
             assert at.samples.values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-9)
-    assert sum(found.cracks.where.values()) == int(np.isfinite(found.factor).sum()) + int(
-        np.isin([found.names[one] for one in found.outcome], ["lifted", "falls", "no_driving_force"]).sum()
+    assert sum(found.cracks.where.values()) == int(np.isfinite(found.judged.factor).sum()) + int(
+        np.isin(
+            [found.judged.names[one] for one in found.judged.outcome], ["lifted", "falls", "no_driving_force"]
+        ).sum()
     )
 
 
@@ -144,7 +146,7 @@ def test_many_are_refused_where_the_mean_values_cut_no_block_too() -> None:
 def test_few_are_looked_for_alone_and_others_never_refused() -> None:
     design = sk.load({**WEDGE, "crack": IN_METRES})
     found = sk.prob(design, n=2, confirm=0, near=0.0)
-    assert found.evaluator == "closed form, sample by sample"
+    assert found.judged.evaluator == "closed form, sample by sample"
     checked_alone(sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3, "water": "1 m"}}), 10_000)
     with pytest.raises(DesignError, match="E125"):
         checked_alone(design, 201)

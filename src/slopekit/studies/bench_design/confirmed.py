@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -15,10 +14,10 @@ from slopekit.kinds.plane import PlaneDesign
 from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
-from slopekit.studies.points import GIVEN_UP, Point, falls_short
+from slopekit.studies.points import Point, falls_short, kept_points
 from slopekit.studies.prob.judged import Confirmation, chosen, confirmation_of
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew, Journal, Record, run_all
+from slopekit.studies.running import Crew, Journal, Record
 
 _MODES = (WEDGE, PLANE)
 
@@ -62,11 +61,8 @@ def confirmed(
         keys.append((mode, first, other, float(bench.block_height_m[mode, trial]), bench.face_dip_deg, strength))
     different = list(dict.fromkeys(keys))
     designs = [_design(asked, *key) for key in different]
-    folder = desk.folder
-    journal = Journal.of(folder or Path.cwd(), "bench-design", asked.input_hash(), streamed=folder is not None)
-    with desk.bar("PRE-IE", len(designs)) as advance:
-        records = run_all(both_methods, designs, crew, journal=journal, advance=advance, given_up=GIVEN_UP)
-    points = dict(zip(different, map(Point.from_record, records), strict=True))
+    found, journal = kept_points(both_methods, designs, crew, desk, "bench-design", "PRE-IE", asked.input_hash())
+    points = dict(zip(different, found, strict=True))
     said = confirmation_of(
         index, tuple(points[key] for key in keys), forms, np.ones(len(forms), dtype=bool), fails, target, within,
         asked.number("confidence"),
