@@ -69,21 +69,6 @@ def test_filtered_samples_form_no_wedge() -> None:
     assert scaled.all_samples.of == left.all_samples.of == whole.all_samples.of
 
 
-def test_samples_that_are_read_one_by_one_have_sizes_too() -> None:
-    """Curved strength has no evaluator of all at once: the sizes are those of the evaluator."""
-    rough = {"joint": {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 27}}
-    limits = {"bench_width": 4}
-    slow = sk.prob(sk.load(WEDGE | {"strength": rough, "limits": limits}), 30, confirm=0, near=0.0)
-    straight = {"joint": {"c": 5, "phi": 32}}
-    fast = sk.prob(sk.load(WEDGE | {"strength": straight, "limits": limits}), 30, confirm=0, near=0.0)
-    assert slow.judged.evaluator != fast.judged.evaluator
-    assert slow.sizes is not None
-    assert fast.sizes is not None
-    for key, column in fast.sizes.columns.items():
-        assert slow.sizes.columns[key] == pytest.approx(column, rel=1e-9, nan_ok=True)
-    assert slow.sizes.limits == fast.sizes.limits
-
-
 def test_planes_have_sizes_per_metre() -> None:
     """Setback of a plane whose dip scatters, sample by sample; the CSV has it."""
     design = {

@@ -342,33 +342,6 @@ def test_a_load_that_is_not_limited_by_its_own_path_says_what_the_factor_there_d
     assert [message for message in said if message in of_bonds] == of_bonds
 
 
-@pytest.mark.parametrize(("without", "said"), [(1.02, True), (1.0005, False)])
-def test_a_load_that_less_cohesion_stands_better_is_said(monkeypatch, without, said) -> None:
-    """W477 names the strength whose cohesion is better gone: what rests without it rests with it, another way."""
-    given = _bench(97)
-    cohesive = [name for name, strength in given.strengths if strength.cohesion_kpa > 0.0]
-    asked_first = []
-    real = by_factor._path_in_load
-
-    def path(asked):
-        if not asked_first:
-            asked_first.append(real(asked))
-        (whole,) = asked_first
-        gone = dict(asked.design.strengths)[cohesive[0]].cohesion_kpa == 0.0
-        return replace(whole, multiplier=whole.multiplier * without) if gone else whole
-
-    monkeypatch.setattr(by_factor, "_path_in_load", path)
-    found = sk.solve(given, KEY, fos=1.0)
-    (whole,) = asked_first
-    assert found.answer.value == pytest.approx(whole.multiplier, rel=1e-9)
-    words = f"without the cohesion of {cohesive[0]} "  # W477 also says that the order of loads was not compared
-    told = [one.message for one in found.warnings if one.code == "W477" and one.message.startswith(words)]
-    assert bool(told) == said
-    for message in told:
-        assert f"{words}the blocks stand {KEY} up to" in message
-        assert f"up to {whole.multiplier * without:.4g}, with it {found.answer.value:.4g}:" in message
-
-
 def test_what_is_said_of_the_factor_at_a_load_never_reads_as_a_load() -> None:
     """Whatever the factor there has to do with cohesion, of the path in strength and of finer node pairs as well."""
     notes = tuple(lost_cohesion_notices((0.2, 1, 2), "factor of safety"))

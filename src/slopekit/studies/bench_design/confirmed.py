@@ -49,9 +49,9 @@ def confirmed(
     )
     target, within, seed = asked.number("fos"), asked.near, int(asked.number("seed"))
     index = chosen(forms, factor, target, int(asked.number("confirm")), within, seed)
-    if not len(index.all):
+    if not len(index[0]):
         return None, None
-    rows = [divmod(int(one), len(trials)) for one in index.all]
+    rows = [divmod(int(one), len(trials)) for one in index[0]]
     keys, strengths = [], strengths_at(asked.ground(0.0), trials)
     for part, trial in rows:
         bench, mode = benches[part // len(_MODES)], _MODES[part % len(_MODES)]
@@ -68,7 +68,7 @@ def confirmed(
         asked.number("confidence"),
     )  # fmt: skip
     modes = [key[0] for key in keys]
-    stands = ~fails[index.all]
+    stands = ~fails[index[0]]
     doubted = frozenset(
         (benches[part // len(_MODES)].height_m, benches[part // len(_MODES)].face_dip_deg)
         for (part, _), key, stood in zip(rows, keys, stands, strict=True) if stood and _is_doubted(points[key], target)

@@ -405,7 +405,7 @@ def prob(
         if cracks is not None:
             judged = nowhere(judged, cracks.nowhere)
         bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
-        sizes = sizes_of_samples(placed, fast, those.values, _Settings(those), judged.forms, judged.fails)
+        sizes = sizes_of_samples(placed, fast, those.values, judged.forms, judged.fails)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
@@ -561,9 +561,9 @@ def _confirmed(
 ) -> Confirmation | None:
     own = judged if judged.alone is None else judged.alone  # PRE-IE says nothing of what else is judged
     index = chosen(own.forms, own.factor, asked.target, asked.confirm, asked.near, asked.seed)
-    if not len(index.all):
+    if not len(index[0]):
         return None
-    tasks = [samples.settings(int(row)) for row in index.all]
+    tasks = [samples.settings(int(row)) for row in index[0]]
     points = ask("PRE-IE", tasks, ["confirm", asked.confirm, asked.near, asked.target])
     return confirmation_of(
         index, points, own.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence

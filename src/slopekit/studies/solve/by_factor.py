@@ -56,7 +56,6 @@ _ABOVE = 1e-4  # of a value: a factor that falls on this by more than a jump doe
 _FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value of the path in a load, where the factor is above the target
 _SECANTS = 10  # from there to the value where it is the target
 _LOAD_RESOLUTION, _LOAD_NEAR, _LOAD_JUMP = 1e-7, 4e-7, (1e-4, 0.02)
-_MORE = 1e-3  # of a value: with less cohesion one that is higher by more is said
 _FALLS = (0.0, 0.01, 0.1)  # of the range: where a factor below the target has to fall, to be left alone
 
 
@@ -77,10 +76,6 @@ def of_load(asked: FactorRequest, whole: bool, lower: bool) -> tuple[Answers, bo
         direct, jumps, crossings = _driven(search, asked, whole, lower, last)
         spent = work_limit.is_spent()
         answers = answers_of("pre_ie", asked, search, crossings) if direct is None else _in_load(asked, direct, jumps)
-        if answers.roots and not spent:
-            first = answers.roots[0]
-            first = replace(first, notes=(*first.notes, *_higher_without_cohesion(asked, first)))
-            answers = replace(answers, roots=(first, *answers.roots[1:]))
     if spent and not answers.roots:
         return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True, beyond
     if answers.roots:
@@ -90,30 +85,6 @@ def of_load(asked: FactorRequest, whole: bool, lower: bool) -> tuple[Answers, bo
         first = replace(first, not_compared=_not_compared(asked, first, cut, beyond))
         answers = replace(answers, roots=(first, *answers.roots[1:]))
     return answers, spent, beyond
-
-
-def _higher_without_cohesion(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
-    """W477: with less cohesion the same blocks stand a higher load.
-
-    A state at rest without some cohesion is one with it, too: in balance, within strength, open where it was open. But
-    bonds that hold longer let go under more load, of other contacts, and what is left may carry less.
-    """
-    lost = any(notice.code == "W307" for notice in solved.notes)
-    cohesive = [name for name, given in getattr(asked.design, "strengths", ()) if given.cohesion_kpa > 0.0]
-    highest: tuple[float, list[str]] | None = None
-    for without in ([[name] for name in cohesive] + [cohesive] * (len(cohesive) > 1)) if lost else ():
-        try:
-            less = with_values(asked.design, {f"strength.{name}.c": 0.0 for name in without})
-        except DesignError:  # a strength that is not given by c
-            continue
-        at = _path_in_load(replace(asked, design=less))
-        if at is not None and at.multiplier > max(solved.value * (1.0 + _MORE), highest[0] if highest else 0.0):
-            highest = at.multiplier, without
-    if highest is not None:
-        named, stands = " and ".join(highest[1]), asked.key.shown(highest[0], 4)
-        yield Notice("W477", f"without the cohesion of {named} the blocks stand {asked.key.path} up to {stands}, with "
-                     f"it {asked.key.shown(solved.value, 4)}: bonds that hold longer break under more load, and less "
-                     "is left; the lower of the two is the answer")  # fmt: skip
 
 
 def _not_compared(asked: FactorRequest, solved: SolvedValue, cut: bool, beyond: float | None) -> str:

@@ -83,15 +83,6 @@ class Critical:
     how: str
 
 
-@dataclass(frozen=True, slots=True)
-class StatusChange:
-    """A change of status between two neighbouring values of the first key; `line` as in `Critical`."""
-
-    line: float | None
-    between: tuple[float, float]
-    statuses: tuple[str, str]
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Sweep(StudyOutcome):
     """A design at many values.
@@ -159,10 +150,10 @@ class Sweep(StudyOutcome):
         ]
 
     @property
-    def changes(self) -> list[StatusChange]:
-        """Changes of status between neighbours."""
+    def changes(self) -> list[dict[str, Any]]:
+        """Changes of status between neighbouring values of the first key; `line` as in `Critical`."""
         return [
-            StatusChange(line, (a, b), (self.status(one), self.status(other)))
+            {"line": line, "between": (a, b), "statuses": (self.status(one), self.status(other))}
             for line, points in self.lines()
             for (a, one), (b, other) in pairwise(points)
             if self.status(one) != self.status(other)
