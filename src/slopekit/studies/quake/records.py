@@ -77,7 +77,7 @@ class Record:
     ----------
     name : as it is called; times_s : (n,) from 0 on, never falling (two at one time are a jump)
     accelerations : (n,) m/s²
-    unit : of the file
+    unit : of the file; is_pulse : one of the built-in ones
     notices : what is to be known of it
     """
 
@@ -85,6 +85,7 @@ class Record:
     times_s: Floats
     accelerations: Floats
     unit: str = "m/s2"
+    is_pulse: bool = False
     notices: tuple[Notice, ...] = ()
 
     @property
@@ -153,7 +154,7 @@ def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", i
         )
         message = f"the peak is {largest:.4g} g as {unit}, more than any earthquake's (up to {_LARGEST_G:g} g)"
         raise _refused(name, "E511", message, advice=in_other if unit in ("g", "m/s2") else "")
-    record = Record(name, frozen(t - t[0]), frozen(a), unit)
+    record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
     return record if is_pulse else replace(record, notices=tuple(_said_of(record)))
 
 
