@@ -4,7 +4,6 @@ Every time is a ratio to something measured in the same run; `docs` writes docs/
 """
 
 import json
-import math
 import os
 import platform
 import signal
@@ -160,15 +159,15 @@ def prob_rows() -> list[str]:
 
 
 def set_rows(surveys: int = 20) -> list[str]:
-    """How often the number of drawn joint sets is found, by BIC and by the index of Xie & Beni, and what it costs."""
+    """How often the number of drawn joint sets is found, by BIC, and what it costs."""
     from scipy.stats import vonmises_fisher
 
     from slopekit.core.orientation import normals
     from slopekit.studies.sets.clustering import best, clusters_of
 
     rows = [
-        "| drawn sets (K) | joints | anywhere | by BIC | by Xie & Beni | s each, one core |",
-        "|---|---|---|---|---|---|",
+        "| drawn sets (K) | joints | anywhere | by BIC | s each, one core |",
+        "|---|---|---|---|---|",
     ]
     planes = ((45, 120), (80, 20), (60, 270), (85, 310), (10, 180))
     rng = np.random.default_rng(5)
@@ -177,7 +176,7 @@ def set_rows(surveys: int = 20) -> list[str]:
         *((some, 30, 10, surveys) for some in cases),
         ((40, 30, 25), 3000, 1000, 1),
     ]:
-        by_bic, by_index, began, sets = 0, 0, 0.0, len(concentrations)
+        by_bic, began, sets = 0, 0.0, len(concentrations)
         anywhere = anywhere if sets else 60
         for _ in range(times):
             loose = rng.normal(size=(anywhere, 3))
@@ -189,13 +188,8 @@ def set_rows(surveys: int = 20) -> list[str]:
             found = clusters_of(poles, np.ones(len(poles)), None, np.random.default_rng(1))
             began += time.process_time() - start
             by_bic += best(found) == sets
-            index = [math.inf if math.isnan(one.xie_beni) else one.xie_beni for one in found]
-            by_index += int(np.argmin(index)) == sets
         said = f"{sets} ({', '.join(map(str, concentrations))})" if sets else "0"
-        rows.append(
-            f"| {said} | {sets * each + anywhere} | {anywhere} | {by_bic} of {times} | {by_index} of {times} | "
-            f"{began / times:.2g} |"
-        )
+        rows.append(f"| {said} | {sets * each + anywhere} | {anywhere} | {by_bic} of {times} | {began / times:.2g} |")
     return rows
 
 

@@ -56,7 +56,7 @@ def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
                                            "strength.weak.c": {"dist": "uniform", "min": 0, "max": 20}}),
                500, seed=4, confirm=5)  # fmt: skip
     assert (found["pf"], found["low"], found["high"]) == (
-        own.leading.probability, own.leading.low, own.leading.high,
+        own.leading["probability"], own.leading["low"], own.leading["high"],
     )  # fmt: skip
     assert 0.0 < found["pf"] < 0.5
     assert found["histogram"]["closed_form"] == own.to_dict()["histogram"]["counts"]
@@ -71,7 +71,7 @@ def test_a_scatter_of_the_design_can_be_taken_out():
     assert not any("clay" in name for name in names)
     assert any("rough" in name for name in names)
     means = with_values(moment.design, {"strength.clay.phi": 24.0, "strength.clay.c": 15.0})  # as the template has them
-    assert found["pf"] == prob(means, 200, confirm=0).leading.probability
+    assert found["pf"] == prob(means, 200, confirm=0).leading["probability"]
     assert found["histogram"]["edges"] == prob(means, 200, confirm=0).to_dict()["histogram"]["edges"]
 
 

@@ -369,3 +369,11 @@ def test_a_library_that_lacks_an_attribute_is_no_fault_of_the_file(tmp_path, mon
     monkeypatch.setattr(Composer, "compose_node", lambda self, parent, index: self.no_such_attribute)
     with pytest.raises(AttributeError, match="no_such_attribute"):
         load_document(path)
+
+
+def test_as_many_values_as_the_message_says(tmp_path) -> None:
+    """A list of 250,000 numbers is more than 200,000 values; one of 199,990 is not."""
+    many, few = (f"a: [{', '.join(['1'] * count)}]".encode() for count in (250_000, 199_990))
+    refused = caught(lambda: load_document(written(tmp_path, many))).faults[0]
+    assert (refused.code, refused.message) == ("E149", "there are more than 200000 values")
+    assert len(load_document(written(tmp_path, few)).root.get("a").elements) == 199_990

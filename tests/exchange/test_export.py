@@ -31,7 +31,6 @@ def refused(*arguments, **options) -> sk.Fault:
         ("x.stl", {"what": ","}, "E313", "no part to write"),
         ("x.vtu", {"what": "pairs"}, "E273", "there are no pairs to write"),
         ("x.stl", {"blocks": ["B1"], "moving": True}, "E273", "there are no blocks to write"),
-        ("x.obj", {"binary": True}, "E313", "--binary is for STL"),
         ("no/x.stl", {}, "E129", "cannot be written"),
     ],
 )  # fmt: skip

@@ -81,23 +81,6 @@ def test_stl_by_trimesh_and_by_its_text(result, tmp_path) -> None:
     assert np.cross(b - a, c - a) @ normal == pytest.approx(np.linalg.norm(np.cross(b - a, c - a)), rel=1e-5)
 
 
-def test_binary_stl_rounds_and_says_how_far(result, tmp_path) -> None:
-    """W376: float32 at 5.5e6 m has a grain of 0.5 m; near the origin nothing is said."""
-    far = sk.export(result("map"), tmp_path / "far.stl", binary=True)
-    assert [notice.code for notice in far.warnings] == ["W376"]
-    vertices = BlockScene.from_dict(result("map")["scene"]).shapes.solids.vertices
-    back = np.asarray(trimesh.load(tmp_path / "far.stl").vertices)
-    rounding = cKDTree(back - vertices[0]).query(vertices - vertices[0], p=np.inf)[0].max()
-    assert 0.01 < rounding <= 0.25
-    assert f"by up to {rounding:.2g} m" in far.warnings[0].message
-    written = float(trimesh.load(tmp_path / "far.stl").apply_translation(-vertices[0]).volume)
-    assert far.written[0].volume_m3 == pytest.approx(written, rel=1e-9)  # of the file, not of the block
-    assert abs(written / 209461.4964585 - 1.0) > 1e-5
-    near = sk.export(result("wedge"), tmp_path / "near.stl", binary=True)
-    assert near.warnings == ()
-    assert trimesh.load(tmp_path / "near.stl").volume == pytest.approx(209461.4964585, rel=1e-6)
-
-
 def test_names_that_stl_readers_take_for_words(tmp_path, result) -> None:
     document = json.loads(json.dumps(result("wedge")))
     document["scene"]["shapes"]["names"] = ["solid vertex 1"]

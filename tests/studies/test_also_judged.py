@@ -60,7 +60,7 @@ def test_of_each_sample_the_lower_of_block_and_whole_wedge_counts(more) -> None:
         assert block.also.closed_form == pytest.approx(whole.closed_form, rel=1e-12)
         lowest.append(min(block.closed_form, whole.closed_form))
         only += whole.closed_form < 1.2 <= block.closed_form
-    assert found.factor == pytest.approx(np.array(lowest), rel=1e-12)
+    assert found.judged.factor == pytest.approx(np.array(lowest), rel=1e-12)
     assert found.all_samples.count == sum(factor < 1.2 for factor in lowest)
     assert only > 0
     (said,) = notices(found, "W507")
@@ -74,10 +74,10 @@ def test_samples_taken_one_by_one_are_judged_alike() -> None:
     at_once = sk.prob(sk.load(CUT | {"strength": strength}), 8, confirm=0, near=0)
     apart = sk.prob(sk.load(CUT | {"strength": strength, "support": passive}), 8, confirm=0, near=0)
     by_pre_ie = sk.prob(sk.load(CUT | {"strength": strength}), 2, by="pre-ie")
-    assert apart.factor == pytest.approx(at_once.factor, rel=1e-6)
+    assert apart.judged.factor == pytest.approx(at_once.judged.factor, rel=1e-6)
     assert apart.all_samples.count == at_once.all_samples.count > 0
-    assert (by_pre_ie.factor <= at_once.factor[:2] * (1.0 + 1e-9)).all()
-    assert (by_pre_ie.fails == at_once.fails[:2]).all()
+    assert (by_pre_ie.judged.factor <= at_once.judged.factor[:2] * (1.0 + 1e-9)).all()
+    assert (by_pre_ie.judged.fails == at_once.judged.fails[:2]).all()
 
 
 def test_bolts_of_samples_hold_the_whole_wedge_where_they_pass_it() -> None:
@@ -92,9 +92,9 @@ def test_bolts_of_samples_hold_the_whole_wedge_where_they_pass_it() -> None:
     for row in range(12):
         point = points.Point.from_record(sampled(found.samples.settings(row)))
         both = point.factors.closed_form, point.factors.also.closed_form
-        assert found.factor[row] == pytest.approx(min(both), rel=1e-12)
+        assert found.judged.factor[row] == pytest.approx(min(both), rel=1e-12)
     bare = sk.prob(sk.load(CUT | dips | {"support": {"bolts": others}}), 12, confirm=0, near=0)
-    held = found.factor > bare.factor * (1.0 + 1e-9)
+    held = found.judged.factor > bare.judged.factor * (1.0 + 1e-9)
     assert 0 < held.sum() < 12
 
 
@@ -107,7 +107,7 @@ def test_where_the_basal_joint_closes_no_block_the_whole_wedge_is_there_all_the_
     assert found.all_samples.share == 1.0
     assert sum(n for name, n in sk.prob(design, 12, fos=0.5, confirm=0, near=0).counts.items() if name[0] == "E") > 0
     assert found.confirmation is None or found.confirmation.settled == found.confirmation.samples
-    assert found.factor == pytest.approx(closed_form(WHOLE, {}).closed_form, rel=1e-9)
+    assert found.judged.factor == pytest.approx(closed_form(WHOLE, {}).closed_form, rel=1e-9)
 
 
 def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
@@ -220,10 +220,10 @@ def test_studies_ask_the_other_history_where_their_answer_hangs(asked) -> None:
     assert asked.pop().strengths[0].friction_angle_deg == 50.0
     drawn = sk.prob(design, 40, fos=1.3, confirm=0, near=0)
     said = notices(drawn, "W504")
-    stands = drawn.factor[~drawn.fails].min()
+    stands = drawn.judged.factor[~drawn.judged.fails].min()
     assert said[0].startswith("of the design at its means")
     assert f", which stands with the least factor, {stands:.4g}" in said[1]
-    row = int(np.flatnonzero(drawn.factor == stands)[0])
+    row = int(np.flatnonzero(drawn.judged.factor == stands)[0])
     assert asked.pop().strengths[0].friction_angle_deg == drawn.samples.values[row, 0]
 
 

@@ -146,19 +146,6 @@ def test_bolts_without_an_answer_in_a_case_do_not_meet_it(monkeypatch, lost) -> 
     assert not for_cases._tried("active", "a", case, found).met
 
 
-def test_support_raises_the_force_where_a_case_lacks_it() -> None:
-    """Half of the bolts that a case needs, raised until they are enough: the force that the search found."""
-    found = sk.support(sk.load({**DESIGN, "cases": {"a": {"accept": "fos >= 1.5"}}}), acts="active").cases
-    (case,) = found["a"].cases
-    bolts = case.bolts
-    half = tuple(replace(bolt, force_kn=bolt.force_kn / 2.0) for bolt in bolts)
-    short = for_cases._tried("active", "a", replace(case, bolts=half), found)
-    raised = for_cases._raised(short, found)
-    assert not short.met
-    assert raised.met
-    assert raised.force == pytest.approx(sum(bolt.force_kn for bolt in bolts), rel=3e-3)
-
-
 def test_solve_gives_the_value_for_all() -> None:
     """c of each case from the formula, linear in c; the largest governs."""
 

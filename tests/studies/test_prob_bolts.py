@@ -120,7 +120,7 @@ def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     fixed = [{key: value for key, value in one.items() if key not in ("head", "length")}
              for one in values["support"]["bolts"]]  # fmt: skip
     in_full = prob(load(values | {"support": {"bolts": fixed}}), count, confirm=0, near=0.0, seed=2, fos=target)
-    assert np.nanmean(bare.factor) < np.nanmean(study.factor) < np.nanmean(in_full.factor)
+    assert np.nanmean(bare.judged.factor) < np.nanmean(study.judged.factor) < np.nanmean(in_full.judged.factor)
     assert in_full.all_samples.share <= study.all_samples.share <= bare.all_samples.share
 
 
@@ -152,7 +152,7 @@ def test_a_bolt_that_holds_no_sample_counts_in_neither_method() -> None:
     with_it, without = (
         prob(load(WEDGE | {"support": one}), 400, confirm=4, near=0.0) for one in (short, {"bolts": []})
     )
-    assert with_it.factor == pytest.approx(without.factor, rel=1e-12, nan_ok=True)
+    assert with_it.judged.factor == pytest.approx(without.judged.factor, rel=1e-12, nan_ok=True)
     assert with_it.confirmation.settled == 4
     assert with_it.bolts.every == with_it.bolts.of
     assert with_it.means.code == "E212"

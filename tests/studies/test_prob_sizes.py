@@ -29,12 +29,12 @@ def drawn(limits: Any = None, **more: Any) -> Probability:
 def test_sizes_of_samples_are_those_of_the_wedges_read_one_by_one() -> None:
     """Volume, height, width, setback and scale of twenty samples from the cut bodies; the factor stays PRE-IE's."""
     study = drawn(LIMITS)
-    assert study.evaluator == "closed form, all at once"
+    assert study.judged.evaluator == "closed form, all at once"
     assert study.sizes is not None
     assert study.confirmation is not None
     assert study.confirmation.disagree == 0
     columns = study.sizes.columns
-    for row in np.flatnonzero(~np.isnan(study.factor))[:20].tolist():
+    for row in np.flatnonzero(~np.isnan(study.judged.factor))[:20].tolist():
         found = cut(with_values(study.design, study.samples.settings(row))).geometry()
         for key in ("volume_m3", "height_m", "face_width_m", "setback_m"):
             assert columns[key][row] == pytest.approx(getattr(found, key), rel=1e-7), key
@@ -63,25 +63,10 @@ def test_filtered_samples_form_no_wedge() -> None:
     assert limits.too_small == left.counts["E487"] > 0
     assert left.forming.of == whole.forming.of - limits.filtered - limits.too_small > 0
     assert "those left out form no wedge" in " ".join(left.sheet.full.split())
-    gone = np.array(left.names)[left.outcome] == "E486"
+    gone = np.array(left.judged.names)[left.judged.outcome] == "E486"
     with pytest.raises(GeometryError, match="bench width"):
         cut(with_values(left.design, left.samples.settings(int(np.flatnonzero(gone)[0]))))
     assert scaled.all_samples.of == left.all_samples.of == whole.all_samples.of
-
-
-def test_samples_that_are_read_one_by_one_have_sizes_too() -> None:
-    """Curved strength has no evaluator of all at once: the sizes are those of the evaluator."""
-    rough = {"joint": {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 27}}
-    limits = {"bench_width": 4}
-    slow = sk.prob(sk.load(WEDGE | {"strength": rough, "limits": limits}), 30, confirm=0, near=0.0)
-    straight = {"joint": {"c": 5, "phi": 32}}
-    fast = sk.prob(sk.load(WEDGE | {"strength": straight, "limits": limits}), 30, confirm=0, near=0.0)
-    assert slow.evaluator != fast.evaluator
-    assert slow.sizes is not None
-    assert fast.sizes is not None
-    for key, column in fast.sizes.columns.items():
-        assert slow.sizes.columns[key] == pytest.approx(column, rel=1e-9, nan_ok=True)
-    assert slow.sizes.limits == fast.sizes.limits
 
 
 def test_planes_have_sizes_per_metre() -> None:

@@ -17,7 +17,6 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.studies.quake import run as quake_run
 from slopekit.studies.quake.records import record_of
-from slopekit.studies.quake.regressions import REGRESSIONS, median_m
 from slopekit.studies.quake.run import _of_six
 from slopekit.studies.quake.six import InSix, _in_space, _settled, _velocity_at, slide
 from tests.commands import slopekit
@@ -310,46 +309,6 @@ def test_percentiles_ask_for_seven_records(wedge) -> None:
     assert "16 %" not in str(six)
 
 
-# -- regressions -------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("index", range(5))
-def test_regressions_as_they_are_printed(index) -> None:
-    """k 0.1, PGA 0.4 g, PGV 30 cm/s, Arias 1 m/s: the logarithms of the formulas."""
-    r = 0.25
-    log10_cm = [
-        0.90 + 2.53 * math.log10(1 - r) - 1.09 * math.log10(r),
-        0.215 + 2.341 * math.log10(1 - r) - 1.438 * math.log10(r),
-        0.561 * 0.0 - 3.833 * math.log10(r) - 1.474,
-        (-1.56 - 4.58 * r - 20.84 * r**2 + 44.75 * r**3 - 30.5 * r**4 - 0.64 * math.log(0.4) + 1.55 * math.log(30.0))
-        / math.log(10.0),
-        (2.39 - 5.24 * r - 18.78 * r**2 + 42.01 * r**3 - 29.15 * r**4 - 1.56 * math.log(0.4)) / math.log(10.0),
-    ]  # fmt: skip
-    found = median_m(REGRESSIONS[index], 0.1, 0.4, 0.3, 1.0)
-    assert found == pytest.approx(10.0 ** log10_cm[index] / 100.0, rel=1e-12)
-    assert median_m(REGRESSIONS[index], 0.4, 0.4, 0.3, 1.0) == 0.0
-
-
-def test_regressions_stop_where_they_run_away_or_the_block_does_not_move() -> None:
-    """30 m by a formula at k_y 0.014 beside 4 m of the record itself: nothing is printed there, and why."""
-    names = [one.name for one in REGRESSIONS]
-    weak = sk.load(PLANE, set={"strength.bedding.c": 0, "strength.bedding.phi": 35.6})
-    low = sk.quake(weak, record_of("low", *_sine(50, 0.4 * G)))
-    assert low.coefficient == pytest.approx(math.tan(math.radians(0.6)), rel=1e-6)
-    assert [row["median_m"] for row in low.compared()] == [None] * 5
-    assert [row["name"] for row in low.compared()] == names
-    assert "none: k_y 0.0104724 lies below 0.02" in str(low)
-    assert "Jibson" not in str(low)
-    high = sk.quake(sk.load(PLANE), record_of("weak", *_sine(50, 0.1 * G)))
-    assert [row["median_m"] for row in high.compared()] == [None] * 5
-    assert "lies above the peak of every record (k_y / PGA 1.4" in str(high)
-    both = sk.quake(sk.load(PLANE), [record_of("weak", *_sine(50, 0.1 * G)), record_of("strong", *_sine(50, 0.4 * G))])
-    strong = both.shaken[1].record
-    alone = median_m(REGRESSIONS[0], both.coefficient, strong.pga_g, strong.pgv_m_s, strong.arias_m_s)
-    assert both.compared()[0]["median_m"] == alone  # no median with a record that does not move it
-    assert "left out: 1 record with a peak below k_y" in str(both)
-
-
 # -- as users meet it --------------------------------------------------------------------------------------------------
 
 
@@ -364,7 +323,6 @@ def test_the_command_and_its_files(tmp_path) -> None:
     found = sk.quake(sk.load(str(path_of("plane"))), str(record), scale_pga=0.5)
     untimed = {"timing_s": None}
     assert document | untimed == found.to_dict() | untimed
-    assert [row["name"] for row in document["regressions"]] == [one.name for one in REGRESSIONS]
     with (out / "quake.csv").open(encoding="utf-8") as file:
         assert float(next(csv.DictReader(file))["as_recorded_m"]) == found.shaken[0].as_recorded_m
     with (out / "motion.csv").open(encoding="utf-8") as file:

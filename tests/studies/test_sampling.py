@@ -65,7 +65,7 @@ MARGINALS = [
 def test_marginals(method) -> None:
     """Kolmogorov-Smirnov against scipy, every input at once, free and correlated.
 
-    At p > 1e-4 for Monte Carlo (84 tests in all: one false alarm in a hundred seeds). Latin hypercube and Sobol leave
+    At p > 1e-4 for Monte Carlo (84 tests in all: one false alarm in a hundred seeds). A Latin hypercube leaves
     no gap wider than two strata of a replicate.
     """
     variables = [Variable(f"x{k}", own) for k, (own, _) in enumerate(MARGINALS)]
@@ -75,7 +75,7 @@ def test_marginals(method) -> None:
         for k, (_, exact) in enumerate(MARGINALS):
             found = stats.kstest(drawn.values[:, k], exact.cdf, method="asymp")
             assert found.pvalue > 1e-4
-            if method == "latin-hypercube" or (method == "sobol" and not correlation):
+            if method == "latin-hypercube":
                 assert found.statistic < 2.0 / 512
 
 
@@ -350,7 +350,6 @@ PAIRS = [("normal", "log", 0.5), ("J1.plane.dip", "cut", -0.4)]
 @pytest.mark.parametrize("method", METHODS)
 def test_pieces_and_pickling_change_no_sample(method, monkeypatch) -> None:
     monkeypatch.setattr(sampling, "BLOCK", 256)
-    monkeypatch.setattr(sampling, "MOST_POINTS", 512)
     plan = planned(MIXED, PAIRS, 5000, 11, method)
     whole = draw(plan)
     assert whole.values.shape == (plan.n, 9)
@@ -379,24 +378,18 @@ def test_a_longer_run_begins_with_a_shorter_one() -> None:
 
 @pytest.mark.parametrize("n", [1, 2, 7, 10, 127, 128, 129, 1000, 2**14, 20000, 600_000])
 def test_replicates(n) -> None:
-    """Sixteen or more where there are samples enough; Sobol's of a power of two, at most a sixteenth beyond n."""
+    """Sixteen or more where there are samples enough."""
     for method in METHODS:
         plan = planned([Variable("x", KINDS["normal"])], (), n, 1, method)
         sizes = np.diff([0, *(plan.bounds(block)[1] for block in range(plan.blocks))])
-        assert sizes.sum() == plan.n >= plan.asked == n
+        assert sizes.sum() == plan.n == n
         if method == "monte-carlo":
             assert (plan.n, plan.replicates) == (n, 1)
             continue
         assert plan.blocks == plan.replicates <= 32767
         assert plan.replicates >= (16 if n >= 128 else 1)
-        assert sizes.max() <= 32768
-        if method == "latin-hypercube":
-            assert (plan.n, sizes.max() - sizes.min()) == (n, int(n % plan.replicates > 0))
-            assert sizes.max() <= 8192
-        else:
-            assert len(set(sizes)) == 1
-            assert sizes[0] & (sizes[0] - 1) == 0
-            assert plan.n - n < max(n / 16, 8)
+        assert sizes.max() - sizes.min() == int(n % plan.replicates > 0)
+        assert sizes.max() <= 8192
 
 
 @pytest.mark.parametrize("n", [16 * 64, 16 * 63])
@@ -426,8 +419,7 @@ def test_latin_hypercube_fills_each_stratum_evenly() -> None:
     assert drawn.values.mean() == pytest.approx(3.5, abs=1e-12)  # the upper half mirrors the lower
 
 
-@pytest.mark.parametrize("method", ["latin-hypercube", "sobol"])
-def test_replicates_are_independent_and_give_confidence_limits(method) -> None:
+def test_replicates_are_independent_and_give_confidence_limits() -> None:
     """The scatter of the replicates' means foretells the error of their mean, against the exact probability.
 
     Six inputs of a linear limit state, P(sum of normals < -2 √6) = Φ(-2); over 30 seeds the error in units of its
@@ -437,15 +429,14 @@ def test_replicates_are_independent_and_give_confidence_limits(method) -> None:
     exact = stats.norm.cdf(-2.0)
     scores = []
     for seed in range(30):
-        drawn = samples(variables, (), 16 * 128, seed, method)
+        drawn = samples(variables, (), 16 * 128, seed, "latin-hypercube")
         fails = drawn.values.sum(axis=1) < -2.0 * math.sqrt(6.0)
         means = np.array([fails[drawn.replicate == k].mean() for k in range(16)])
         scores.append((means.mean() - exact) / (means.std(ddof=1) / 4.0))
     assert stats.kstest(scores, stats.t(15).cdf).pvalue > 1e-3
 
 
-@pytest.mark.parametrize("method", ["latin-hypercube", "sobol"])
-def test_fewer_samples_for_the_same_error(method) -> None:
+def test_fewer_samples_for_the_same_error() -> None:
     """The mean of a sum has a tenth of the error that Monte Carlo has, or less."""
     variables = [Variable(name, KINDS[name]) for name in ("normal", "uniform", "triangle")]
     exact = 20.0 + 0.5 + 2.0
@@ -454,7 +445,7 @@ def test_fewer_samples_for_the_same_error(method) -> None:
         found = [samples(variables, (), 2048, seed, how).values.sum(axis=1).mean() - exact for seed in range(10)]
         return math.sqrt(np.mean(np.square(found)))
 
-    assert error(method) < 0.1 * error("monte-carlo")
+    assert error("latin-hypercube") < 0.1 * error("monte-carlo")
 
 
 def test_numbers_that_cannot_be() -> None:

@@ -127,7 +127,7 @@ def test_changes_of_status_are_marked() -> None:
     """Contact with J1 is lost, then the wedge is lifted off; a level passed over a change is said to be."""
     swept = sweep(sk.load(WET), {"water.pressures.J1": [0, 300, 360, 900], "water.pressures.J2": [0, 900]},
                   methods="closed-form", fos=0.75)  # fmt: skip
-    same = {change.statuses for change in swept.changes}
+    same = {change["statuses"] for change in swept.changes}
     assert ("slides_on_both", "slides_on_J2") in same
     assert swept.counts["lifted"] >= 1
     assert any(one.how == "across a change of status" for one in swept.critical if one.level == 0.75)

@@ -183,7 +183,8 @@ def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Resu
     if histogram is not None:
         histogram[{"pre-ie": "limit"}.get(by, "closed_form")] = histogram["counts"]
     return {
-        "samples": count, "pf": leading.probability, "low": leading.low, "high": leading.high, "pf_of": leading.by,
+        "samples": count, "pf": leading["probability"], "low": leading["low"], "high": leading["high"],
+        "pf_of": leading["by"],
         "confidence": study.asked.confidence, "target": target, "histogram": histogram, "outcomes": study.counts,
         "sensitivity": [{"label": name, "rank_correlation": value} for name, value in study.sensitivities],
         "notices": [answers.notice_of(one) for one in study.warnings], "line": study.line,

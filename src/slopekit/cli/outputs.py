@@ -92,7 +92,6 @@ def export(
     ] = None,
     blocks: Annotated[str | None, typer.Option(help="Only these: B1,B7.", metavar="NAMES")] = None,
     moving: Annotated[bool, typer.Option("--moving", help="Leave bedrock out.")] = False,
-    binary: Annotated[bool, typer.Option("--binary", help="STL in binary: float32, smaller.")] = False,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="The names of the files only.")] = False,
 ) -> None:
@@ -100,7 +99,7 @@ def export(
     from slopekit.exchange.export import export as export_result
 
     with watched("export"):
-        done = export_result(result, Path(output), what=what, blocks=blocks, moving=moving, binary=binary, case=case)
+        done = export_result(result, Path(output), what=what, blocks=blocks, moving=moving, case=case)
     if as_json:
         typer.echo(json_text({"slopekit": __version__, **done.to_dict()}))
     elif quiet:

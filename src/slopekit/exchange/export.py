@@ -14,14 +14,13 @@ from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_files
 from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.picking import WHAT, Picked, WrittenBlock, names_of, picked, volume_of, with_bolts, words_of_what
-from slopekit.exchange.solids import Files, binary_rounding, write_binary_stl, write_glb, write_obj, write_stl
+from slopekit.exchange.solids import Files, write_glb, write_obj, write_stl
 from slopekit.exchange.source import ExportSource, Given, sources_of
 from slopekit.exchange.vtu import write_vtu
 
 if TYPE_CHECKING:
     pass
 
-_ROUNDING = 1e-4  # of the smallest block's size: more than that is said
 _SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is said above it
 
 
@@ -29,7 +28,7 @@ _SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is s
 class Format:
     """What a format holds: parts, and whether several at once; who writes it.
 
-    `needs` a module, of an extra; `rounded` to float32: all coordinates, those from each block's own middle, or none.
+    `needs` a module, of an extra; `is_rounded`: coordinates from each block's own middle are float32.
     """
 
     name: str
@@ -37,19 +36,18 @@ class Format:
     parts: tuple[str, ...] = WHAT
     several: bool = True
     needs: tuple[str, str] | None = None
-    rounded: str = ""
+    is_rounded: bool = False
 
 
 #: Formats by the suffix of the file.
 FORMATS: Mapping[str, Format] = {
     ".stl": Format("STL", write_stl, WHAT[:2], several=False),
     ".obj": Format("OBJ", write_obj, WHAT[:2]),
-    ".glb": Format("GLB", write_glb, rounded="local"),
-    ".gltf": Format("glTF", write_glb, rounded="local"),
+    ".glb": Format("GLB", write_glb, is_rounded=True),
+    ".gltf": Format("glTF", write_glb, is_rounded=True),
     ".vtu": Format("VTU", write_vtu),
     ".dxf": Format("DXF", write_dxf, needs=("ezdxf", "cad")),
 }
-_BINARY = Format("STL", write_binary_stl, WHAT[:2], several=False, rounded="all")
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +104,6 @@ def export(
     what: str | Sequence[str] | None = None,
     blocks: str | Sequence[str] | None = None,
     moving: bool = False,
-    binary: bool = False,
     case: str | None = None,
 ) -> Export:
     """Write the blocks, interfaces, node pairs or bolts of a result to a file of another program.
@@ -118,7 +115,6 @@ def export(
     what : "blocks", "interfaces", "pairs", "bolts", or several of them [blocks; with bolts that have a head where the
         format holds both]
     blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
-    binary : STL in binary, float32
     case : one of the load cases of the result, by name; without it each has a file of its own, NAME-CASE.dxf beside
         `path`
 
@@ -141,7 +137,7 @@ def export(
     (1, 209461)
     """
     words = words_of_what("blocks" if what is None else what)
-    target = _target(Path(path), words, binary)
+    target = _target(Path(path), words)
     sources, names = sources_of(result, case), names_of(blocks)
     has_bolts = what is None and "bolts" in FORMATS[target.suffix.lower()].parts
     chosen = {name: picked(one.scene, words, names, moving, one.is_section) for name, one in sources.items()}
@@ -150,8 +146,8 @@ def export(
         part = with_bolts(chosen[name], names, moving) if has_bolts else chosen[name]
         is_alone = case is not None or not name
         file = target if is_alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
-        written.append(_written_file(file, part, name, binary))
-        for notice in dict.fromkeys(_notices(source, part, file, binary)):
+        written.append(_written_file(file, part, name))
+        for notice in dict.fromkeys(_notices(source, part)):
             said.setdefault(notice, []).append(name)
     notices = [
         one if len(whose) == len(sources) else Notice(one.code, f"{', '.join(whose)}: {one.message}")
@@ -160,9 +156,9 @@ def export(
     return Export(tuple(written), (*notices, *_alike(list(sources), list(chosen.values()))))
 
 
-def _written_file(path: Path, part: Picked, name: str, binary: bool) -> Written:
+def _written_file(path: Path, part: Picked, name: str) -> Written:
     """One file of one case."""
-    form = _BINARY if binary else FORMATS[path.suffix.lower()]
+    form = FORMATS[path.suffix.lower()]
     with writing(path), whole_files(path.parent) as staging:  # VTU has a file more for each part
         files, precision = form.write(staging / path.name, part)
     return _described(form, [path.with_name(file.name) for file in files], precision, part, name)
@@ -179,7 +175,7 @@ def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:
     return [Notice("W376", f"{message}: --case NAME writes one")]
 
 
-def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
+def _target(path: Path, words: Sequence[str]) -> Path:
     """The file to write, refused before any work is done; E129, E140, E141, E313."""
     file_format = _format(path.suffix.lower(), str(path))
     lacking = [word for word in words if word not in file_format.parts]
@@ -191,9 +187,6 @@ def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
         message = f"{file_format.name} files hold one part at a time, not {' and '.join(words)}"
         able = [suffix for suffix, one in FORMATS.items() if one.several and set(words) <= set(one.parts)]
         raise DesignError([Fault("E313", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
-    if binary and path.suffix.lower() != ".stl":
-        message = f"--binary is for STL, {path.name} is {file_format.name}"
-        raise DesignError([Fault("E313", message, "--binary", "Leave it out.")])
     _refuse_without(file_format, str(path))
     if path.is_dir():
         raise DesignError([Fault("E129", f"{path} cannot be written: it is a folder", str(path))])
@@ -236,29 +229,22 @@ def _refuse_unwritable(folder: Path) -> None:
 
 def _described(form: Format, files: Sequence[Path], precision: str, chosen: Picked, case: str) -> Written:
     """What was written."""
-    volume = sum(_volume(body, form.rounded) for body in chosen.bodies) if chosen.bodies else None
+    volume = sum(_volume(body, form.is_rounded) for body in chosen.bodies) if chosen.bodies else None
     return Written(
         tuple(files), form.name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume,
         len(chosen.bolts), case,
     )  # fmt: skip
 
 
-def _volume(body: WrittenBlock, rounded: str) -> float:
+def _volume(body: WrittenBlock, is_rounded: bool) -> float:
     """The volume (m³) of a block as it stands in the file."""
-    if not rounded:
+    if not is_rounded:
         return body.volume
-    vertices = body.vertices if rounded == "all" else body.local
-    return volume_of(vertices.astype(np.float32).astype(np.float64), body.triangles)
+    return volume_of(body.local.astype(np.float32).astype(np.float64), body.triangles)
 
 
-def _notices(source: ExportSource, chosen: Picked, path: Path, binary: bool) -> Iterator[Notice]:
-    """What the files do not say themselves: W376 rounding, W376 flat triangles for a curved body."""
-    if binary:
-        rounding = binary_rounding(chosen)
-        smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest
-        if rounding > _ROUNDING * smallest:
-            message = f"binary STL holds float32: {path.name} rounds coordinates by up to {rounding:.2g} m"
-            yield Notice("W376", f"{message}, the smallest block is {smallest:.3g} m in size")
+def _notices(source: ExportSource, chosen: Picked) -> Iterator[Notice]:
+    """What the files do not say themselves: W376 flat triangles for a curved body."""
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
     if source.is_curved and chosen.bodies and true > 0.0:
         flat = sum(body.volume for body in chosen.bodies)

@@ -1,4 +1,4 @@
-"""Blocks as triangles: STL and OBJ as text with every digit of a double (STL in binary has float32 only), GLB and glTF.
+"""Blocks as triangles: STL and OBJ as text with every digit of a double, GLB and glTF.
 
 Those hold float32 vertices about each block's own origin, the origins as doubles in the nodes; trimesh writes them.
 """
@@ -17,7 +17,6 @@ from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Picked
 
 _RESERVED = re.compile(r"(?i)solid|facet|normal|vertex|loop")  # readers look for these words, in names as well
-_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _DIGITS = "text, every digit of a double"
 #: Colours (red, green, blue, alpha).
 _STATES = ((150, 150, 150, 255), (214, 190, 150, 255), (200, 80, 10, 255))  # bedrock, stands, moves
@@ -47,24 +46,6 @@ def write_stl(path: Path, picked: Picked) -> Files:
         lines.append(f"endsolid {stl_name(name)}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return [path], _DIGITS
-
-
-def write_binary_stl(path: Path, picked: Picked) -> Files:
-    """Binary STL: all in one, without names."""
-    corners = np.concatenate([vertices[triangles] for _, vertices, triangles in _surfaces(picked)])
-    facets = np.zeros(len(corners), dtype=_FACET)
-    facets["corners"] = corners
-    facets["normal"] = _normals(corners)
-    with path.open("wb") as file:
-        file.write(b"slopekit, metres".ljust(80))
-        file.write(np.uint32(len(facets)).tobytes())
-        file.write(facets.tobytes())
-    return [path], f"binary float32, coordinates rounded by up to {binary_rounding(picked):.2g} m"
-
-
-def binary_rounding(picked: Picked) -> float:
-    """How far float32 moves the coordinates at most, m."""
-    return max(_rounding(vertices) for _, vertices, _ in _surfaces(picked))
 
 
 def _rounding(vertices: Floats) -> float:

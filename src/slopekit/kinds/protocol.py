@@ -165,7 +165,6 @@ class Kind(Generic[D]):
         kinds of one block, whose k_y with a force along the sliding says it
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
     paper_keys : how keys begin whose defaults stand for numbers of the slope
-    drawn_planes : keys of the two planes that a survey may say in the design's place; None of other kinds
     in_section : the part of an earthquake that acts in the section of a design; None of kinds that know all of it
     falls_west : the slope falls toward -x where nothing of a result says the way
     answered : when a design under work is analysed: while a slider is dragged, when it is let go, at a button
@@ -190,7 +189,6 @@ class Kind(Generic[D]):
     seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()
-    drawn_planes: Callable[[D], tuple[str, str]] | None = None
     in_section: Callable[[D], float] | None = None
     falls_west: bool = False
     answered: Literal["drag", "release", "button"] = "release"

@@ -15,7 +15,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
 from operator import attrgetter
-from typing import Any, ClassVar, Generic, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.codec import json_of
@@ -103,10 +103,8 @@ class ForAll(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class _CaseRow:
-    case: LoadCase
-    of: Shown
+#: A case and what came of it.
+_CaseRow: TypeAlias = tuple[LoadCase, Shown]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -193,27 +191,27 @@ class Cases(Shown, Generic[Found]):
     @property
     def sheet(self) -> Sheet:
         """The table over the cases."""
-        rows = [_CaseRow(case, self.cases[case.name]) for case in self.design.cases]
+        rows: list[_CaseRow] = [(case, self.cases[case.name]) for case in self.design.cases]
         first = next(iter(self.cases.values()))
         more = max((one.case_columns() for one in self.cases.values()), key=len)  # not every case has every column
-        width = min(max(len(row.case.name) for row in rows), 24) + 2
+        width = min(max(len(case.name) for case, _ in rows), 24) + 2
         room = _ROOM - width - sum(abs(column.width) for column in more if abs(column.width) > 1) - _LAST
-        room = max(min(room, max(len(row.case.in_words) for row in rows) + 2), 8)
-        is_cut = any(len(row.case.in_words) > room - 2 for row in rows)
+        room = max(min(room, max(len(case.in_words) for case, _ in rows) + 2), 8)
+        is_cut = any(len(case.in_words) > room - 2 for case, _ in rows)
         own: list[Column[_CaseRow]] = [
-            Column("case", attrgetter("case.name"), "case", width=-max(width, 6)),
-            Column("sets", attrgetter("case.in_words"), "sets", width=-room,
+            Column("case", lambda row: row[0].name, "case", width=-max(width, 6)),
+            Column("sets", lambda row: row[0].in_words, "sets", width=-room,
                    show=lambda text: text if len(text) < room - 1 else f"{text[: room - 5]}..."),
         ]  # fmt: skip
         own += [replace(column, of=_of(column), text=None) for column in more]
-        own.append(Column("says", attrgetter("of.line"), "line"))
+        own.append(Column("says", lambda row: row[1].line, "line"))
         table = Table(own, rows)
         own_name = "cases.csv" if self.what == "run" else f"{self.what}-cases.csv"
         sections = [Section("CASES", [table])]
         if is_cut:
-            sections.append(Section("SETS", [f"{row.case.name}: {row.case.in_words}" for row in rows if row.case.sets]))
+            sections.append(Section("SETS", [f"{case.name}: {case.in_words}" for case, _ in rows if case.sets]))
         if not more:
-            sections.append(Section("EACH", [f"{row.case.name}: {row.of.line}" for row in rows]))
+            sections.append(Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]))
         if self.for_all is not None:
             sections += self.for_all.sections()
         elif more:
@@ -252,7 +250,7 @@ class Cases(Shown, Generic[Found]):
 
 
 def _of(column: Column[Any]) -> Callable[[_CaseRow], Any]:
-    return lambda row: column.of(row.of)
+    return lambda row: column.of(row[1])
 
 
 def each_case(

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, fields, replace
+from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from slopekit.core.codec import record_of
 from slopekit.core.errors import DesignError, Fault, MisfitError, Notice, SlopekitError
+from slopekit.core.options import Workplace
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
@@ -18,7 +20,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import also_falls_short, cut, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import new_notices
-from slopekit.studies.running import Record
+from slopekit.studies.running import Crew, Journal, Record, run_all
 
 Method = Literal["closed_form", "pre_ie"]
 Methods = Literal["both", "closed-form", "pre-ie"]
@@ -200,6 +202,22 @@ def point_of(
         return Point(None, fault.code, fault.message)
     except _BROKEN as error:  # one sample of many: it is counted, the others go on
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
+
+
+def kept_points(
+    work: Callable[[Any], Record], tasks: Sequence[Any], crew: Crew, desk: Workplace, study: str, label: str,
+    run: object, at_once: int = 8,
+) -> tuple[tuple[Point, ...], Journal]:  # fmt: skip
+    """The points of many tasks, by whoever does the work, and the journal that keeps what is done until it is removed.
+
+    Parameters
+    ----------
+    study, label : names of the journal and of the bar; run : everything that the points depend on, as JSON values
+    """
+    journal = Journal.of(desk.folder or Path.cwd(), study, run, streamed=desk.folder is not None)
+    with desk.bar(label, len(tasks)) as advance:
+        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
+    return tuple(Point.from_record(record) for record in records), journal
 
 
 def said_at(

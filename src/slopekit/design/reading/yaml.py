@@ -53,7 +53,6 @@ NUMBERS = re.compile(rf"(?<![^\s\[{{,:])(?:{_LIST}|\[ *{_LIST} *(?:, *{_LIST} *)
 _TOKEN = re.compile(r"[\[\]]|[^\[\], ]+")
 _STAND_IN = "\ue000"
 _LARGE = 20_000
-_NUMBERS_TO_A_VALUE = 5
 
 
 class SourceLines:
@@ -138,7 +137,7 @@ def _composed(text: str, source: SourceLines, original: str = "") -> Any:
     from ruamel.yaml.error import MarkedYAMLError, YAMLError, YAMLStreamError
 
     class Counting(Composer):
-        values = 0.0
+        values = 0
         nesting = 0
 
         def compose_node(self, parent: Any, index: Any) -> Any:
@@ -159,7 +158,7 @@ def _composed(text: str, source: SourceLines, original: str = "") -> Any:
             match = NUMBERS.match(original, mark.index)
             if match is None or node.style or anchor is not None or node.value != _STAND_IN * len(match.group()):
                 raise _NotAlone
-            self.values += match.group().count(",") / _NUMBERS_TO_A_VALUE
+            self.values += match.group().count(",") + match.group().count("[")  # its numbers, and lists in it
             if self.values > MAX_VALUES:
                 fail_large(source.place(mark.line, mark.column), deep=False)
             return _numbers(match.group(), _At(mark.line, mark.column))

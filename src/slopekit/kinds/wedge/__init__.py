@@ -397,5 +397,4 @@ KIND = replace(kind_of_one_block(
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
 ), paper_keys=("slope.", "strength.", "rock.density"),
-    drawn_planes=lambda design: (f"joints.{design.joint_names[0]}.plane", f"joints.{design.joint_names[1]}.plane"),
 )  # fmt: skip

@@ -17,7 +17,7 @@ none. Largest: the toe is that of the bench, and a joint too short makes the blo
 """
 
 import math
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from slopekit.closed_form.tolerances import REACHES
 from slopekit.closed_form.wedge import OUTCOMES as WEDGE_OUTCOMES
 from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass, names_of
+from slopekit.core.records import dataclass
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.kinematic.criteria import beside_deg
 
@@ -109,7 +109,7 @@ def bench_of(ground: BenchSite, trials: Trials, height_m: float, face_dip_deg: f
         part(ground, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
     ]  # fmt: skip
     forms, fails, factor, block, setback, volume, spill, width = (
-        np.stack([getattr(part, name) for part in parts]) for name in names_of(_Part)
+        np.stack([part[name] for part in parts]) for name in _NAMES
     )
     lost = np.where(fails, setback, -1.0)
     governs = np.where(fails.any(axis=0), lost.argmax(axis=0), -1)
@@ -118,28 +118,19 @@ def bench_of(ground: BenchSite, trials: Trials, height_m: float, face_dip_deg: f
     return Bench(height_m, face_dip_deg, forms, fails, factor, block, governs.astype(np.int64), *own)
 
 
-@dataclass(frozen=True, slots=True)
-class _Part:
-    """One mode, (n,) each; sizes are 0 where nothing forms."""
+#: What becomes of one mode: arrays (n,) by their names; sizes are 0 where nothing forms.
+_Part: TypeAlias = dict[str, np.ndarray]
+_NAMES: Final = ("forms", "fails", "factor", "block_height_m", "setback_m", "volume_m3", "spill_m", "width_m")
 
-    forms: Bools
-    fails: Bools
-    factor: Floats
-    block_height_m: Floats
-    setback_m: Floats
-    volume_m3: Floats
-    spill_m: Floats
-    width_m: Floats
 
-    @classmethod
-    def of(cls, n: int, those: Ints, **values: Floats | Bools) -> "_Part":
-        """Values of some trials; all others form nothing."""
-        arrays: dict[str, np.ndarray] = {}
-        for name in names_of(cls):
-            is_said = name in ("forms", "fails")
-            arrays[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
-            arrays[name][those] = True if name == "forms" else values[name]
-        return cls(**arrays)
+def _part(n: int, those: Ints, **values: Floats | Bools) -> _Part:
+    """Values of some of n trials; all others form nothing."""
+    part: _Part = {}
+    for name in _NAMES:
+        is_said = name in ("forms", "fails")
+        part[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
+        part[name][those] = True if name == "forms" else values[name]
+    return part
 
 
 def strengths_at(ground: BenchSite, trials: Trials) -> tuple[Floats, Floats]:
@@ -163,7 +154,7 @@ def _wedges(ground: BenchSite, trials: Trials, height: float, face: float) -> _P
     long_enough = np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
     those = np.flatnonzero(long_enough)
     if not those.size:
-        return _Part.of(len(trials), those, **_nothing())
+        return _part(len(trials), those, **_nothing())
     one, two = a[those], b[those]
     pressures = () if ground.pressure_kpa is None else (ground.pressure_kpa, ground.pressure_kpa)
     wedges = hoek_bray_wedges(
@@ -183,7 +174,7 @@ def _wedges(ground: BenchSite, trials: Trials, height: float, face: float) -> _P
     those, scales = those[kept], scale[those][kept]
     factor, fails = _judged(WEDGE_OUTCOMES, wedges.outcome[kept], wedges.factor[kept], ground.target)
     volume = whole.volume_m3[those] * scales**3
-    return _Part.of(
+    return _part(
         len(trials), those, fails=fails, factor=factor, block_height_m=heights[those],
         setback_m=whole.setback_m[those] * scales, volume_m3=volume,
         spill_m=cone_spill_width(volume, face, ground.repose_deg, ground.swell),
@@ -203,7 +194,7 @@ def _planes(ground: BenchSite, trials: Trials, height: float, face: float) -> _P
         (beside <= ground.lateral_deg + _ANGLE) & np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
     )
     if not those.size:
-        return _Part.of(len(trials), those, **_nothing())
+        return _part(len(trials), those, **_nothing())
     cohesion, friction = strengths_at(ground, trials)
     heights = (height * scale)[those]
     blocks = plane_failures(
@@ -218,7 +209,7 @@ def _planes(ground: BenchSite, trials: Trials, height: float, face: float) -> _P
     those, scales = those[kept], scale[those][kept]
     factor, fails = _judged(PLANE_OUTCOMES, blocks.outcome[kept], blocks.factor[kept], ground.target)
     area = whole.area_m2[those] * scales**2
-    return _Part.of(
+    return _part(
         len(trials), those, fails=fails, factor=factor, block_height_m=heights[kept],
         setback_m=whole.setback_m[those] * scales, volume_m3=area * ground.every_m,
         spill_m=prism_spill_width(area, face, ground.repose_deg, ground.swell),
@@ -229,7 +220,7 @@ def _planes(ground: BenchSite, trials: Trials, height: float, face: float) -> _P
 def _columns(ground: BenchSite, trials: Trials, height: float, face: float) -> _Part:
     """Either joint of a place may be the steep one."""
     heights = height * (1.0 - trials.toe)
-    part = _Part.of(len(trials), np.empty(0, dtype=np.int64), **_nothing())
+    part = _part(len(trials), np.empty(0, dtype=np.int64), **_nothing())
     friction = strengths_at(ground, trials)[1]
     for at, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
         dip, out = ground.dips_deg[steep], ground.dips_deg[base]
@@ -237,7 +228,7 @@ def _columns(ground: BenchSite, trials: Trials, height: float, face: float) -> _
         toward = beside_deg(ground.dip_directions_deg[base], ground.toward_deg)
         can = (into <= ground.lateral_toppling_deg + _ANGLE) & (toward <= ground.lateral_toppling_deg + _ANGLE)
         can &= (dip >= 90.0 - face + friction[at] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
-        those = np.flatnonzero(can & ~part.forms)
+        those = np.flatnonzero(can & ~part["forms"])
         if not those.size:
             continue
         widths = ground.spacing_m[steep[those]]
@@ -261,9 +252,9 @@ def _columns(ground: BenchSite, trials: Trials, height: float, face: float) -> _
             "spill_m": prism_spill_width(rows.area_m2[held], face, ground.repose_deg, ground.swell),
             "width_m": np.full(some.size, ground.every_m),
         }  # fmt: skip
-        part.forms[some] = True
+        part["forms"][some] = True
         for name, own in values.items():
-            getattr(part, name)[some] = own
+            part[name][some] = own
     return part
 
 
@@ -322,4 +313,4 @@ def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target:
 
 
 def _nothing() -> dict[str, Floats]:
-    return {name: np.empty(0) for name in names_of(_Part)}
+    return {name: np.empty(0) for name in _NAMES}

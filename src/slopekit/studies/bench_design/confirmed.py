@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -15,10 +14,10 @@ from slopekit.kinds.plane import PlaneDesign
 from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
-from slopekit.studies.points import GIVEN_UP, Point, falls_short
+from slopekit.studies.points import Point, falls_short, kept_points
 from slopekit.studies.prob.judged import Confirmation, chosen, confirmation_of
 from slopekit.studies.protocol import Workplace
-from slopekit.studies.running import Crew, Journal, Record, run_all
+from slopekit.studies.running import Crew, Journal, Record
 
 _MODES = (WEDGE, PLANE)
 
@@ -50,9 +49,9 @@ def confirmed(
     )
     target, within, seed = asked.number("fos"), asked.near, int(asked.number("seed"))
     index = chosen(forms, factor, target, int(asked.number("confirm")), within, seed)
-    if not len(index.all):
+    if not len(index[0]):
         return None, None
-    rows = [divmod(int(one), len(trials)) for one in index.all]
+    rows = [divmod(int(one), len(trials)) for one in index[0]]
     keys, strengths = [], strengths_at(asked.ground(0.0), trials)
     for part, trial in rows:
         bench, mode = benches[part // len(_MODES)], _MODES[part % len(_MODES)]
@@ -62,17 +61,14 @@ def confirmed(
         keys.append((mode, first, other, float(bench.block_height_m[mode, trial]), bench.face_dip_deg, strength))
     different = list(dict.fromkeys(keys))
     designs = [_design(asked, *key) for key in different]
-    folder = desk.folder
-    journal = Journal.of(folder or Path.cwd(), "bench-design", asked.input_hash(), streamed=folder is not None)
-    with desk.bar("PRE-IE", len(designs)) as advance:
-        records = run_all(both_methods, designs, crew, journal=journal, advance=advance, given_up=GIVEN_UP)
-    points = dict(zip(different, map(Point.from_record, records), strict=True))
+    found, journal = kept_points(both_methods, designs, crew, desk, "bench-design", "PRE-IE", asked.input_hash())
+    points = dict(zip(different, found, strict=True))
     said = confirmation_of(
         index, tuple(points[key] for key in keys), forms, np.ones(len(forms), dtype=bool), fails, target, within,
         asked.number("confidence"),
     )  # fmt: skip
     modes = [key[0] for key in keys]
-    stands = ~fails[index.all]
+    stands = ~fails[index[0]]
     doubted = frozenset(
         (benches[part // len(_MODES)].height_m, benches[part // len(_MODES)].face_dip_deg)
         for (part, _), key, stood in zip(rows, keys, stands, strict=True) if stood and _is_doubted(points[key], target)

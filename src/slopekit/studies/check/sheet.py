@@ -1,9 +1,9 @@
 """The sheet of a checked design: what was looked at, what accuracy costs, 100 columns."""
 
 from collections.abc import Iterator
-from operator import attrgetter
+from operator import attrgetter, itemgetter
+from typing import TypeAlias
 
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds.sheets.many_blocks import limit_in_words
 from slopekit.kinds.sheets.shared import LOWEST, UPPER_BOUND, accept, has_range, leading, locked_in, methods
@@ -89,24 +89,17 @@ _FINDING: tuple[Column[Finding], ...] = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Rung:
-    """A rung of the ladder, its error, how many times the seconds of the base, and whether its method is said here."""
-
-    rung: Rung
-    error: float | None
-    times: float
-    first: bool
-
+#: A rung of the ladder, its error, how many times the seconds of the base, and whether its method is said here.
+_Rung: TypeAlias = tuple[Rung, float | None, float, bool]
 
 _LADDER: tuple[Column[_Rung], ...] = (
-    Column("method", attrgetter("rung.method"), "method", text=lambda step: step.rung.method * step.first, width=-13),
-    Column("setting", attrgetter("rung.setting"), "setting", width=-23),
-    Column("pairs", attrgetter("rung.node_pairs"), "node_pairs", width=6),
-    Column("F", attrgetter("rung.factor"), "fos", show=lambda fos: "none" if fos is None else f"{fos:.8g}", width=13),
-    Column("error", attrgetter("error"), "error", show=lambda off: "-" if off is None else f"{off:.1e}", width=9),
-    Column("ms", attrgetter("rung.seconds"), "seconds", "s", lambda s: _brief(s * 1e3), 10, timed=True),
-    Column("times", attrgetter("times"), "times", show=lambda times: _brief(times), width=10, timed=True),
+    Column("method", lambda step: step[0].method, "method", text=lambda step: step[0].method * step[3], width=-13),
+    Column("setting", lambda step: step[0].setting, "setting", width=-23),
+    Column("pairs", lambda step: step[0].node_pairs, "node_pairs", width=6),
+    Column("F", lambda step: step[0].factor, "fos", show=lambda fos: "none" if fos is None else f"{fos:.8g}", width=13),
+    Column("error", itemgetter(1), "error", show=lambda off: "-" if off is None else f"{off:.1e}", width=9),
+    Column("ms", lambda step: step[0].seconds, "seconds", "s", lambda s: _brief(s * 1e3), 10, timed=True),
+    Column("times", itemgetter(2), "times", show=lambda times: _brief(times), width=10, timed=True),
 )
 
 
@@ -126,7 +119,7 @@ def _ladder(checked: Check) -> list[Entry]:
 def _steps(checked: Check, base: float) -> Iterator[_Rung]:
     said = ""
     for rung, error in zip(checked.ladder, checked.errors, strict=True):
-        yield _Rung(rung, error, rung.seconds / base, rung.method != said)
+        yield rung, error, rung.seconds / base, rung.method != said
         said = rung.method
 
 

@@ -15,7 +15,6 @@ from slopekit.design.common import Design
 from slopekit.design.ground_water import WORST
 from slopekit.design.reading.files import with_values
 from slopekit.design.scatter.distributions import Distribution, Variable
-from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.worst_crack import WHERE
 from slopekit.studies.prob.sampling import Samples
 from slopekit.studies.prob.vectorised import vectorised
@@ -93,23 +92,9 @@ def checked_alone(design: Design, count: int) -> None:
     written = plain.get("crack") if isinstance(plain, dict) else None
     if count <= _MOST_ALONE or WORST not in str(written):
         return
-    why, way = _why_alone(design)
-    message = f"{why} worst cracks are found sample by sample: at most {_MOST_ALONE}, here {count}"
-    give = f"{way}, or give" if way else "Give"
-    advice = f"{give} the distance that slopekit run finds, or fewer samples: -n {_MOST_ALONE}."
+    message = f"worst cracks of this design are found sample by sample: at most {_MOST_ALONE}, here {count}"
+    advice = (
+        "Passive bolts, curved strength, a basal joint, crack water in metres, table, pond and surcharge ask for it. "
+        f"Give the distance that slopekit run finds, or fewer samples: -n {_MOST_ALONE}."
+    )
     raise DesignError([Fault("E125", message, PLACE, advice)])
-
-
-def _why_alone(design: Design) -> tuple[str, str]:
-    """What it is looked for alone for, and what would do without, if anything."""
-    if any(bolt.acts == "passive" for bolt in design.bolts):
-        return "with passive bolts", ""
-    if any(strength.named_law for strength in kind_of(design).strengths(design)):
-        return "with a curved strength", ""
-    if getattr(design, "basal", None) is not None:
-        return "with a basal joint", ""
-    if getattr(design, "is_wet_by_crack", False):
-        return "with crack water in metres", "Give crack.water in % or kPa"
-    if design.is_cut_for_loads:
-        return "with table, pond or surcharge", ""
-    return "in this design", ""

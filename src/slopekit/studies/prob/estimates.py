@@ -59,7 +59,7 @@ def share_of(cases: Bools, among: Bools, replicate: Floats | np.ndarray, confide
     cases, among : (n,) statements about the samples
     replicate : (n,) number of the independent replicate that a sample belongs to, all 0 where samples are independent
 
-    Latin hypercube and Sobol samples are not independent: each replicate gives a share of its own, and Student's t
+    Samples of a Latin hypercube are not independent: each replicate gives a share of its own, and Student's t
     of those gives the limits. Where cases are too rare for that, the limits are those of independent samples, which
     such samples keep: their scatter is not the larger one (Owen 1997 for Latin hypercubes).
 

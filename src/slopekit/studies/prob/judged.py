@@ -5,11 +5,11 @@ Those that PRE-IE looks at besides are a random part, and all near the target.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field, replace
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.evidence import WithoutBasal
@@ -226,13 +226,8 @@ class Confirmation:
         return tuple(point for point in self.points if not _settled(point))
 
 
-@dataclass(frozen=True, slots=True)
-class Chosen:
-    """The samples that PRE-IE is asked about, sorted (m,), and which of them are at random and near the target (m,)."""
-
-    all: np.ndarray
-    at_random: Bools
-    near: Bools
+#: The samples that PRE-IE is asked about, sorted (m,), and which of them are at random and near the target (m,).
+Chosen: TypeAlias = tuple[Ints, Bools, Bools]
 
 
 def chosen(forms: Bools, factor: Floats, target: float, count: int, within: float, seed: int) -> Chosen:
@@ -249,7 +244,7 @@ def chosen(forms: Bools, factor: Floats, target: float, count: int, within: floa
     rng = np.random.default_rng([seed, _OWN_STREAM])
     random = rng.choice(forming, min(count, len(forming)), replace=False) if len(forming) else forming
     index = np.union1d(random, close)
-    return Chosen(index, np.isin(index, random), np.isin(index, close))
+    return index, np.isin(index, random), np.isin(index, close)
 
 
 def confirmation_of(
@@ -262,22 +257,23 @@ def confirmation_of(
     ----------
     forms, possible, fails : (n,) of the closed form
     """
+    index, random, near = asked
     judged = np.array([_settled(point) for point in points], dtype=bool)
     fails_too = np.array([_fails(point, target) for point in points], dtype=bool)
-    before = fails[asked.all]
+    before = fails[index]
     other = judged & (fails_too != before)
-    asked_at_random = int((asked.at_random & judged).sum())
-    other_at_random = int((other & asked.at_random).sum())
+    asked_at_random = int((random & judged).sum())
+    other_at_random = int((other & random).sum())
     factors = [point.factors for point in points if point.factors is not None]
     differences = [both.difference for both in factors if both.difference is not None]
     governed = np.array([point.factors is not None and point.factors.moments_govern for point in points])
     # one-sided: only the upper limit is of interest
     at_most = clopper_pearson(other_at_random, asked_at_random, 2.0 * confidence - 1.0)[1] if asked_at_random else 1.0
     return Confirmation(
-        asked.all, asked.at_random, points, int(asked.near.sum()), within,
+        index, random, points, int(near.sum()), within,
         sum(both.agree is True for both in factors), sum(both.agree is False for both in factors),
         len(points) - sum(both.agree is not None for both in factors), max(differences, default=None),
-        int((governed & asked.at_random).sum()), int((other & fails_too).sum()), int((other & before).sum()),
+        int((governed & random).sum()), int((other & fails_too).sum()), int((other & before).sum()),
         int(judged.sum()), other_at_random, at_most,
         *_probability(asked, forms, fails, judged, fails_too, int(possible.sum()), confidence),
     )  # fmt: skip
@@ -304,17 +300,18 @@ def _probability(
     rest, in proportion (Cochran 1977, ch. 5 and 7). The limits take each kind of change at its own (Bonferroni), and
     the upper one takes samples without an answer for failures.
     """
-    change = fails_too.astype(float) - fails[asked.all]
-    elsewhere = judged & asked.at_random & ~asked.near
-    rest = int(forms.sum()) - int(asked.near.sum())
+    index, random, near = asked
+    change = fails_too.astype(float) - fails[index]
+    elsewhere = judged & random & ~near
+    rest = int(forms.sum()) - int(near.sum())
     if not judged.any() or (rest and not elsewhere.any()) or possible == 0:
         return None, -1.0, 1.0
-    changed = low = float(change[judged & asked.near].sum())
-    stood = ~judged & ~fails[asked.all]  # by the closed form; PRE-IE has no answer
-    high = changed + float((stood & asked.near).sum())
+    changed = low = float(change[judged & near].sum())
+    stood = ~judged & ~fails[index]  # by the closed form; PRE-IE has no answer
+    high = changed + float((stood & near).sum())
     if rest:
         each, both = int(elsewhere.sum()), (1.0 + confidence) / 2.0
-        unknown, away = int((stood & asked.at_random & ~asked.near).sum()), int((asked.at_random & ~asked.near).sum())
+        unknown, away = int((stood & random & ~near).sum()), int((random & ~near).sum())
         worse = clopper_pearson(int((change[elsewhere] == 1.0).sum()), each, both)
         better = clopper_pearson(int((change[elsewhere] == -1.0).sum()), each, both)
         if unknown:

@@ -4,17 +4,15 @@ samples -> outcome and factor of each -> PRE-IE where it matters -> shares with 
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import field
 from functools import cached_property, partial
-from operator import attrgetter
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice, SlopekitError
 from slopekit.core.onlooker import Clock
@@ -28,7 +26,7 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import GIVEN_UP, Point, lower_of, other_history, point_of
+from slopekit.studies.points import Point, kept_points, lower_of, other_history, point_of
 from slopekit.studies.prob.bolts import (
     Sampled,
     WithoutForce,
@@ -41,7 +39,6 @@ from slopekit.studies.prob.bolts import (
 )
 from slopekit.studies.prob.cracks import WorstCracks, checked_alone, cracked
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
-from slopekit.studies.prob.from_survey import FromSurvey, surveyed
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
     Confirmation,
@@ -72,7 +69,7 @@ from slopekit.studies.protocol import (
     study,
     whole_number,
 )
-from slopekit.studies.running import Crew, Journal, checked_crew, crew_in_words, run_all
+from slopekit.studies.running import Crew, Journal, checked_crew, crew_in_words
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples where the closed form does the work, and where PRE-IE has to.
@@ -106,60 +103,34 @@ class ProbabilityOptions:
     accept: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class Leading:
-    """A probability of failure with its confidence limits, and by whom."""
-
-    probability: float | None
-    low: float
-    high: float
-    by: str
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Probability(StudyOutcome):
     """What came of it.
 
     Attributes
     ----------
-    design, given : with the joints of a survey where they are drawn from one, and as it was given
-    samples : what was drawn
-    names, outcome : the outcomes there are, and the number of each sample's (n,)
-    factor : (n,) by the method that counts, nan where there is none
-    fails : (n,) whether the sample fails
+    samples : what was drawn; judged : the outcome of each, its factor by the method that counts, whether it fails
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
     confirmation : what PRE-IE says, None where it was not asked apart
-    evaluator : how the factors were found, in words
-    unjudged : samples that form a block and were not judged; disagree : those on which the methods disagree, or PRE-IE
-        did not converge, where it was asked of all
     journals : of a run with a folder, kept until its results are written
     bolts : how often they give no force; None where no bolt has a head
-    survey : P(forms) and P(fails | forms) where the joints come from a survey, else None
     sizes : how large it is what the samples form; None where it is not known
     cracks : where a crack that is looked for is worst, all samples at once; None without, or where each is alone
     """
 
     name: ClassVar[str] = "prob"
     design: Design
-    given: Design
     asked: ProbabilityOptions
     samples: Samples
-    names: tuple[str, ...]
-    outcome: np.ndarray
-    factor: Floats
-    fails: Bools
+    judged: Judged
     all_samples: Share
     forming: Share
     confirmation: Confirmation | None
-    evaluator: str
     crew: str
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
-    unjudged: int = 0
-    disagree: int = 0
     journals: tuple[Journal, ...] = field(default=(), compare=False)
     bolts: WithoutForce | None = None
-    survey: FromSurvey | None = None
     sizes: SampleSizes | None = None
     cracks: WorstCracks | None = None
 
@@ -179,28 +150,27 @@ class Probability(StudyOutcome):
     @cached_property
     def summary(self) -> Summary | None:
         """The factors in short, None where there is none."""
-        return summary_of(self.factor)
+        return summary_of(self.judged.factor)
 
     @cached_property
     def means(self) -> Point:
         """The design at the centres of its distributions."""
-        return point_of(self.given, {}) if self.given.source is not None else Point(None)
+        return point_of(self.design, {})
 
     @cached_property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: of the samples, and what a run says of the design at its means."""
         notes = new_notices(() if self.means.factors is None else self.means.factors.notes, self.of_samples)
         at_means = (Notice(note.code, f"of the design at its means: {note.message}") for note in notes)
-        peak = () if self.given.source is None else peak_only(self.given, "samples are judged by factors")
+        peak = peak_only(self.design, "samples are judged by factors")
         return (*self.of_samples, *at_means, *self._other_history(), *peak)
 
     def _other_history(self) -> tuple[Notice, ...]:
         """W504 of the design at its means, and of the sample that stands with the least factor."""
-        if self.given.source is None:
-            return ()
-        factor = np.where(self.fails | np.isnan(self.factor), np.inf, self.factor)
+        judged = self.judged
+        factor = np.where(judged.fails | np.isnan(judged.factor), np.inf, judged.factor)
         row = int(factor.argmin()) if factor.size else 0
-        said = [*other_history(self.given, {}, "of the design at its means")]
+        said = [*other_history(self.design, {}, "of the design at its means")]
         if factor.size and np.isfinite(factor[row]):
             where = f"of sample {row}, which stands with the least factor, {factor[row]:.4g}"
             said += other_history(self.design, self.samples.settings(row), where)
@@ -209,7 +179,7 @@ class Probability(StudyOutcome):
     @cached_property
     def sensitivities(self) -> tuple[tuple[str, float], ...]:
         """Column and Spearman's coefficient with the factor, the strongest first."""
-        return sensitivities(self.samples, self.factor)
+        return sensitivities(self.samples, self.judged.factor)
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
@@ -219,9 +189,9 @@ class Probability(StudyOutcome):
     @property
     def counts(self) -> dict[str, int]:
         """How many samples there are of each outcome, the most frequent first."""
-        frequencies = np.bincount(self.outcome, minlength=len(self.names))
-        return dict(Counter({name: int(count) for name, count in zip(self.names, frequencies, strict=True) if count})
-                    .most_common())  # fmt: skip
+        frequencies = np.bincount(self.judged.outcome, minlength=len(self.judged.names)).tolist()
+        counts = Counter(dict(zip(self.judged.names, frequencies, strict=True)))
+        return {name: count for name, count in counts.most_common() if count}
 
     @property
     def accepted(self) -> bool | None:
@@ -236,7 +206,7 @@ class Probability(StudyOutcome):
     @property
     def methods_disagree(self) -> bool:
         """Whether closed form and PRE-IE disagree at the means or in a sample."""
-        return bool(self.disagree or (self.confirmation is not None and self.confirmation.disagree))
+        return bool(self.judged.disagree or (self.confirmation is not None and self.confirmation.disagree))
 
     @property
     def doubts(self) -> list[str]:
@@ -244,10 +214,11 @@ class Probability(StudyOutcome):
         checked, doubts = self.confirmation, []
         if self.methods_disagree:
             doubts.append("the methods disagree")
-        if self.forming.of == 0 and not self.unjudged:
+        unjudged = int(self.judged.unjudged.sum())
+        if self.forming.of == 0 and not unjudged:
             doubts.append("no sample forms a block")
-        if self.unjudged:
-            doubts.append(f"{counted(self.unjudged, 'sample')} not judged")
+        if unjudged:
+            doubts.append(f"{counted(unjudged, 'sample')} not judged")
         if checked is not None and checked.unsafe:
             doubts.append(f"{checked.unsafe} fail by PRE-IE only")
         if checked is not None and checked.settled < checked.samples:
@@ -257,52 +228,55 @@ class Probability(StudyOutcome):
     @property
     def margin(self) -> float | None:
         """The probability that it does not fail."""
-        return None if self.leading.probability is None else 1.0 - self.leading.probability
+        share = self.leading["probability"]
+        return None if share is None else 1.0 - share
 
     def case_columns(self) -> list[Column[Any]]:
         """The probability of failure to lead with, its limits."""
         columns = (("P of failure", "probability", 14), ("from", "low", 10), ("to", "high", 10))
         return [
-            Column(title, attrgetter(f"leading.{name}"), name, show=".3g", width=width)
+            Column(title, _of_leading(name), name, show=".3g", width=width)
             for title, name, width in columns
         ]  # fmt: skip
 
     @property
-    def leading(self) -> Leading:
-        """The probability to lead with: that of the method that counts, PRE-IE's judgement where that is higher."""
+    def leading(self) -> dict[str, Any]:
+        """The probability to lead with, its limits `low` and `high`, and by whom.
+
+        That of the method that counts, PRE-IE's judgement where that is higher.
+        """
         own, checked = self.all_samples, self.confirmation
         by = "PRE-IE" if self.asked.by == "pre-ie" else "closed form"
         if checked is None or checked.probability is None or own.share is None or checked.probability <= own.share:
-            return Leading(own.share, own.low, own.high, by)
+            return {"probability": own.share, "low": own.low, "high": own.high, "by": by}
         low, high = max(0.0, own.low + checked.change_low), min(1.0, own.high + checked.change_high)
-        return Leading(checked.probability, low, high, "PRE-IE's judgement")
+        return {"probability": checked.probability, "low": low, "high": high, "by": "PRE-IE's judgement"}
 
     @property
     def exit_code(self) -> int:
         """0 done, 1 not accepted, 3 no sample forms a block, 4 the methods disagree, or no convergence."""
         if self.methods_disagree:
             return 4
-        if self.forming.of == 0 and not self.unjudged:
+        if self.forming.of == 0 and not self.judged.unjudged.any():
             return 3
         return 1 if self.accepted is False else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; the samples themselves are in the CSV."""
-        asked, summary = self.asked, self.summary
+        asked, summary, judged = self.asked, self.summary, self.judged
         return {
             **self.head(self.design),
             "n": len(self.samples.values), "replicates": int(self.samples.replicate.max()) + 1, "seed": asked.seed,
-            "sampling": asked.method, "by": asked.by, "evaluator": self.evaluator, "target": asked.target,
+            "sampling": asked.method, "by": asked.by, "evaluator": self.judged.evaluator, "target": asked.target,
             "probability_of_failure": {
                 "all_samples": record_of(self.all_samples), "samples_that_form_a_block": record_of(self.forming),
             },
-            "leading": record_of(self.leading),
-            **({} if self.survey is None else {"survey": json_of(self.survey)}),
+            "leading": json_of(self.leading),
             "accept": asked.accept, "accepted": self.accepted, "outcomes": self.counts,
             "fos": None if summary is None else record_of(summary) | {"beta": summary.beta(asked.target)},
             "histogram": None if summary is None else {
                 "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
-                "above": summary.above, "failing_without_factor": int((self.fails & np.isnan(self.factor)).sum()),
+                "above": summary.above, "failing_without_factor": int((judged.fails & np.isnan(judged.factor)).sum()),
             } | self._at_random(),
             "at_means": self._at_means(),
             "lowest": self._lowest(),
@@ -344,8 +318,8 @@ class Probability(StudyOutcome):
         """The sample with the lowest factor, as values to put into the design."""
         if self.summary is None:
             return None
-        row = int(np.nanargmin(self.factor))
-        return {"sample": row, "fos": float(self.factor[row]), "values": dict(self.samples.settings(row))}
+        row = int(np.nanargmin(self.judged.factor))
+        return {"sample": row, "fos": float(self.judged.factor[row]), "values": dict(self.samples.settings(row))}
 
 
 #: Largest probability accepted; the old word is still understood.
@@ -360,7 +334,7 @@ def prob(
     design: ADesign,
     n: Annotated[int | None, Option("Samples [20000; 1000 where PRE-IE does them all].", whole_number, "-n")] = None,
     *,
-    method: Annotated[Method, Option("monte-carlo, latin-hypercube or sobol [monte-carlo].")] = "monte-carlo",
+    method: Annotated[Method, Option("monte-carlo or latin-hypercube [monte-carlo].")] = "monte-carlo",
     by: Annotated[By | None, Option("closed-form or pre-ie: whose factors count.")] = None,
     fos: Annotated[
         float, Option("What fails has a factor of safety below this [1].", number_of, also=("--target",))
@@ -369,16 +343,13 @@ def prob(
     near: Annotated[float | None, Option("It looks at all within this of the target [1%].", number_of)] = None,
     confidence: Annotated[float, Option("Of the confidence limits [95%].", number_of)] = 0.95,
     accept: Accept = None,
-    survey: Annotated[
-        Any, Option("A joint list that the two joints of a wedge are drawn from.", metavar="JOINTS")
-    ] = None,
     seed: Seed = 1,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
     executor: Executor | None = None,
     desk: Workplace = DESK,
 ) -> Probability:
-    """Probability of failure: Monte Carlo, Latin hypercube or Sobol on the distributions of a design.
+    """Probability of failure: Monte Carlo or Latin hypercube on the distributions of a design.
 
     The closed form judges every sample; PRE-IE looks at some at random and at all near the target. Ctrl-C keeps what
     is done: the same command goes on from there. Exit codes: 0 done, 1 not accepted, 4 the methods disagree.
@@ -392,7 +363,7 @@ def prob(
     Notes
     -----
     Of n samples m fail (F below the target, or no equilibrium): p = m / n. Monte Carlo has limits by Clopper & Pearson,
-    the other methods by replicates; the standard error of plain sampling is √(p (1 - p) / n). Correlations are those of
+    a Latin hypercube by replicates; the standard error of plain sampling is √(p (1 - p) / n). Correlations are those of
     ranks, by a Gaussian copula. In Python `executor` takes any of `concurrent.futures` in place of jobs.
 
     References
@@ -415,48 +386,45 @@ def prob(
         message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
         raise DesignError([Fault("E313", message, "analysis.partial_factors", advice)])
-    given, source = design, None
-    if survey is not None:
-        design, source = surveyed(design, survey, method, desk.named("survey"))
     asked = _asked(design, n, seed, method, by, fos, confirm, near, confidence, accept)
     clock = Clock()
     with clock("draw"):
-        scatters = design.variables if source is None else design.variables[2:]
-        others = drawn(scatters, design.correlation, asked.n, asked.seed, asked.method)
-        samples = others if source is None else source.samples(others, design.variables, asked.n, asked.seed)
+        samples = drawn(design.variables, design.correlation, asked.n, asked.seed, asked.method)
     with clock("factors"):
         # a crack that is looked for is at a place of its own in each sample, as if that had been drawn
         cracks = cracked(design, samples)
         if cracks is None and bool(getattr(design, "crack_searched", "")):
             checked_alone(design, asked.n)
         placed, those = (design, samples) if cracks is None else (cracks.design, cracks.samples)
-        at_work = _AtWork(placed, asked, crew, desk)
+        journals = list[Journal]()
+        ask = partial(_points, placed, asked, crew, desk, journals)
         fast = vectorised(placed, those.values, those.settings)
         if fast is None and cracks is None:
             checked_alone(design, asked.n)  # no block at the mean values
-        judged = _judge(those, at_work, fast)
+        judged = _judge(those, placed, asked, ask, fast)
         if cracks is not None:
             judged = nowhere(judged, cracks.nowhere)
         bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
-        sizes = sizes_of_samples(placed, fast, those.values, _Settings(those), judged.forms, judged.fails)
+        sizes = sizes_of_samples(placed, fast, those.values, judged.forms, judged.fails)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
-            confirmation = _confirmed(those, judged, at_work)
+            confirmation = _confirmed(those, judged, asked, ask)
     all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     probability = Probability(
-        design, given, asked, samples, judged.names, judged.outcome, judged.factor, judged.fails, all_samples, forming,
-        confirmation, judged.evaluator, crew_in_words(crew),
+        design, asked, samples, judged, all_samples, forming, confirmation, crew_in_words(crew),
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
-         *not_as_given(given), *likely_slips(given), *(source.notices if source else ())), clock.done(),
-        int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
-        None if source is None else source.outcome(judged, asked.seed, confidence), sizes,
+         *not_as_given(design), *likely_slips(design)), clock.done(), tuple(journals), bolts, sizes,
         None if cracks is None else cracks.found,
     )  # fmt: skip
     if desk.folder is None:
         probability.done()
     return probability
+
+
+def _of_leading(name: str) -> Callable[[Probability], float | None]:
+    return lambda study: study.leading[name]
 
 
 class _Settings(Sequence[Mapping[str, object]]):
@@ -472,31 +440,19 @@ class _Settings(Sequence[Mapping[str, object]]):
         return self.samples.settings(row)
 
 
-@dataclass(frozen=True, slots=True)
-class _AtWork:
-    """What is asked of which design, who does it, and the journals of those parts that take long."""
-
-    design: Design
-    asked: ProbabilityOptions
-    crew: Crew
-    desk: Workplace
-    journals: list[Journal] = field(default_factory=list)
-
-    def points(
-        self, label: str, tasks: Sequence[Mapping[str, object]], part: Sequence[object], pre_ie: bool = True
-    ) -> tuple[Point, ...]:
-        """The points of some samples, kept by the name of the part."""
-        design, asked, folder = self.design, self.asked, self.desk.folder
-        plain = design.source.root.plain() if design.source is not None else None
-        drawn_from = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
-        drawn_from += ["heads on the face"] if has_heads(design) else []
-        run = [*drawn_from, asked.n, asked.seed, asked.method, asked.by, *part]
-        self.journals.append(Journal.of(folder or Path.cwd(), "prob", run, streamed=folder is not None))
-        with self.desk.bar(label, len(tasks)) as advance:
-            work = Sampled(design, pre_ie, before=tuple(as_laid_out(design).tolist()))
-            records = run_all(work, tasks, self.crew, journal=self.journals[-1], advance=advance,
-                              given_up=GIVEN_UP)  # fmt: skip
-        return tuple(Point.from_record(record) for record in records)
+def _points(
+    design: Design, asked: ProbabilityOptions, crew: Crew, desk: Workplace, journals: list[Journal], label: str,
+    tasks: Sequence[Mapping[str, object]], part: Sequence[object], pre_ie: bool = True,
+) -> tuple[Point, ...]:  # fmt: skip
+    """The points of some samples, kept by the name of the part in a journal, which is added to those that there are."""
+    plain = design.source.root.plain() if design.source is not None else None
+    run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
+    run += ["heads on the face"] if has_heads(design) else []
+    run += [asked.n, asked.seed, asked.method, asked.by, *part]
+    work = Sampled(design, pre_ie, before=tuple(as_laid_out(design).tolist()))
+    points, journal = kept_points(work, tasks, crew, desk, "prob", label, run)
+    journals.append(journal)
+    return points
 
 
 def _asked(
@@ -535,9 +491,11 @@ def _asked(
     return ProbabilityOptions(n, seed, method, chosen, target, confirm_count, near, confidence, accept)
 
 
-def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judged:
+def _judge(
+    samples: Samples, design: Design, asked: ProbabilityOptions, ask: Callable[..., tuple[Point, ...]],
+    fast: Vectorised | None,
+) -> Judged:  # fmt: skip
     """Outcome and factor of every sample."""
-    design, asked = at_work.design, at_work.asked
     # passive bolts are searched for wedge by wedge: that is for the crew
     alone = asked.by == "pre-ie" or any(bolt.acts == "passive" for bolt in design.bolts)
     if fast is not None and not alone:
@@ -558,7 +516,7 @@ def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judge
         basal = WithoutBasal  # the only one that closed forms know
         return with_also(at_once, also, basal.NAME, basal.WHAT, asked.target)
     by_pre_ie = asked.by == "pre-ie"
-    points = at_work.points("samples", _Settings(samples), ["all"], by_pre_ie)
+    points = ask("samples", _Settings(samples), ["all"], by_pre_ie)
     words = [point.code if point.factors is None else point.factors.status for point in points]
     names = tuple(dict.fromkeys(words))
     outcome = np.array([names.index(word) for word in words], dtype=np.int16)
@@ -567,15 +525,15 @@ def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judge
     fails = failing(names, outcome, factor, asked.target)
     evaluator = "PRE-IE of every sample" if by_pre_ie else "closed form, sample by sample"
     judged = Judged(names, outcome, factor, fails, evaluator, points)
-    besides = also_of(points, partial(_without_block, at_work, samples))
+    besides = also_of(points, partial(_without_block, design, samples))
     return judged if besides is None else with_also(judged, *besides, asked.target)
 
 
-def _without_block(at_work: _AtWork, samples: Samples, row: int) -> WithoutBasal | None:
+def _without_block(design: Design, samples: Samples, row: int) -> WithoutBasal | None:
     """What acceptance is held against besides, of a sample that forms no block."""
     try:
-        sample = with_values(at_work.design, samples.settings(row))
-        return kind_of(sample).without_basal(standing(sample, as_laid_out(at_work.design)))
+        sample = with_values(design, samples.settings(row))
+        return kind_of(sample).without_basal(standing(sample, as_laid_out(design)))
     except SlopekitError:
         return None
 
@@ -598,14 +556,15 @@ def _impossible(design: Design, samples: Samples) -> Bools:
     return impossible
 
 
-def _confirmed(samples: Samples, judged: Judged, at_work: _AtWork) -> Confirmation | None:
-    asked = at_work.asked
+def _confirmed(
+    samples: Samples, judged: Judged, asked: ProbabilityOptions, ask: Callable[..., tuple[Point, ...]]
+) -> Confirmation | None:
     own = judged if judged.alone is None else judged.alone  # PRE-IE says nothing of what else is judged
     index = chosen(own.forms, own.factor, asked.target, asked.confirm, asked.near, asked.seed)
-    if not len(index.all):
+    if not len(index[0]):
         return None
-    tasks = [samples.settings(int(row)) for row in index.all]
-    points = at_work.points("PRE-IE", tasks, ["confirm", asked.confirm, asked.near, asked.target])
+    tasks = [samples.settings(int(row)) for row in index[0]]
+    points = ask("PRE-IE", tasks, ["confirm", asked.confirm, asked.near, asked.target])
     return confirmation_of(
         index, points, own.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence
     )

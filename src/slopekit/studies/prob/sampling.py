@@ -1,4 +1,4 @@
-"""Samples of what scatters in a design: Monte Carlo, Latin hypercube or Sobol, correlated by a Gaussian copula.
+"""Samples of what scatters in a design: Monte Carlo or Latin hypercube, correlated by a Gaussian copula.
 
 A plan says what is drawn: blocks, each with random numbers of its own.
 """
@@ -22,10 +22,10 @@ from slopekit.studies.marginals import Marginal, marginal, standard_normal
 from slopekit.studies.prob import sources
 from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
 
-Method: TypeAlias = Literal["monte-carlo", "latin-hypercube", "sobol"]
-METHODS: tuple[Method, ...] = ("monte-carlo", "latin-hypercube", "sobol")
-#: Samples of a Monte Carlo block, which is the most of a Latin hypercube, and the most of a Sobol sequence.
-BLOCK, MOST_POINTS = 8192, 32768
+Method: TypeAlias = Literal["monte-carlo", "latin-hypercube"]
+METHODS: tuple[Method, ...] = ("monte-carlo", "latin-hypercube")
+#: Samples of a Monte Carlo block, which is the most of a Latin hypercube.
+BLOCK = 8192
 REPLICATES, FEWEST_IN_REPLICATE, MOST_REPLICATES = 16, 8, 32767
 MOST_SAMPLES = 1_000_000_000
 _PIECE = 4096  # samples whose angles stay in the innermost cache
@@ -71,8 +71,7 @@ class Plan:
 
     Attributes
     ----------
-    asked : how many samples were asked for
-    n : how many are drawn; more than asked only with Sobol, whose replicates have 2, 4, 8, ... samples
+    n : how many samples are drawn
     replicates : how many independent replicates: the scatter between them gives confidence limits. Monte Carlo: 1
     """
 
@@ -80,7 +79,6 @@ class Plan:
     correlation: tuple[Pair, ...]
     method: Method
     seed: int
-    asked: int
     n: int
     replicates: int
     _source: sources.Source = field(compare=False, repr=False)
@@ -112,9 +110,8 @@ def planned(
     Parameters
     ----------
     correlation : rank correlations between coordinates of the variables (`Variable.coordinates`)
-    n : samples, at least 1. Latin hypercube and Sobol divide them among 16 replicates, fewer below 128 samples, more
-        where a replicate would pass 8192 (Sobol: 32768; of larger ones a probability gains with two or three inputs
-        only). Sobol rounds n up to whole replicates of a power of two
+    n : samples, at least 1. Latin hypercubes divide them among 16 replicates, fewer below 128 samples, more where a
+        replicate would pass 8192
     seed : whole number from 0
 
     Raises
@@ -130,10 +127,9 @@ def planned(
     faults += contradictions(pairs, [f"{a}/{b}" for a, b, _ in pairs], "")
     if faults:
         raise DesignError(faults)
-    count, replicates = _divided(n, method)
     marginals = tuple(one for variable in made for one in _marginals(variable))
     source = sources.source(method, coordinates, pairs, seed)
-    return Plan(made, pairs, method, seed, n, count, replicates, source, marginals)
+    return Plan(made, pairs, method, seed, n, _replicates(n, method), source, marginals)
 
 
 def samples(
@@ -158,9 +154,7 @@ def draw(plan: Plan) -> Samples:
         start, stop = plan.bounds(block)
         size = BLOCK if plan.method == "monte-carlo" else stop - start
         # a block of Monte Carlo is drawn whole: a longer run begins with a shorter one
-        for first, last, column in plan._source(block, size):
-            count = min(last, stop - start) - first
-            _fill(columns[:, start + first : start + first + count], plan, column, count)
+        _fill(columns[:, start:stop], plan, plan._source(block, size), stop - start)
         replicate[start:stop] = 0 if plan.method == "monte-carlo" else block
     columns.setflags(write=False)
     replicate.setflags(write=False)
@@ -178,22 +172,15 @@ def _faults_of_numbers(n: int, seed: int) -> list[Fault]:
     return faults
 
 
-def _divided(n: int, method: Method) -> tuple[int, int]:
-    """How many samples are drawn, and in how many replicates.
+def _replicates(n: int, method: Method) -> int:
+    """In how many replicates samples are drawn.
 
-    >>> _divided(20000, "latin-hypercube"), _divided(20000, "sobol"), _divided(10, "sobol"), _divided(10**6, "sobol")
-    ((20000, 16), (20480, 20), (16, 2), (1015808, 31))
+    >>> _replicates(20000, "latin-hypercube"), _replicates(100, "latin-hypercube"), _replicates(20000, "monte-carlo")
+    (16, 12, 1)
     """
     if method == "monte-carlo":
-        return n, 1
-    if method == "latin-hypercube":
-        return n, max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
-    size = FEWEST_IN_REPLICATE
-    while size * 2 * REPLICATES <= n and size < MOST_POINTS:
-        size *= 2
-    size = min(size, 1 << (n.bit_length() - 1))
-    replicates = -(-n // size)
-    return replicates * size, replicates
+        return 1
+    return max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
 
 
 def _marginals(variable: Variable) -> Sequence[Marginal]:

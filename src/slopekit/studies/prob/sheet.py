@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter, itemgetter
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
 from slopekit.design.scatter.distributions import Angles, Distribution
 from slopekit.evidence import WithoutBasal
@@ -38,21 +37,20 @@ NO_BLOCK = {
 _SHARE_OVER = 1e-4  # of the dips drawn: fewer are not worth a line
 #: What else acceptance is held against, by what its outcomes begin with.
 _ALSO = {WithoutBasal.NAME: WithoutBasal.WHAT}
-_SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube", "sobol": "Sobol"}
+_SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube"}
 
 
 def sheet_of(study: Probability) -> Sheet:
     """The sheet of a study of probability."""
     asked, summary = study.asked, study.summary
-    samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.evaluator}"
+    samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
         Section("RANDOM", _inputs(study), details=_ranks(study)),
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
-        Section("SURVEY", _survey(study)),
-        Section("AT MEANS", (), details=[_at_means(study)] if study.survey is None else []),
+        Section("AT MEANS", (), details=[_at_means(study)]),
         *(() if summary is None else (
             Section("FoS", [_mean(summary, asked.target)], details=[_quantiles(summary)]),
             Section("HISTOGRAM", (), details=[_histogram(summary, asked.target)]),
@@ -70,16 +68,16 @@ def sheet_of(study: Probability) -> Sheet:
 def line_of(study: Probability) -> str:
     """The estimate on one line, with its limits."""
     lead = study.leading
-    counted = lead.probability == study.all_samples.share
+    counted = lead["probability"] == study.all_samples.share
     parts = [f"P(F < {study.asked.target:g})"]
     if study.accepted is not None:  # the upper limit is what acceptance hangs on: it leads
         doubt = " (in doubt)" if not study.accepted and study.all_samples.high <= (study.asked.accept or 0.0) else ""
-        parts += [f"at most {_percent(lead.high)}, accepted {_percent(study.asked.accept)}",
-                  "met" if study.accepted else f"not met{doubt}", f"estimate {_percent(lead.probability)}"]  # fmt: skip
+        parts.append(f"at most {_percent(lead['high'])}, accepted {_percent(study.asked.accept)}")
+        parts += ["met" if study.accepted else f"not met{doubt}", f"estimate {_percent(lead['probability'])}"]
     else:
-        parts.append(_percent(lead.probability))
+        parts.append(_percent(lead["probability"]))
     if not counted:
-        parts += [f"by {lead.by}, limits {_percent(lead.low)} to {_percent(lead.high)}",
+        parts += [f"by {lead['by']}, limits {_percent(lead['low'])} to {_percent(lead['high'])}",
                   f"closed form {_percent(study.all_samples.share)}"]  # fmt: skip
     elif study.accepted is None:
         parts.append(_limits(study.all_samples))
@@ -94,13 +92,13 @@ def line_of(study: Probability) -> str:
 
 def _every_sample(study: Probability) -> Table[int]:
     """Every sample on a line of its own, by its number: values, outcome, factor, and what PRE-IE says of it."""
-    values, checked = study.samples.values, study.confirmation
+    values, judged, checked = study.samples.values, study.judged, study.confirmation
     columns: list[Column[int]] = [Column("sample", int, "sample")]
     columns += [Column(path, _cell_of(values, column), path) for column, path in enumerate(study.samples.names)]
     columns += [
-        Column("outcome", lambda row: study.names[study.outcome[row]], "outcome"),
-        Column("FoS", study.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
-        Column("fails", lambda row: int(study.fails[row]), "fails"),
+        Column("outcome", lambda row: judged.names[judged.outcome[row]], "outcome"),
+        Column("FoS", judged.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
+        Column("fails", lambda row: int(judged.fails[row]), "fails"),
     ]
     if study.sizes is not None:
         columns += [Column(key, _item_of(column), key) for key, column in study.sizes.columns.items()]
@@ -183,12 +181,10 @@ def _outcomes(study: Probability) -> Table[tuple[str, int]]:
 def _leading(study: Probability) -> list[str]:
     """The probability to judge by, where that is not the one counted."""
     lead = study.leading
-    if lead.probability == study.all_samples.share:
+    if lead["probability"] == study.all_samples.share:
         return []
-    return [
-        f"{_percent(lead.probability)} by {lead.by} ({_percent(lead.low)} to {_percent(lead.high)}); "
-        "closed form, which is too low here:"
-    ]
+    low, high = _percent(lead["low"]), _percent(lead["high"])
+    return [f"{_percent(lead['probability'])} by {lead['by']} ({low} to {high}); closed form, which is too low here:"]
 
 
 def _sizes(study: Probability) -> list[Entry]:
@@ -276,33 +272,6 @@ def _limits(share: Share) -> str:
     return f"{share.confidence * 100:g} % limits {low} to {high} ({share.limits_by})"
 
 
-def _survey(study: Probability) -> list[Entry]:
-    """P(forms) × P(fails | forms), where the joints come from a survey."""
-    surveyed = study.survey
-    if surveyed is None:
-        return []
-    names = ("forms a wedge", "fails if it forms", "both")
-    shares = (surveyed.occurrence, surveyed.failure, surveyed.both)
-    rows = list(zip(names, shares, surveyed.resampled or (None,) * 3, strict=True))
-    columns: list[Column[Any]] = [
-        Column("", itemgetter(0), "what", width=-18),
-        Column("P", lambda row: row[1].share, "probability", show=_percent, width=11),
-        Column("from", lambda row: row[1].low, "low", show=_percent, width=11),
-        Column("to", lambda row: row[1].high, "high", show=_percent, width=11),
-    ]
-    if surveyed.resampled is not None:
-        columns += [
-            Column("surveys from", lambda row: row[2].low, "resampled_low", show=_percent, width=16),
-            Column("to", lambda row: row[2].high, "resampled_high", show=_percent, width=11),
-        ]
-    said = f"; from {surveyed.times} resampled surveys as well" if surveyed.resampled is not None else ""
-    limits = f"limits to {number(100.0 * surveyed.both.confidence)} % from the samples{said}"
-    return [
-        f"{surveyed.survey}: {counted(surveyed.joints, 'joint')}, drawn pair by pair; no plane of the design; {limits}",
-        Table(columns, rows),
-    ]
-
-
 def _at_means(study: Probability) -> str:
     at_means = study.means.factors
     if at_means is None:
@@ -324,13 +293,8 @@ def _quantiles(summary: Summary) -> str:
     return "  ".join(f"{share * 100:g} %: {value:.3f}" for share, value in summary.quantiles.items())
 
 
-@dataclass(frozen=True, slots=True)
-class _Bin:
-    """Samples with a factor from one value to another; without an end all those beyond the other."""
-
-    low: float | None
-    high: float | None
-    count: int
+#: Samples with a factor from one value to another, and how many; without an end all those beyond the other.
+_Bin: TypeAlias = tuple[float | None, float | None, int]
 
 
 def _histogram(summary: Summary, target: float) -> Table[_Bin]:
@@ -341,16 +305,17 @@ def _histogram(summary: Summary, target: float) -> Table[_Bin]:
     longest = max(*counts, 1)
 
     def bar(one: _Bin) -> str:
-        if one.low is None or one.high is None:
-            return f"   {one.count} {'lower' if one.low is None else 'higher'}"
-        return f" {'|' if one.low <= target < one.high else ' '} {'#' * round(_BAR * one.count / longest)} {one.count}"
+        low, high, count = one
+        if low is None or high is None:
+            return f"   {count} {'lower' if low is None else 'higher'}"
+        return f" {'|' if low <= target < high else ' '} {'#' * round(_BAR * count / longest)} {count}"
 
-    bins = [_Bin(None, edges[0], summary.below)] if summary.below else []
-    bins += [_Bin(*each) for each in zip(edges, edges[1:], counts, strict=False)]
-    bins += [_Bin(edges[-1], None, summary.above)] if summary.above else []
+    bins: list[_Bin] = [(None, edges[0], summary.below)] if summary.below else []
+    bins += zip(edges, edges[1:], counts, strict=False)
+    bins += [(edges[-1], None, summary.above)] if summary.above else []
     columns: list[Column[_Bin]] = [
-        Column("FoS from", lambda one: None if one.high is None else one.low, "from", show=".4f", width=9),
-        Column("samples", attrgetter("count"), "samples", text=bar, width=-1),
+        Column("FoS from", lambda one: None if one[1] is None else one[0], "from", show=".4f", width=9),
+        Column("samples", itemgetter(2), "samples", text=bar, width=-1),
     ]
     return Table(columns, bins, headless=True)
 

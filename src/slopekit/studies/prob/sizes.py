@@ -1,18 +1,14 @@
 """How large it is what the samples form: percentiles of volume, setback, width, height; what limits made of it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, NDArray
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import NO_JSON
-from slopekit.core.errors import SlopekitError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.reading.files import with_values
-from slopekit.kinds import kind_of
-from slopekit.kinds.single_block.closed_forms import SizesOfMany
 from slopekit.studies.prob.vectorised import Vectorised
 
 SHARES = (0.05, 0.5, 0.95)
@@ -61,19 +57,16 @@ class SampleSizes:
 
 
 def sizes_of_samples(
-    design: Design, fast: Vectorised | None, values: Floats, settings: Sequence[Mapping[str, object]], forms: Bools,
-    fails: Bools,
-) -> SampleSizes | None:  # fmt: skip
-    """The sizes of all samples; None where the kind has none, or they would have to be found one by one for nothing.
+    design: Design, fast: Vectorised | None, values: Floats, forms: Bools, fails: Bools
+) -> SampleSizes | None:
+    """The sizes of all samples; None where the kind has none, or samples are read one by one.
 
     Parameters
     ----------
     fast : the evaluator of all samples, None where there is none; forms, fails : (n,)
     """
-    on_arrays, limits = kind_of(design).on_arrays, getattr(design, "limits", None)
-    if on_arrays is None or on_arrays.sizes is None or (fast is None and limits is None):
-        return None
-    sizes = fast.sizes(values) if fast is not None else _one_by_one(design, settings)
+    limits = getattr(design, "limits", None)
+    sizes = None if fast is None else fast.sizes(values)
     if sizes is None:
         return None
     columns = {key: np.where(forms, column, np.nan) for key, column in sizes.columns.items()}
@@ -98,29 +91,3 @@ def _spreads(columns: Mapping[str, Floats], own: Bools) -> dict[str, SizeStatist
             cuts = np.quantile(known, SHARES).tolist()
             spreads[key] = SizeStatistics(float(known.mean()), dict(zip(SHARES, cuts, strict=True)), float(known.max()))
     return spreads
-
-
-def _one_by_one(design: Design, settings: Sequence[Mapping[str, object]]) -> SizesOfMany | None:
-    """The same of designs read one by one; not numbers of those that no design can have."""
-    on_arrays = kind_of(design).on_arrays
-    sizes: list[SizesOfMany | None] = []
-    for values in settings:
-        try:
-            sample = with_values(design, values)
-            sizes.append(None if on_arrays is None or on_arrays.sizes is None else on_arrays.sizes(sample))
-        except SlopekitError:
-            sizes.append(None)
-    known = next((one for one in sizes if one is not None), None)
-    if known is None:
-        return None
-    columns = {
-        key: np.array([np.nan if one is None else float(one.columns[key][0]) for one in sizes]) for key in known.columns
-    }
-
-    def whole(values: list[int]) -> NDArray[np.int8]:
-        return np.array(values, dtype=np.int8)
-
-    return SizesOfMany(
-        columns, known.names, whole([0 if one is None else int(one.by[0]) for one in sizes]),
-        whole([0 if one is None else int(one.why[0]) for one in sizes]),
-    )  # fmt: skip

@@ -1,13 +1,13 @@
-"""Where random numbers come from, for each way of drawing: a block, piece by piece, coordinate by coordinate.
+"""Where random numbers come from, for each way of drawing: block by block, coordinate by coordinate.
 
-A source is a callable (block, size) that gives the pieces of a block in their order: first sample, end, and a callable
-(coordinate, marginal), which gives the column of one coordinate. Coordinates are asked for in their order, once each,
+A source is a callable (block, size) that gives a callable (coordinate, marginal), which gives the column of one
+coordinate. Coordinates are asked for in their order, once each,
 or not at all. All random numbers of a block come from its own stream, SFC64 seeded by (seed, block).
 
 Orientations scatter by Fisher's distribution about a mean; angles are folded back to the plane they mean.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TypeAlias
 
@@ -22,10 +22,8 @@ from slopekit.design.scatter.copula import factor, normal_correlation
 from slopekit.studies.marginals import Marginal
 
 Column: TypeAlias = Callable[[int, Marginal], Floats]
-Source: TypeAlias = Callable[[int, int], Iterator[tuple[int, int, Column]]]
+Source: TypeAlias = Callable[[int, int], Column]
 _PIECE = 8192  # samples of all coordinates that stay in the cache, and are had without asking the system for pages
-_BITS = 30  # of Sobol's points, which lie on multiples of 2⁻³⁰: more points than any replicate has
-_HALF_STEP = 2.0 ** -(_BITS + 1)
 _NOT_ZERO = 2.0**-54  # half a step of uniform numbers, so that no tail is 0
 _SURELY_CONCENTRATED = 100.0  # k from which exp(-2k) is beyond all digits of any sample
 
@@ -92,9 +90,7 @@ def source(method: str, coordinates: Sequence[str], pairs: Sequence[Pair], seed:
     joined = copula(coordinates, pairs)
     if method == "monte-carlo":
         return partial(_monte_carlo, joined, seed)
-    if method == "latin-hypercube":
-        return partial(_latin_hypercube, joined, seed)
-    return partial(_sobol, joined, len(coordinates), seed)
+    return partial(_latin_hypercube, joined, seed)
 
 
 def _stream(seed: int, block: int) -> np.random.Generator:
@@ -104,7 +100,7 @@ def _stream(seed: int, block: int) -> np.random.Generator:
 # -- Monte Carlo ------------------------------------------------------------------------------------------------------
 
 
-def _monte_carlo(joined: Copula, seed: int, block: int, size: int) -> Iterator[tuple[int, int, Column]]:
+def _monte_carlo(joined: Copula, seed: int, block: int, size: int) -> Column:
     rng = _stream(seed, block)
     normals = joined.joined(rng.standard_normal((joined.rank, size)))
 
@@ -113,24 +109,24 @@ def _monte_carlo(joined: Copula, seed: int, block: int, size: int) -> Iterator[t
             return marginal.of_normal(normals[coordinate])
         if marginal.is_normal:
             return marginal.of_normal(rng.standard_normal(size))
-        return marginal.of_tail(*_tails(rng.random(size), 53))
+        return marginal.of_tail(*_tails(rng.random(size)))
 
-    yield 0, size, column
+    return column
 
 
-def _tails(uniform: Floats, bits: int) -> tuple[Floats, Floats]:
-    """The nearer tail of uniform numbers on multiples of 2^-bits, and its side; the numbers are used up.
+def _tails(uniform: Floats) -> tuple[Floats, Floats]:
+    """The nearer tail of uniform numbers on multiples of 2⁻⁵³, and its side; the numbers are used up.
 
     Each is moved to the middle of its step, so that no tail is 0; nothing is rounded.
 
-    >>> tail, side = _tails(np.array([0.0, 0.5, 1.0 - 2.0**-53]), 53)
+    >>> tail, side = _tails(np.array([0.0, 0.5, 1.0 - 2.0**-53]))
     >>> (tail * 2.0**54).tolist(), np.sign(side).tolist()
     ([1.0, 9007199254740991.0, 1.0], [-1.0, 1.0, 1.0])
     """
     side = uniform
     side *= 2.0
     side -= 1.0
-    side += 2.0**-bits
+    side += 2.0**-53
     tail = np.abs(side)
     np.subtract(1.0, tail, out=tail)
     tail *= 0.5
@@ -140,7 +136,7 @@ def _tails(uniform: Floats, bits: int) -> tuple[Floats, Floats]:
 # -- Latin hypercube --------------------------------------------------------------------------------------------------
 
 
-def _latin_hypercube(joined: Copula, seed: int, block: int, size: int) -> Iterator[tuple[int, int, Column]]:
+def _latin_hypercube(joined: Copula, seed: int, block: int, size: int) -> Column:
     """One sample in each of `size` strata of equal probability, in every coordinate (McKay et al. 1979).
 
     Where in a stratum is drawn for the lower half of them; the upper half is its mirror image, and what is the equal or
@@ -174,7 +170,7 @@ def _latin_hypercube(joined: Copula, seed: int, block: int, size: int) -> Iterat
         dealt[np.argsort(normals[coordinate])] = values
         return dealt
 
-    yield 0, size, column
+    return column
 
 
 def _mirrored(kept: Mapping[int, Floats], original: int, sign: float, size: int) -> Floats:
@@ -184,38 +180,6 @@ def _mirrored(kept: Mapping[int, Floats], original: int, sign: float, size: int)
         place = place.copy()
         place[-1] = 1.0 - place[-1]
     return place
-
-
-# -- Sobol ------------------------------------------------------------------------------------------------------------
-
-
-def _sobol(joined: Copula, coordinates: int, seed: int, block: int, size: int) -> Iterator[tuple[int, int, Column]]:
-    """A Sobol sequence with Matoušek's linear scrambling and a digital shift (scipy.stats.qmc); `size` a power of 2."""
-    from scipy.stats import qmc  # two thirds of a second
-
-    free = [k for k in range(coordinates) if k not in joined.members]
-    place = {coordinate: joined.rank + k for k, coordinate in enumerate(free)}
-    engine = qmc.Sobol(joined.rank + len(free), scramble=True, bits=_BITS, seed=_stream(seed, block))
-    for first in range(0, size, _PIECE):
-        end = min(first + _PIECE, size)
-        yield first, end, _of_points(joined, place, np.ascontiguousarray(engine.random(end - first).T))
-
-
-def _of_points(joined: Copula, place: Mapping[int, int], points: Floats) -> Column:
-    """The columns of points (dimensions, n): first those of the copula, then `place` of each other coordinate."""
-    points[: joined.rank] += _HALF_STEP
-    normals = joined.joined(ndtri(points[: joined.rank]))
-
-    def column(coordinate: int, marginal: Marginal) -> Floats:
-        if coordinate in normals:
-            return marginal.of_normal(normals[coordinate])
-        point = points[place[coordinate]]
-        if marginal.is_normal:
-            point += _HALF_STEP
-            return marginal.of_normal(ndtri(point, out=point))  # 1 - point is exact
-        return marginal.of_tail(*_tails(point, _BITS))
-
-    return column
 
 
 def fisher(mean: Plane | Line, concentration: float, steeper: Floats, clockwise: Floats) -> tuple[Floats, Floats]:

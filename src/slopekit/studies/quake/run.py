@@ -28,7 +28,6 @@ from slopekit.kinds import also_falls_short, dilates, kind_of, notices_of_inputs
 from slopekit.notices import new_notices
 from slopekit.studies.protocol import DESK, ADesign, Argument, Jobs, Option, StudyOutcome, Workplace, number_of, study
 from slopekit.studies.quake.records import Record, read_record, read_records
-from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
 from slopekit.studies.quake.six import SETTLED, InSix, RecordSlide, Shaking, SixMotion, shaken_in_six, six_block, slide
 from slopekit.studies.quake.yielding import (
     KEY,
@@ -248,30 +247,6 @@ class Quake(StudyOutcome):
         has_residual = any(strength.residual for strength in kind_of(self.design).strengths(self.design))
         return f"it goes {way} than the block that slides one way: {', '.join(self.in_six.causes(has_residual))}"
 
-    @property
-    def natural(self) -> tuple[Shaken, ...]:
-        """Records that regressions speak of: no pulses."""
-        return tuple(one for one in self.shaken if not one.record.is_pulse)
-
-    @property
-    def comparable(self) -> tuple[Shaken, ...]:
-        """Of these, those whose peak lies above k_y; none where k_y is too small for regressions."""
-        k = self.coefficient
-        return () if k is None or k < LEAST_K else tuple(one for one in self.natural if one.record.pga_g > k)
-
-    def compared(self) -> list[dict[str, Any]]:
-        """Regressions: their medians over the records that can be compared, None where none can."""
-        k = self.coefficient
-        if k is None:
-            return []
-        rows: list[dict[str, Any]] = []
-        for regression in REGRESSIONS if self.natural else ():
-            records = [one.record for one in self.comparable]
-            of = [median_m(regression, k, one.pga_g, one.pgv_m_s, one.arias_m_s) for one in records]
-            median = float(np.median(of)) if of else None
-            rows.append({"name": regression.name, "asks": regression.asks, "median_m": median})
-        return rows
-
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values."""
         return {
@@ -295,7 +270,6 @@ class Quake(StudyOutcome):
                 for one in self.shaken
             ],
             "percentiles_m": self.percentiles(),
-            "regressions": self.compared(),
             "six": json_of(self.six) or None,
             "motion": json_of(self.motion),
             "six_pairs": None if self.in_six is None else {"pairs": self.in_six.pairs, "change": self.in_six.change},

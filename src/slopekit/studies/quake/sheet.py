@@ -1,14 +1,11 @@
-"""The sheet of earthquakes: yield coefficient by both methods, displacements record by record, what others find."""
+"""The sheet of earthquakes: yield coefficient by both methods, displacements record by record."""
 
 from collections.abc import Sequence
 from operator import attrgetter, itemgetter
 from typing import Any
 
-import numpy as np
-
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_text
-from slopekit.studies.quake.regressions import LEAST_K
 from slopekit.studies.quake.run import Displacement, Motion, Quake, Shaken
 from slopekit.studies.quake.six import Shaking, springs_in_words
 from slopekit.studies.quake.yielding import Yield, shown_k
@@ -31,7 +28,6 @@ def sheet_of(quake: Quake) -> Sheet:
         Section("SIX", [*_leading(quake), _six(quake), *_six_notes(quake)] if quake.six else []),
         Section("SLIDES", [*_beside(quake), records, *_stands_for_none(quake)]),
         Section("OVERALL", [_percentiles(quake)] if len(quake.shaken) > 1 else []),
-        Section("COMPARE", _compared(quake) if quake.compared() else []),
         Section("MODEL", [_model(quake)]),
         Section("TIME", [f"{quake.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in quake.warnings]),
@@ -219,28 +215,6 @@ def _six_notes(quake: Quake) -> list[str]:
         f"{springs_in_words(quake.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
         f"{pairs} node pairs; {settled}",
     ]
-
-
-def _compared(quake: Quake) -> list[str | Table[Any]]:
-    """Regressions where they hold, else why not; k_y / PGA either way."""
-    k = quake.coefficient or 0.0
-    taken = quake.comparable
-    ratios = [k / one.record.pga_g for one in taken or quake.natural]
-    span = " to ".join(dict.fromkeys(f"{ratio:.3g}" for ratio in (min(ratios), max(ratios))))
-    if k < LEAST_K:
-        return [f"none: k_y {shown_k(k)} lies below {LEAST_K:g}, where regressions run away (k_y / PGA {span})"]
-    if not taken:
-        return [f"none: k_y {shown_k(k)} lies above the peak of every record (k_y / PGA {span})"]
-    left = len(quake.natural) - len(taken)
-    less = f"; left out: {counted(left, 'record')} with a peak below k_y" if left else ""
-    own = float(np.median([0.5 * (one.newmark_m + one.newmark_reversed_m) for one in taken]))
-    ours = {"name": "these records, factor 1", "asks": "", "median_m": own}
-    columns: tuple[Column[Any], ...] = (
-        Column("median displacement", itemgetter("name"), "name", width=-_NAME),
-        Column("cm", itemgetter("median_m"), "median_m", "m", lambda m: f"{m * 100.0:.4g}", 10),
-        Column("  from", itemgetter("asks"), "asks", width=-1, about="  {}"),
-    )
-    return [Table(columns, [ours, *quake.compared()]), f"k_y / PGA {span}{less}"]
 
 
 def _model(quake: Quake) -> str:

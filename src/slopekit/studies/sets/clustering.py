@@ -11,9 +11,8 @@ mixture gives the number of sets: the least
 
     BIC = -2 ln L + p ln N,    p = 4 m (mean, K and part of each of m sets)
 
-(Schwarz 1978, Ann. Stat. 6, 461-464 (m)); 0 sets are joints without any order. Beside it stands the index of Xie & Beni
-(1991) (m), which Hammah & Curran (2000, IEEE PAMI 22, 1467-1472 (m)) compare with others: it knows neither no set
-nor one alone; (m): remembered, not looked up. docs/studies.md counts how often each finds the number that was drawn.
+(Schwarz 1978, Ann. Stat. 6, 461-464 (m)); 0 sets are joints without any order. docs/studies.md counts how often
+it finds the number that was drawn; (m): remembered, not looked up.
 """
 
 import math
@@ -46,14 +45,13 @@ class Clusters:
     means : (m, 3) downward unit vectors, the largest set first
     of : (n,) the set of each pole, -1 of none
     share : (n, m) of fuzzy K-means, rows add up to 1
-    bic : see above; xie_beni : Σ w u² d² / (Σ w · least d² between two means), nan of fewer than two sets
+    bic : see above
     """
 
     means: Floats
     of: Ints
     share: Floats
     bic: float
-    xie_beni: float
 
     def __len__(self) -> int:
         return len(self.means)
@@ -113,7 +111,7 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
     n = len(poles)
     none = np.full(n, _NO_SET)
     if sets == 0:
-        return Clusters(np.zeros((0, 3)), none, np.zeros((n, 0)), 0.0, math.nan)
+        return Clusters(np.zeros((0, 3)), none, np.zeros((n, 0)), 0.0)
     means = _started(poles, weights, sets, rng)
     of, seen = none, set[bytes]()
     for _ in range(_ROUNDS):
@@ -134,7 +132,7 @@ def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
     of = np.where(of == _NO_SET, _NO_SET, rank[of])
     means, share = means[order], share[:, order]
     means = np.where(means[:, 2:] > 0.0, -means, means)
-    return Clusters(means, of, share, _bic(poles, weights, mixture), _xie_beni(poles, weights, means, share))
+    return Clusters(means, of, share, _bic(poles, weights, mixture))
 
 
 # -- fuzzy K-means ----------------------------------------------------------------------------------------------------
@@ -183,15 +181,6 @@ def _started(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator
             means = np.concatenate([means, poles[rng.choice(len(poles), p=far / far.sum())][None]])
         tries.append(_settled(poles, weights, means, _FIRST_STEPS))
     return min(tries, key=lambda means: _objective(poles, weights, means))
-
-
-def _xie_beni(poles: Floats, weights: Floats, means: Floats, share: Floats) -> float:
-    if len(means) < 2:
-        return math.nan
-    apart = 1.0 - (means @ means.T) ** 2
-    least = float(apart[np.triu_indices(len(means), 1)].min())
-    spread = float((weights[:, None] * share**2 * _squares(poles, means)).sum() / weights.sum())
-    return spread / least if least > _SMALLEST else math.inf
 
 
 # -- joints of no set -------------------------------------------------------------------------------------------------

@@ -194,7 +194,7 @@ class JointSets(StudyOutcome):
             "sets": json_of(self.sets),
             "without_set": list(self.without_set),
             "tried": [
-                {"sets": len(one), "bic": json_of(one.bic), "xie_beni": json_of(one.xie_beni)} for one in self.tried
+                {"sets": len(one), "bic": json_of(one.bic)} for one in self.tried
             ],
             "girdle": None if self.girdle is None else {
                 "trend_deg": self.girdle[0].trend_deg, "plunge_deg": self.girdle[0].plunge_deg, "bic": self.girdle[1],

@@ -67,7 +67,6 @@ def _number(joint_sets: JointSets) -> list[Entry]:
     columns: list[Column[Clusters]] = [
         Column("sets", len, "sets", width=5),
         Column("BIC", attrgetter("bic"), "bic", show=".1f", width=11),
-        Column("Xie-Beni", attrgetter("xie_beni"), "xie_beni", show=_index, width=11),
         Column("of no set", lambda one: int((one.of < 0).sum()), "without_set", width=11),
     ]
     return [

@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterable, Mapping
 from dataclasses import field
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 from slopekit._version import __version__
 from slopekit.core.codec import record_of
@@ -153,13 +153,8 @@ class Verification(StudyOutcome):
         }
 
 
-@dataclass(frozen=True, slots=True)
-class _Analysed:
-    """What one design gave: a result, or the words of what went wrong, and the time it took."""
-
-    result: Result | None
-    trouble: str
-    seconds: float
+#: What one design gave: a result, or the words of what went wrong, and the seconds it took.
+_Analysed: TypeAlias = tuple[Result | None, str, float]
 
 
 @documented
@@ -214,17 +209,17 @@ def _analysed(mapping: Mapping[str, Any]) -> _Analysed:
     try:
         result = analyse(load(mapping))
     except SlopekitError as error:
-        return _Analysed(None, str(error.faults[0]).splitlines()[0], time.perf_counter() - started)
-    return _Analysed(result, "", time.perf_counter() - started)
+        return None, str(error.faults[0]).splitlines()[0], time.perf_counter() - started
+    return result, "", time.perf_counter() - started
 
 
 def _row(case: ReferenceCase, reference: Reference, outcome: _Analysed) -> Row:
     """A row, judged: the status and the bound hold for every row of a case, whatever its quantity."""
-    result = outcome.result
+    result, trouble, seconds = outcome
     if result is None:
         return Row(
-            case, reference, None, "", None, None, None, None, False, f"no analysis: {outcome.trouble}",
-            outcome.seconds, None,
+            case, reference, None, "", None, None, None, None, False, f"no analysis: {trouble}",
+            seconds, None,
         )  # fmt: skip
     fos = result.fos
     value = _value(result, reference)
@@ -234,7 +229,7 @@ def _row(case: ReferenceCase, reference: Reference, outcome: _Analysed) -> Row:
     reason = "; ".join(wrong) if wrong else reference.not_judged
     return Row(
         case, reference, value, result.status, fos.closed_form, fos.limit, fos.static_bound, error, ok, reason,
-        outcome.seconds, result.timing_s.get("closed_form"),
+        seconds, result.timing_s.get("closed_form"),
     )  # fmt: skip
 
 

@@ -1,6 +1,5 @@
 """Bolts that satisfy every load case of a design: those of the case that governs, tried in all others."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from operator import attrgetter
@@ -13,11 +12,9 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of
 from slopekit.studies.cases import InCase, in_each_case
-from slopekit.studies.support.records import Acts, BoltCase, Support, built_force, enough, snippet, written
+from slopekit.studies.support.records import Acts, BoltCase, Support, enough, snippet
 from slopekit.studies.support.search import closed_form_answer, limit_answer
 
-_RAISED, _LEAST, _MOST = 16, 1.001, 1.5  # rounds in which forces are raised; by so much at least, at most
-_CLOSE = 1.002  # of forces that satisfy all and that do not
 _OVER = 1e-4  # of a bolt's capacity: the force on a metre of slope is written with five digits, rounded up
 
 
@@ -34,15 +31,13 @@ class Tried:
     Attributes
     ----------
     acts : how they act; governing : the case that they were found for
-    bolts : as they are built; raised : how much more force they have than that case alone needs, 1 for none
-    inside : every case with them; most : force of the strongest, kN
+    bolts : as they are built; inside : every case with them; most : force of the strongest, kN
     capacity : of a bolt, kN; slice_m : the length of slope that a force in the design stands for, 1 in space
     """
 
     acts: Acts
     governing: str
     bolts: tuple[Bolt, ...]
-    raised: float
     inside: tuple[InCase, ...]
     capacity: float
     slice_m: float
@@ -115,8 +110,6 @@ class SupportForAll:
         entries: list[Any] = []
         for one in self.tried:
             said = f"{one.acts}: {_what(one, self.found)}; {one.governing} governs"
-            if one.raised > 1.0:
-                said += f", its force raised by {(one.raised - 1.0) * 100:.2g} % for the other cases"
             entries += [said if one.met else f"{said}: NOT REACHED", _table(one.inside)]
         return entries
 
@@ -139,7 +132,7 @@ class SupportForAll:
             "bolts": [
                 {
                     "acts": one.acts, "governing": one.governing, "met": one.met, "count": len(one.bolts),
-                    "force_kn": one.force, "raised": one.raised, "yaml": self._yaml(one),
+                    "force_kn": one.force, "yaml": self._yaml(one),
                     "cases": _table(one.inside).records(),
                 } for one in self.tried
             ],
@@ -160,7 +153,7 @@ def for_all(supports: Mapping[str, Support], given: Mapping[str, Any]) -> Suppor
     """Bolts for all cases, for each way they act.
 
     The bolts of the case that needs most force come first: with them the others are asked. Where one of them is not
-    satisfied, the bolts of every case are tried with more force, and those of least force are taken.
+    satisfied, those of every other case are tried, and the ones of least force that satisfy all are taken.
     """
     if all(one.stands for one in supports.values()):
         return SupportForAll(supports, (), ())
@@ -185,29 +178,15 @@ def _for_all(acts: Acts, built: Mapping[str, BoltCase], supports: Mapping[str, S
     first = _tried(acts, names[0], built[names[0]], supports)
     if first.met:
         return first
-    raised = [_raised(first if name == names[0] else _tried(acts, name, built[name], supports), supports)
-              for name in names]  # fmt: skip
-    return min(raised, key=lambda one: (not one.met, one.force))
+    every = [first, *(_tried(acts, name, built[name], supports) for name in names[1:])]
+    return min(every, key=lambda one: (not one.met, one.force))
 
 
 def _tried(acts: Acts, governing: str, case: BoltCase, supports: Mapping[str, Support]) -> Tried:
     """Every load case with the bolts that were found for one of them."""
     capacity = supports[governing].options.capacity
-    return Tried(acts, governing, case.bolts, 1.0, _in_cases(case.bolts, supports), capacity, case.slice_m)
-
-
-def _with_more(first: Tried, factor: float, supports: Mapping[str, Support]) -> Tried:
-    """Every load case with bolts of so much more force, up to full steps as they are built."""
-    slice_m = first.slice_m
-    bolts = tuple(
-        written(replace(bolt, force_kn=built_force(slice_m * bolt.force_kn * factor, first.capacity) / slice_m))
-        for bolt in first.bolts
-    )
-    return replace(first, bolts=bolts, raised=factor, inside=_in_cases(bolts, supports))
-
-
-def _in_cases(bolts: tuple[Bolt, ...], supports: Mapping[str, Support]) -> tuple[InCase, ...]:
-    return tuple(_in_case(name, one, bolts) for name, one in supports.items())
+    inside = tuple(_in_case(name, one, case.bolts) for name, one in supports.items())
+    return Tried(acts, governing, case.bolts, inside, capacity, case.slice_m)
 
 
 def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:
@@ -219,30 +198,3 @@ def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:
     reached = enough(one.target, closed_form_answer(both), limit_answer(both), dilates(design))
     met = reached and not also_falls_short(both.also, one.target, "")
     return InCase(name, one.target, both.status, both.limit, both.closed_form, met)
-
-
-def _raised(one: Tried, supports: Mapping[str, Support]) -> Tried:
-    """Bolts with so much force that all cases are satisfied, within a part of it; the last where no force does it."""
-    first, low, high = one, 1.0, math.inf
-    best = one
-    for _ in range(_RAISED):
-        lacking = [row for row in one.inside if not row.met]
-        if not lacking:
-            best, high = one, one.raised
-        else:
-            best, low = (one, one.raised) if math.isinf(high) else (best, one.raised)
-        if high <= low * _CLOSE:
-            break
-        step = max(_more(row, supports[row.case]) for row in lacking) if math.isinf(high) else math.sqrt(high / low)
-        one = _with_more(first, low * step, supports)
-    return best
-
-
-def _more(row: InCase, support: Support) -> float:
-    """By how much force has to grow, from what it has brought so far."""
-    level = min((value for value in (row.limit, row.closed_form) if value is not None), default=0.0)
-    bare = min(support.pre_ie.search_level, support.closed_form.search_level)
-    rise = level - bare
-    if not (rise > 0.0 and math.isfinite(rise)):
-        return _MOST
-    return min(max(1.0 + 1.01 * (row.target - level) / rise, _LEAST), _MOST)

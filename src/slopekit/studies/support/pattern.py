@@ -4,6 +4,8 @@ A head is left out only where its bolt misses the block, or comes out of the gro
 """
 
 import math
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -88,18 +90,18 @@ def _face_layout(
         if float(np.ptp(grid.polygon, axis=0).max()) / spacing > MOST_BOLTS:
             message = f"a spacing of {spacing:.6g} m puts more than {MOST_BOLTS} bolts on a face of {site.area:.6g} m²"
             return Notice("E328", message)
-        best = max(grid.at(spacing), key=lambda chosen: chosen.rank(needed))
-        if len(best.points) < needed:
-            holds = len(best.points) * capacity
+        best = max(grid.at(spacing), key=partial(_rank, needed=needed))
+        if len(best[0]) < needed:
+            holds = len(best[0]) * capacity
             message = (
-                f"at a spacing of {spacing:.6g} m the face holds {len(best.points)} bolts of {capacity:.6g} kN, "
+                f"at a spacing of {spacing:.6g} m the face holds {len(best[0])} bolts of {capacity:.6g} kN, "
                 f"{holds:.6g} kN in all, and {force:.6g} kN are needed"
             )
             return Notice("E328", message)
-        return grid.layout(best, needed)
+        return grid.layout(best, spacing, needed)
     widest = 2.0 * math.sqrt(site.area / needed)
     for tried in dict.fromkeys(_set_out(widest * _FINER**k) for k in range(_TRIES)):
-        enough = [one for one in grid.at(tried) if len(one.points) >= needed]
+        enough = [one for one in grid.at(tried) if len(one[0]) >= needed]
         if enough and needed > 1 and tried < CLOSEST_M:
             message = (
                 f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, {tried:.2g} m apart: no pattern is laid "
@@ -107,7 +109,7 @@ def _face_layout(
             )
             return Notice("E328", message)
         if enough:
-            return grid.layout(max(enough, key=lambda one: one.rank(needed)), needed)
+            return grid.layout(max(enough, key=partial(_rank, needed=needed)), tried, needed)
     return _NO_PLACE
 
 
@@ -116,17 +118,15 @@ def _set_out(spacing: float) -> float:
     return math.floor(spacing * 10.0 + 1e-9) / 10.0 if spacing >= 0.3 else spacing
 
 
-@dataclass(frozen=True, slots=True)
-class _Chosen:
-    points: Floats
-    spacing: float
-    left_out: int
-    off: float
+#: Heads (n, 2) in the axes of the face, how many places are left out, how far their mean lies from its middle.
+_Chosen: TypeAlias = tuple[Floats, int, float]
 
-    def rank(self, needed: int) -> tuple[int, float]:
-        """Enough heads and no more than that, near the middle of the face."""
-        count = len(self.points)
-        return (-count if count >= needed else count - 10 * MOST_BOLTS, -self.off)
+
+def _rank(chosen: _Chosen, needed: int) -> tuple[int, float]:
+    """Enough heads and no more than that, near the middle of the face."""
+    points, _, off = chosen
+    count = len(points)
+    return (-count if count >= needed else count - 10 * MOST_BOLTS, -off)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,25 +161,26 @@ class _Grid:
         clear = _clear_of_edges(points, self.polygon, _MARGIN * spacing)
         points, start = points[clear], start[clear]
         _, anchored = depths(self.site, self.local(points), self.direction)
-        choices = []
+        choices: list[_Chosen] = []
         for k in range(len(_STARTS)):
             kept = points[anchored & (start == k)]
             off = float(np.hypot(*kept.mean(axis=0))) if len(kept) else math.inf
-            choices.append(_Chosen(kept, spacing, int((~anchored & (start == k)).sum()), off))
+            choices.append((kept, int((~anchored & (start == k)).sum()), off))
         return choices
 
     def local(self, points: Floats) -> Floats:
         positions: Floats = self.middle + points @ self.axes
         return positions
 
-    def layout(self, chosen: _Chosen, needed: int) -> Layout:
-        columns, column = np.unique(chosen.points[:, 0].round(9), return_inverse=True)
-        rows, row = np.unique(chosen.points[:, 1].round(9), return_inverse=True)
-        local = self.local(chosen.points)
+    def layout(self, chosen: _Chosen, spacing: float, needed: int) -> Layout:
+        points, left_out, _ = chosen
+        columns, column = np.unique(points[:, 0].round(9), return_inverse=True)
+        rows, row = np.unique(points[:, 1].round(9), return_inverse=True)
+        local = self.local(points)
         sound, _ = depths(self.site, local, self.direction)
         return Layout(
             frozen(self.site.world(local) + self.site.origin), frozen(local), frozen(sound), row.ravel(),
-            column.ravel(), len(rows), len(columns), chosen.spacing, chosen.spacing, chosen.left_out, needed,
+            column.ravel(), len(rows), len(columns), spacing, spacing, left_out, needed,
         )  # fmt: skip
 
 

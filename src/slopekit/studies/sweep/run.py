@@ -13,7 +13,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from itertools import pairwise, product
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, get_args
 
 from slopekit.core.codec import json_of
@@ -26,7 +25,6 @@ from slopekit.design.parts import ON_FACTOR
 from slopekit.kinds import kind_of, notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import (
-    GIVEN_UP,
     Evaluation,
     Line,
     Method,
@@ -37,6 +35,7 @@ from slopekit.studies.points import (
     checked_target,
     code_without_blocks,
     factor_at,
+    kept_points,
     lines_of,
     lower_of,
     other_history,
@@ -57,7 +56,7 @@ from slopekit.studies.protocol import (
     study,
 )
 from slopekit.studies.ranges import MOST, how_written, meant_in_steps, parse_values
-from slopekit.studies.running import Crew, Journal, checked_crew, run_all
+from slopekit.studies.running import Crew, checked_crew
 
 _SAME = 1e-9  # factors that differ by less do not rise or fall
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
@@ -82,15 +81,6 @@ class Critical:
     between: tuple[float, float]
     at: float | None
     how: str
-
-
-@dataclass(frozen=True, slots=True)
-class StatusChange:
-    """A change of status between two neighbouring values of the first key; `line` as in `Critical`."""
-
-    line: float | None
-    between: tuple[float, float]
-    statuses: tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -160,10 +150,10 @@ class Sweep(StudyOutcome):
         ]
 
     @property
-    def changes(self) -> list[StatusChange]:
-        """Changes of status between neighbours."""
+    def changes(self) -> list[dict[str, Any]]:
+        """Changes of status between neighbouring values of the first key; `line` as in `Critical`."""
         return [
-            StatusChange(line, (a, b), (self.status(one), self.status(other)))
+            {"line": line, "between": (a, b), "statuses": (self.status(one), self.status(other))}
             for line, points in self.lines()
             for (a, one), (b, other) in pairwise(points)
             if self.status(one) != self.status(other)
@@ -383,14 +373,11 @@ def evaluated(
     """
     plain = design.source.root.plain() if design.source is not None else None
     run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
-    journal = Journal.of(desk.folder or Path.cwd(), name, run, streamed=desk.folder is not None)
     at_once = 64 if methods == "closed-form" else 1 if kind_of(design).closed_form is None else 8
-    with desk.bar("points", len(tasks)) as advance:
-        work = Evaluation(design, methods != "closed-form", keeps_bolts)
-        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
+    work = Evaluation(design, methods != "closed-form", keeps_bolts)
+    points, journal = kept_points(work, tasks, crew, desk, name, "points", run, at_once)
     journal.remove()
-    points = [Point.from_record(record) for record in records]
-    return points if methods != "pre-ie" else [_by_pre_ie(point) for point in points]
+    return list(points) if methods != "pre-ie" else [_by_pre_ie(point) for point in points]
 
 
 def one_or_two(keys: Mapping[str, object]) -> None:

@@ -4,11 +4,10 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from operator import attrgetter, itemgetter
+from operator import itemgetter
 from typing import Any, TypeAlias
 
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
@@ -88,38 +87,29 @@ def _also_of(name: str) -> Callable[[Mapping[str, Any]], float | None]:
 # -- a curve ----------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _PointOfCurve:
-    """A point of a curve: its value, its status, and whether that has changed since the point before."""
-
-    value: float
-    point: Point
-    status: str
-    changed: bool
+#: A point of a curve: its value, the point, its status, and whether that has changed since the point before.
+_PointOfCurve: TypeAlias = tuple[float, Point, str, bool]
 
 
 def _curve(swept: Sweep) -> Table[_PointOfCurve]:
     key, (_, points) = swept.keys[0], swept.lines()[0]
     statuses = [swept.status(point) for _, point in points]
     kept = _thinned(statuses)
-    rows = [
-        _PointOfCurve(*points[k], statuses[k], n > 0 and statuses[k] != statuses[kept[n - 1]])
-        for n, k in enumerate(kept)
-    ]
+    rows = [(*points[k], statuses[k], n > 0 and statuses[k] != statuses[kept[n - 1]]) for n, k in enumerate(kept)]
     title = key.path if len(key.path) <= 22 else "…" + key.path[-21:]
     known = next((one.factors.also for _, one in points if one.factors is not None and one.factors.also), None)
     least, before = (17, "   ") if known is None else (9, " ")  # with a column more the lines are as long
     columns: list[Column[_PointOfCurve]] = [
-        Column(title, attrgetter("value"), key.path, key.unit,
+        Column(title, itemgetter(0), key.path, key.unit,
                lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
-        Column("", attrgetter("changed"), "changed", show=lambda changed: ">" if changed else "", width=-2),
+        Column("", itemgetter(3), "changed", show=lambda changed: ">" if changed else "", width=-2),
         Column("status", _status, "status", width=-max([least, *map(len, filter(_slides, statuses))])),
         *(Column(METHODS[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
     ]  # fmt: skip
     if known is not None:
         columns.append(Column(known.BRIEF, _also, known.NAME, show=_factor_text, width=12))
     if len(swept.asked) > 1:
-        columns.append(Column(f"{before}check", lambda row: before + check_word(row.point), "check", width=-1))
+        columns.append(Column(f"{before}check", lambda row: before + check_word(row[1]), "check", width=-1))
     left = len(points) - len(kept)
     rest = f"… {left} more points are left out here: see the JSON or the CSV" if left else ""
     return Table(columns, rows, rest=rest)
@@ -131,24 +121,25 @@ def _slides(status: str) -> bool:
 
 def _status(row: _PointOfCurve) -> str:
     """The status, or why there is no block."""
-    if row.point.factors is not None:
-        return row.status
-    return textwrap.shorten(f"{row.point.code} {row.point.message}", WIDTH - LABEL - 23, placeholder=" …")
+    _, point, status, _ = row
+    if point.factors is not None:
+        return status
+    return textwrap.shorten(f"{point.code} {point.message}", WIDTH - LABEL - 23, placeholder=" …")
 
 
 def _by(method: Method) -> Callable[[_PointOfCurve], float | str | None]:
     """The factor by a method, `none` where the block has none, nothing where there is no block."""
 
     def factor(row: _PointOfCurve) -> float | str | None:
-        value = factor_at(row.point, method)
-        return None if row.point.factors is None else value if is_number(value) else "none"
+        value = factor_at(row[1], method)
+        return None if row[1].factors is None else value if is_number(value) else "none"
 
     return factor
 
 
 def _also(row: _PointOfCurve) -> float | str | None:
     """The factor of what acceptance is held against besides, or how it moves without one."""
-    also = None if row.point.factors is None else row.point.factors.also
+    also = None if row[1].factors is None else row[1].factors.also
     return None if also is None else also.factor if also.factor is not None else also.in_words()
 
 
@@ -319,8 +310,8 @@ def _changes(swept: Sweep) -> list[str]:
     key = swept.keys[0]
     entries = []
     for change in changes[:12]:
-        a, b = (key.shown(end, 6) for end in change.between)
-        one, other = (status_words(swept.design, status) for status in change.statuses)
+        a, b = (key.shown(end, 6) for end in change["between"])
+        one, other = (status_words(swept.design, status) for status in change["statuses"])
         entries.append(f"between {a} and {b}: {one} -> {other}")
     if len(changes) > 12:
         entries.append(f"… {len(changes) - 12} more changes, see the JSON")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
 from slopekit.core.orientation import millimetre
 from slopekit.core.records import dataclass
@@ -242,18 +242,8 @@ def _draw_lines(figure: Any, swept: _Swept) -> None:
     _finish(figure, axes, document, what)
 
 
-@dataclass(frozen=True)
-class _TornadoBar:
-    """A number and what its two ends do."""
-
-    words: str
-    shown: Sequence[str]
-    ends: Sequence[Point]
-    swings: Document
-
-    def moves(self, method: Method) -> bool:
-        """Whether the factor changes, or an end has none."""
-        return bool(self.swings[method] != 0.0)
+#: A number in words, its two ends as they are shown, the points there, and the swing by each method.
+_TornadoBar: TypeAlias = tuple[str, Sequence[str], list[Point], Document]
 
 
 @needs({
@@ -269,16 +259,14 @@ def draw_tornado(figure: Any, document: Document) -> None:
     asked = asked_of(document["methods"], [own])
     method = asked[0]
     base = factor_at(own, method)
-    every = [
-        _TornadoBar(
-            _words(document, bar, 40), _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")],
-            bar["swing"],
-        )
+    every: list[_TornadoBar] = [
+        (_words(document, bar, 40), _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")],
+         bar["swing"])
         for bar in document["bars"]
     ]  # fmt: skip
-    moving = [bar for bar in every if bar.moves(method)]
+    moving = [bar for bar in every if bar[3][method] != 0.0]
     bars = moving[:_MOST_BARS]
-    ends = [f for bar in bars for point in bar.ends if (f := factor_at(point, method)) is not None]
+    ends = [f for bar in bars for point in bar[2] if (f := factor_at(point, method)) is not None]
     finite = [f for f in ends if math.isfinite(f)]
     if base is None or not math.isfinite(base) or not bars or not finite:
         nothing(_TOO_FEW)
@@ -290,7 +278,7 @@ def draw_tornado(figure: Any, document: Document) -> None:
         _tornado_bar(axes, bar, row, method, base, (low - 0.05 * room, high + 0.05 * room))
     if len(asked) > 1:
         for row, bar in enumerate(bars):
-            ticks = [factor_at(point, "closed_form") for point in bar.ends]
+            ticks = [factor_at(point, "closed_form") for point in bar[2]]
             drawn = [f for f in ticks if f is not None and math.isfinite(f) and f > 0.0]
             axes.plot(drawn, [row] * len(drawn), marker="|", markersize=17, color=RED, linestyle="none", zorder=4)
         axes.plot([], [], marker="|", markersize=12, color=RED, linestyle="none", label="closed form")
@@ -298,7 +286,7 @@ def draw_tornado(figure: Any, document: Document) -> None:
     axes.plot([], [], color=_HIGH, linewidth=8, label="at the upper end")
     axes.axvline(base, color=DARK, linewidth=1.2)
     axes.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0) if low - room < 1.0 < high + room else None
-    axes.set_yticks(range(len(bars)), [bar.words for bar in bars])
+    axes.set_yticks(range(len(bars)), [bar[0] for bar in bars])
     axes.set_ylim(len(bars) - 0.4, -0.6)
     axes.set_xlim(low - 0.22 * room, high + 0.22 * room)
     left = len(moving) - len(bars)
@@ -454,11 +442,12 @@ def _tornado_bar(
     axes: Any, bar: _TornadoBar, row: int, method: Method, base: float, room: tuple[float, float]
 ) -> None:  # fmt: skip
     """One bar; an end without a number runs to the edge of the chart and says why."""
+    _, texts, points, _ = bar
     ends = []
-    for point in bar.ends:
+    for point in points:
         factor = factor_at(point, method)
         ends.append(base if factor is None else min(max(factor, room[0]), room[1]))
-    for k, (shown, point, colour) in enumerate(zip(bar.shown, bar.ends, (_LOW, _HIGH), strict=True)):
+    for k, (shown, point, colour) in enumerate(zip(texts, points, (_LOW, _HIGH), strict=True)):
         factor, end, other = factor_at(point, method), ends[k], ends[1 - k]
         bare = factor is None or not math.isfinite(factor) or factor == 0.0
         above = 2.1 if abs(end - base) < abs(other - base) else 2.0  # the longer of two to one side lies beneath

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from slopekit.core.errors import DesignError
-from slopekit.core.records import dataclass
 from slopekit.views.charts.kinematic_charts import NETS_OF
 from slopekit.views.plots import PlotOptions, draw, offers
 
@@ -26,24 +25,12 @@ _PATH = re.compile(r'(?<= d=")[^"]+|(?<=[ "]x=")[^"]+|(?<=[ "]y=")[^"]+')
 _DIGITS = re.compile(r"-?\d+\.\d{3,}")
 
 
-@dataclass(frozen=True, slots=True)
-class PagePicture:
-    """A picture: its word, what it shows, and itself as a data URI."""
-
-    what: str
-    caption: str
-    uri: str
-
-    @property
-    def is_chart(self) -> bool:
-        """Whether it is a chart, in place of a scene."""
-        return self.what not in _SCENES
-
-
 def still_pictures(
     document: Mapping[str, Any], but: frozenset[str] = frozenset()
-) -> tuple[list[PagePicture], list[str]]:
+) -> tuple[list[dict[str, Any]], list[str]]:
     """The pictures that can be drawn of a document, and sentences on those that cannot, with the code of each.
+
+    A picture has its word `what`, its `caption`, itself as a data URI, `uri`, and whether it `is_chart`, not a scene.
 
     Parameters
     ----------
@@ -58,11 +45,12 @@ def still_pictures(
     if document.get("kind") == "kinematic":  # a net for each test: four in one have no legible letter on a phone
         asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", PlotOptions(test=test))
                  for what, _, _ in asked for test in NETS_OF]  # fmt: skip
-    pictures: list[PagePicture] = []
+    pictures: list[dict[str, Any]] = []
     missing: dict[str, list[str]] = {}
     for what, caption, options in asked:
         try:
-            pictures.append(PagePicture(what, caption, picture_of(document, what, options)))
+            uri = picture_of(document, what, options)
+            pictures.append({"what": what, "caption": caption, "uri": uri, "is_chart": what not in _SCENES})
         except DesignError as error:
             fault = error.faults[0]
             missing.setdefault(f"{fault.code} {fault.message}", []).append(what)

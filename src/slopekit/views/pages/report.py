@@ -117,7 +117,7 @@ def report_of(
         pictures, left = (
             still_pictures(document, frozenset(again)) if with_pictures else ([], ["all of them: left out as asked"])
         )
-        if any(picture.what == "histogram" for picture in pictures):  # what is drawn is not listed too
+        if any(picture["what"] == "histogram" for picture in pictures):  # what is drawn is not listed too
             context["sections"] = [one for one in context["sections"] if one[0] != "HISTOGRAM"]
         context["notices"] += [(one.code, one.message) for one in own]
         articles.append(context | {"pictures": pictures, "missing": left, "again": again, "anchor": f"part-{k}",
@@ -138,7 +138,7 @@ def report_of(
         "inputs_table": None if is_one else _inputs_that_differ(several, short),
         "one_design": together.same_design(several), "of_cases": len(given) == 1 and not is_one,
     })  # fmt: skip
-    seen = tuple(picture.what for article in articles for picture in article["pictures"])
+    seen = tuple(picture["what"] for article in articles for picture in article["pictures"])
     return Report(html, seen, tuple(missing), tuple(notices))
 
 
