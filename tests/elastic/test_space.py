@@ -50,10 +50,9 @@ def in_space(folder: Path, ends: dict, depth: float, turn: float = 0.0) -> dict:
     for name, given in design["blocks"].items():
         sides = np.array(given.pop("polygon"))
         corners = [(x, y, z) for y in (0.0, depth) for x, z in sides.tolist()]
-        rows = ["v " + " ".join(map(repr, corner)) for corner in corners]
-        rows += ["f " + " ".join(f"{corner + 1}" for corner in face) for face in FACES]
-        (folder / f"{name}.obj").write_text("\n".join(rows) + "\n")
-        given["mesh"] = str(folder / f"{name}.obj")
+        rows = [" ".join(map(repr, corner)) for corner in corners] + [f"4 {a} {b} {c} {d}" for a, b, c, d in FACES]
+        (folder / f"{name}.off").write_text("\n".join(["OFF", "8 6 0", *rows]) + "\n")
+        given["mesh"] = str(folder / f"{name}.off")
     return design
 
 

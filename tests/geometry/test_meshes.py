@@ -12,7 +12,7 @@ from slopekit.geometry.solids.meshes import outward, read_mesh
 from tests.scenes import ellipsoid_mesh, save, sheet
 
 
-@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "glb"])
+@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "off", "glb"])
 def test_formats(tmp_path, suffix) -> None:
     """The same closed body from each; single precision in STL, PLY and GLB, which is y-up (glTF 2.0, 3.4)."""
     vertices, triangles = ellipsoid_mesh(2)
@@ -21,7 +21,7 @@ def test_formats(tmp_path, suffix) -> None:
     found, faces, closed = read_mesh(save(tmp_path / f"body.{suffix}", (written, triangles)), "body")
     assert closed
     assert (len(found), len(faces)) == (len(vertices), len(triangles))
-    tolerance = 1e-8 if suffix == "obj" else 1e-5
+    tolerance = 1e-8 if suffix in ("obj", "off") else 1e-5
     assert np.sort(found, axis=0) == pytest.approx(np.sort(vertices, axis=0), abs=tolerance)
 
 

@@ -40,7 +40,7 @@ def slab_on_an_incline(folder, suffix: str, up: str, key: str = "") -> str:
     ("suffix", "up", "key"),
     [
         ("obj", "z", ""), ("stl", "z", ""), ("ply", "z", ""), ("glb", "y", ""), ("gltf", "y", ""), ("glb", "z", "z"),
-        ("obj", "y", "y"),
+        ("off", "y", "y"),
     ],
 )  # fmt: skip
 def test_a_slab_slides_down_the_dip_of_its_file(tmp_path, suffix, up, key) -> None:

@@ -355,10 +355,10 @@ def test_a_box_pushed_off_its_middle(tmp_path: Path, wide, deep, off) -> None:
     blocks: dict[str, Any] = {}
     for name, sides in {"base": (5.0, 5.0, -1.0, 0.0), "box": (0.5 * wide, 0.5 * deep, 0.0, 0.5)}.items():
         corners = [(i * sides[0], j * sides[1], z) for z in sides[2:] for j in (-1, 1) for i in (-1, 1)]
-        quads = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
-        lines = [*(f"v {a} {b} {c}" for a, b, c in corners), *(f"f {quad}" for quad in quads)]
-        (tmp_path / f"{name}.obj").write_text("\n".join(lines) + "\n", "utf-8")
-        blocks[name] = {"mesh": str(tmp_path / f"{name}.obj")} | ({"fixed": True} if name == "base" else {})
+        quads = ["0 2 3 1", "4 5 7 6", "0 1 5 4", "2 6 7 3", "0 4 6 2", "1 3 7 5"]
+        lines = ["OFF", "8 6 0", *(f"{a} {b} {c}" for a, b, c in corners), *(f"4 {quad}" for quad in quads)]
+        (tmp_path / f"{name}.off").write_text("\n".join(lines) + "\n", "utf-8")
+        blocks[name] = {"mesh": str(tmp_path / f"{name}.off")} | ({"fixed": True} if name == "base" else {})
     force = {"force": [0, push, 0], "block": "box", "at": [off, 0, 0]}
     design = {"slopekit": 1, "kind": "blocks", "blocks": blocks, "rock": {"unit_weight": 25}}
     found = sk.run(design | {"strength": {"joint": {"c": 0, "phi": 30}}, "loads": {"forces": [force]}})

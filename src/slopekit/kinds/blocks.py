@@ -79,7 +79,7 @@ class BlockInput:
         default=None,
         example="block.stl",
         left_out="one of the two",
-        doc="a closed mesh file (STL, OBJ, PLY, GLB, DXF)",
+        doc="a closed mesh file (STL, OBJ, PLY, OFF, GLB, DXF)",
     )
     unit_weight_kn_m3: float | None = number(
         "unit_weight", "unit weight", default=None, least=5.0, most=400.0, code="E110", label="unit weight",

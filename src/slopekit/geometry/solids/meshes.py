@@ -1,7 +1,6 @@
-"""Mesh files (STL, OBJ, PLY, GLB, DXF) as closed bodies or open sheets, read in double precision."""
+"""Mesh files (STL, OBJ, PLY, OFF, GLB, DXF) as closed bodies or open sheets, read in double precision."""
 
 import json
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from io import BytesIO
@@ -14,7 +13,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import upward_axis
 from slopekit.geometry.solids.mesh_rounding import file_rounding
-from slopekit.geometry.solids.polygon_files import PolygonBody, obj_bodies
+from slopekit.geometry.solids.polygon_files import PolygonBody, obj_bodies, off_bodies, ply_bodies
 from slopekit.geometry.tolerances import COARSEST_SINGLE
 
 _CROSSED = 1e-6  # of the square of a face's size: areas that differ by less are rounding of its corners
@@ -169,10 +168,10 @@ def mesh_bodies(path: Path, up: str = "") -> list[MeshBody]:
         E140 a DXF without the extra `cad`. Other exceptions, of the readers, where the file is no mesh.
     """
     suffix = path.suffix.lower()
-    readers = {".dxf": _of_dxf, ".obj": obj_bodies}
+    readers = {".dxf": _of_dxf, ".obj": obj_bodies, ".off": off_bodies, ".ply": ply_bodies}
     if suffix in readers:
         bodies = [(name, vertices, triangulated(vertices, faces)) for name, vertices, faces in readers[suffix](path)]
-    elif suffix in (".stl", ".ply", ".glb", ".gltf"):
+    elif suffix in (".stl", ".glb", ".gltf"):
         bodies = _of_scene(path)
     else:
         raise ValueError(f"its suffix is {suffix or 'missing'}")
@@ -184,16 +183,14 @@ def mesh_bodies(path: Path, up: str = "") -> list[MeshBody]:
 
 
 def _of_scene(path: Path) -> list[MeshBody]:
-    """The solids of an STL or PLY, or the nodes of a glTF scene where its matrices take them, along the file's axes."""
+    """The solids of an STL, or the nodes of a glTF scene where its matrices take them, along the file's own axes."""
     import trimesh
 
-    suffix, content = path.suffix.lower(), path.read_bytes()
-    if suffix in (".glb", ".gltf"):
-        _refuse_unread_gltf(content)
+    if path.suffix.lower() != ".stl":
+        _refuse_unread_gltf(path)
     # of the bytes alone: a glTF may name further files, anywhere
-    scene = trimesh.load_scene(BytesIO(content), file_type=suffix.lstrip("."), process=False)
-    if suffix == ".ply":
-        _refuse_polygons(content, sum(len(mesh.faces) for mesh in scene.geometry.values()))
+    content = BytesIO(path.read_bytes())
+    scene = trimesh.load_scene(content, file_type=path.suffix.lower().lstrip("."), process=False)
     rank = {name: k for k, name in enumerate(scene.geometry)}
     bodies = []
     for node in sorted(scene.graph.nodes_geometry, key=lambda node: (rank[scene.graph[node][1]], str(node))):
@@ -207,15 +204,9 @@ def _of_scene(path: Path) -> list[MeshBody]:
     return bodies
 
 
-def _refuse_polygons(content: bytes, triangles: int) -> None:
-    """ValueError for a PLY whose faces are no triangles: trimesh cuts them as if all were convex."""
-    announced = re.search(rb"element\s+face\s+(\d+)", content.partition(b"end_header")[0])
-    if announced is None or int(announced[1]) != triangles:
-        raise ValueError("its faces are not all triangles; save it with triangles")
-
-
-def _refuse_unread_gltf(content: bytes) -> None:
+def _refuse_unread_gltf(path: Path) -> None:
     """ValueError for what trimesh passes over in glTF: whole numbers that stand for -1 to 1, and fans of triangles."""
+    content = path.read_bytes()
     if content.startswith(b"glTF"):
         content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
     document = json.loads(content)
@@ -324,7 +315,7 @@ def read_mesh(path: Path, name: str, where: str = "", up: str = "") -> tuple[Flo
     except Exception as error:  # trimesh's readers raise whatever their format makes them stumble over
         words = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
         reason = words.splitlines()[0][:120] if words else type(error).__name__
-        advice = "STL, OBJ, PLY, GLB and DXF are read."
+        advice = "STL, OBJ, PLY, OFF, GLB and DXF are read."
         raise DesignError(
             [Fault("E172", f"the mesh {name} cannot be read ({reason})", where or name, advice)]
         ) from None

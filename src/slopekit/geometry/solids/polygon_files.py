@@ -1,15 +1,18 @@
-"""OBJ files as vertices and faces of any number of corners, which other readers cut as if all were convex.
+"""OBJ, OFF and PLY files as vertices and faces of any number of corners, which other readers cut as if all were convex.
 
-Texture, normals, colours and lines are passed over. ValueError where a file is none of its format.
+Texture, normals, colours and lines are passed over. All raise ValueError where a file is none of its format.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.lib.recfunctions import structured_to_unstructured
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 
 #: Name, vertices (v, 3), and the vertices of each face in order around it.
 PolygonBody = tuple[str, Floats, list[list[int]]]
@@ -41,6 +44,23 @@ def obj_bodies(path: Path) -> list[PolygonBody]:
     return [_body(name or path.name, vertices, faces) for name, faces in named.items()]
 
 
+def off_bodies(path: Path) -> list[PolygonBody]:
+    """The body of an OFF file in text, with or without colours and normals."""
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    lines = [words for line in text.splitlines() if (words := line.partition("#")[0].split())]
+    keyword = lines[0][0].upper() if lines else ""
+    if not keyword.endswith("OFF") or "4" in keyword or "BINARY" in (word.upper() for word in lines[0]):
+        raise ValueError("it is no OFF file in text with three coordinates a vertex")
+    lines[0] = lines[0][1:]
+    lines = lines if lines[0] else lines[1:]
+    count, total = (int(word) for word in lines[0][:2])
+    rows = lines[1 + count : 1 + count + total]
+    faces = [[int(word) for word in words[1 : 1 + int(words[0])]] for words in rows]
+    if len(rows) < total or any(len(face) < int(words[0]) for face, words in zip(faces, rows, strict=True)):
+        raise ValueError(f"it ends before the {total} faces that it announces")
+    return [_body(path.name, _coordinates([words[:3] for words in lines[1 : 1 + count]]), faces)]
+
+
 def _coordinates(points: Sequence[Sequence[str]]) -> Floats:
     if any(len(point) < 3 for point in points):
         raise ValueError("a vertex has fewer than three coordinates")
@@ -57,3 +77,143 @@ def _body(name: str, vertices: Floats, faces: list[list[int]]) -> PolygonBody:
         return name, vertices, faces
     index = np.searchsorted(used, np.arange(len(vertices))).tolist()
     return name, vertices[used], [[index[corner] for corner in face] for face in faces]
+
+
+# -- PLY --------------------------------------------------------------------------------------------------------------
+
+#: The letters of numpy for the types of PLY.
+_LETTERS = {
+    "char": "b", "int8": "b", "uchar": "B", "uint8": "B", "short": "h", "int16": "h", "ushort": "H", "uint16": "H",
+    "int": "i", "int32": "i", "uint": "I", "uint32": "I", "int64": "q", "uint64": "Q",
+    "float": "f", "float32": "f", "double": "d", "float64": "d",
+}  # fmt: skip
+_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+_CORNERS = ("vertex_indices", "vertex_index")
+#: The values of a property, a row of them for each row of its table: a value, or a list.
+_Column = Floats | list[Floats]
+
+
+@dataclass(frozen=True, slots=True)
+class _Property:
+    """A property of a PLY element: the letter of its values and, where it is a list, of their number."""
+
+    name: str
+    letter: str
+    count_letter: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Element:
+    """A table of a PLY file: its name, how many rows, and its columns."""
+
+    name: str
+    count: int
+    properties: list[_Property]
+
+
+class _Numbers:
+    """The numbers of a PLY file, in text or in binary, read from its start on."""
+
+    def __init__(self, data: bytes, form: str) -> None:
+        self.order = _ORDERS.get(form, "")
+        self.data: Any = data if self.order else np.array(data.split(), dtype=np.float64)
+        self.position = 0
+
+    def size(self, letters: str) -> int:
+        """How much of the data a row takes whose types the letters say."""
+        return sum(np.dtype(letter).itemsize for letter in letters) if self.order else len(letters)
+
+    def rows(self, letters: str, count: int) -> Floats:
+        """The next numbers as rows (count, len(letters)), of the types that the letters say."""
+        begin = self.position
+        self.position += self.size(letters) * count
+        if self.position > len(self.data):
+            raise ValueError("it ends before all that its header announces")
+        if not self.order:
+            return np.asarray(self.data[begin : self.position]).reshape(count, -1)
+        if len(set(letters)) == 1:
+            table = np.frombuffer(self.data, self.order + letters[0], count * len(letters), begin)
+            return table.reshape(count, -1).astype(np.float64)
+        kind = np.dtype([(str(k), self.order + letter) for k, letter in enumerate(letters)])
+        return structured_to_unstructured(np.frombuffer(self.data, kind, count, begin), dtype=np.float64)
+
+
+def ply_bodies(path: Path) -> list[PolygonBody]:
+    """The body of a PLY file, in text or in binary."""
+    header, mark, content = path.read_bytes().partition(b"end_header")
+    form, elements = _header(header.decode("ascii", errors="replace"))
+    if not mark or not header.startswith(b"ply") or form not in ("ascii", *_ORDERS):
+        raise ValueError("it has no header of a PLY file")
+    numbers = _Numbers(content.partition(b"\n")[2], form)
+    columns = {element.name: _columns(element, numbers) for element in elements if element.count}
+    if "vertex" not in columns or "face" not in columns:
+        raise ValueError("it has no vertices, or no faces")
+    points = np.concatenate([_column(columns["vertex"], axis) for axis in "xyz"], axis=1)
+    corners = _column(columns["face"], *_CORNERS)
+    tables = [corners] if isinstance(corners, np.ndarray) else [row[None] for row in corners]
+    return [_body(path.name, points, [face for rows in tables for face in rows.astype(np.int64).tolist()])]
+
+
+def _header(text: str) -> tuple[str, list[_Element]]:
+    """The form of a PLY file and its tables."""
+    form = ""
+    elements: list[_Element] = []
+    for line in text.splitlines():
+        match line.split():
+            case ["format", word, *_]:
+                form = word
+            case ["element", name, count]:
+                elements.append(_Element(name, max(int(count), 0), []))
+            case ["property", "list", count_type, kind, name] if elements:
+                elements[-1].properties.append(_Property(name, _letter(kind), _letter(count_type)))
+            case ["property", kind, name] if elements:
+                elements[-1].properties.append(_Property(name, _letter(kind)))
+    return form, elements
+
+
+def _letter(kind: str) -> str:
+    if kind not in _LETTERS:
+        raise ValueError(f"its header has a type {kind}")
+    return _LETTERS[kind]
+
+
+def _column(columns: Mapping[str, _Column], *names: str) -> _Column:
+    """The first of these columns that there is."""
+    for name in names:
+        if name in columns:
+            return columns[name]
+    raise ValueError(f"it has no property {' or '.join(names)}")
+
+
+def _columns(element: _Element, numbers: _Numbers) -> Mapping[str, _Column]:
+    """The columns of a table by name, a value or a list a row.
+
+    All rows are taken at once where their lists are as long as those of the first, else row by row.
+    """
+    begin = numbers.position
+    first = _row(element, numbers)
+    numbers.position = begin
+    letters = "".join(entry.count_letter + entry.letter * len(first[entry.name]) for entry in element.properties)
+    ends = np.cumsum([len(entry.count_letter) + len(first[entry.name]) for entry in element.properties]).tolist()
+    spans = {
+        entry.name: (end - len(first[entry.name]), end) for entry, end in zip(element.properties, ends, strict=True)
+    }
+    if begin + numbers.size(letters) * element.count <= len(numbers.data):
+        table = numbers.rows(letters, element.count)
+        lists = [spans[entry.name] for entry in element.properties if entry.count_letter]
+        if all((table[:, start - 1] == end - start).all() for start, end in lists):
+            return {name: table[:, start:end] for name, (start, end) in spans.items()}
+    numbers.position = begin
+    rows = [_row(element, numbers) for _ in range(element.count)]
+    return {name: [row[name] for row in rows] for name in first}
+
+
+def _row(element: _Element, numbers: _Numbers) -> dict[str, Floats]:
+    """The values of the next row by the names of their properties."""
+    row = {}
+    for entry in element.properties:
+        count = int(numbers.rows(entry.count_letter, 1)[0, 0]) if entry.count_letter else 1
+        if not 0 <= count <= len(numbers.data):
+            raise ValueError(f"it has a list of {count} entries")
+        row[entry.name] = numbers.rows(entry.letter * count, 1)[0] if count else np.zeros(0)
+    return row

@@ -85,7 +85,7 @@ class Slip:
         "mesh",
         default=None,
         example="slip.stl",
-        doc="instead of a shape: STL, OBJ, PLY, GLB, DXF, at most 400,000 triangles",
+        doc="instead of a shape: STL, OBJ, PLY, OFF, GLB, DXF, at most 400,000 triangles",
     )
     edge_m: float | None = number(
         "edge",
