@@ -13,7 +13,7 @@ import numpy as np
 import slopekit as sk
 from slopekit.core.errors import SlopekitError
 from slopekit.elastic.rest import Rest, RestSearch
-from slopekit.kinds import elastic, kind_of
+from slopekit.kinds import kind_of
 from slopekit.kinds.elastic import ElasticScene, scene_of_one
 from slopekit.result import Result
 
@@ -23,7 +23,8 @@ MOST_STEPS = 3000  # of Newton's method, to both ends of a bracket
 def state_of(result: Result, factor: float = 1.0) -> tuple[ElasticScene, RestSearch, Rest]:
     """Return the elastic block of a result at rest at a strength reduction factor."""
     scene = scene_of_one(result.design, kind_of(result.design).cut(result.design))
-    return scene, *elastic._at_rest(scene, scene.model, factor)
+    search = RestSearch(scene.model, scene.stiffness)
+    return scene, search, search.rest(factor)
 
 
 def last_rest(search: RestSearch, rest: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float]:

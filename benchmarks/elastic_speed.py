@@ -15,6 +15,7 @@ import numpy as np
 
 import slopekit as sk
 from slopekit.elastic.outcome import ElasticBlocks
+from slopekit.elastic.rest import RestSearch
 from slopekit.kinds import elastic, kind_of
 from slopekit.result import Result
 
@@ -47,7 +48,7 @@ def main(halved: int = 3) -> None:
     design = plain.design
     scene = elastic.scene_of_one(design, kind_of(design).cut(design))
     began = time.process_time()
-    _, state = elastic._at_rest(scene, scene.model, 1.0)
+    state = RestSearch(scene.model, scene.stiffness).rest(1.0)
     scene.limit_without(state.parted)
     _said("state at F = 1 and limit without what is open", time.process_time() - began, STATE_S)
 
