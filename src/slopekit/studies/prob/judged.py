@@ -177,11 +177,9 @@ class Confirmation:
     ----------
     index : (m,) the samples looked at; random : (m,) those of the random part; points : what came of each
     near : how many lie within the part `within` of the target
-    agree, disagree, not_compared : on the same assumptions, both with a factor or both with the same status
     largest : the largest relative difference among those that have two factors on the same assumptions
     governed : samples at random where moments govern, so that the closed form is too high
     unsafe, safe : samples that fail by PRE-IE and not by the closed form, and the other way round
-    settled : samples looked at that PRE-IE could judge
     other_at_random : samples of the random part judged otherwise than by the closed form; other_at_most : upper
         confidence limit of their share among all samples
     probability : of failure, PRE-IE's judgement in place of the closed form's: where it was asked, and for the rest
@@ -194,21 +192,17 @@ class Confirmation:
     points: tuple[Point, ...] = field(metadata={"json": None})
     near: int = field(metadata={"json": "near_target"})
     within: float
-    agree: int
-    disagree: int
-    not_compared: int
     largest: float | None = field(metadata={"json": "largest_difference"})
     governed: int = field(metadata={"json": "moments_govern_at_random"})
     unsafe: int = field(metadata={"json": "fails_by_pre_ie_only"})
     safe: int = field(metadata={"json": "fails_by_closed_form_only"})
-    settled: int
     other_at_random: int = field(metadata={"json": "judged_otherwise_at_random"})
     other_at_most: float = field(metadata={"json": "judged_otherwise_at_most"})
     probability: float | None
     change_low: float
     change_high: float
 
-    JSON_ALSO: ClassVar = ("samples", "at_random")
+    JSON_ALSO: ClassVar = ("samples", "at_random", "agree", "disagree", "not_compared", "settled")
 
     @property
     def samples(self) -> int:
@@ -219,6 +213,29 @@ class Confirmation:
     def at_random(self) -> int:
         """How many of them at random."""
         return int(self.random.sum())
+
+    @property
+    def agree(self) -> int:
+        """On how many the methods agree: the same assumptions, both with a factor or both with the same status."""
+        return self._verdicts().count(True)
+
+    @property
+    def disagree(self) -> int:
+        """On how many they disagree."""
+        return self._verdicts().count(False)
+
+    @property
+    def not_compared(self) -> int:
+        """On how many nothing is said of that."""
+        return self._verdicts().count(None)
+
+    def _verdicts(self) -> list[bool | None]:
+        return [None if point.factors is None else point.factors.agree for point in self.points]
+
+    @property
+    def settled(self) -> int:
+        """How many samples looked at PRE-IE could judge."""
+        return self.samples - len(self.unsettled)
 
     @property
     def unsettled(self) -> tuple[Point, ...]:
@@ -271,10 +288,8 @@ def confirmation_of(
     at_most = clopper_pearson(other_at_random, asked_at_random, 2.0 * confidence - 1.0)[1] if asked_at_random else 1.0
     return Confirmation(
         index, random, points, int(near.sum()), within,
-        sum(both.agree is True for both in factors), sum(both.agree is False for both in factors),
-        len(points) - sum(both.agree is not None for both in factors), max(differences, default=None),
-        int((governed & random).sum()), int((other & fails_too).sum()), int((other & before).sum()),
-        int(judged.sum()), other_at_random, at_most,
+        max(differences, default=None), int((governed & random).sum()), int((other & fails_too).sum()),
+        int((other & before).sum()), other_at_random, at_most,
         *_probability(asked, forms, fails, judged, fails_too, int(possible.sum()), confidence),
     )  # fmt: skip
 

@@ -115,7 +115,7 @@ class JointSets(StudyOutcome):
     tried : where they were found: what each number of sets comes to; () where the list names them
     weights : (n,) against the bias of the scanline, 1 without one; capped : joints whose weight is cut off
     share : (n,) what of each joint belongs to its set, nan where the list names it; angle_deg : (n,) to its mean
-    peak, peak_density : where poles lie densest, and how dense
+    densest : the plane of the pole where poles lie densest, and how dense
     girdle : the axis of the great circle that tells more of the poles than sets do, and its BIC; None without one
     """
 
@@ -131,8 +131,7 @@ class JointSets(StudyOutcome):
     capped: int
     share: Floats
     angle_deg: Floats
-    peak: Plane
-    peak_density: float
+    densest: tuple[Plane, float]
     girdle: tuple[Line, float] | None
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
@@ -199,7 +198,7 @@ class JointSets(StudyOutcome):
             "girdle": None if self.girdle is None else {
                 "trend_deg": self.girdle[0].trend_deg, "plunge_deg": self.girdle[0].plunge_deg, "bic": self.girdle[1],
             },
-            "densest": {"plane": str(tenths(self.peak)), "density": self.peak_density},
+            "densest": {"plane": str(tenths(self.densest[0])), "density": self.densest[1]},
             "orientations": [
                 {"joint": name, "set": "" if k < 0 else self.sets[k].name, "dip_deg": dip,
                  "dip_direction_deg": direction, "weight": weight}
@@ -290,7 +289,7 @@ def sets(
         angles[of == k] = np.degrees(np.arccos(np.clip(np.abs(poles[of == k] @ one.axes.mean), 0.0, 1.0)))
     at, dense = densest(poles, each, float(each.sum()))
     outcome = JointSets(
-        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, _plane(at), dense,
+        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, (_plane(at), dense),
         _girdle(poles, each, tried), tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
     return _with_notices(outcome)

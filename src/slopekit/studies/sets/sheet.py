@@ -17,7 +17,7 @@ _MOST_NAMES = 24
 def sheet_of(joint_sets: JointSets) -> Sheet:
     """The sheet of joint sets."""
     words = _WORDS.format(share=100.0 * CONFIDENCE)
-    densest = f"pole of {tenths(joint_sets.peak)}: {joint_sets.peak_density:.1f} σ above uniform (Kamb)"
+    densest = f"pole of {tenths(joint_sets.densest[0])}: {joint_sets.densest[1]:.1f} σ above uniform (Kamb)"
     return Sheet(head("sets", joint_sets.joints, joint_sets.input_hash()), (
         Section("SURVEY", _survey(joint_sets)),
         Section("NUMBER", _number(joint_sets)),
