@@ -84,9 +84,9 @@ def test_many_stand_as_each_does_alone() -> None:
         together = held_bolts.held(own, design.bolts, before)
         for k, bolt in enumerate(design.bolts):
             alone = held_bolts.held(own, [bolt], held_bolts.stand_off(bounds, [bolt]))
-            assert alone.holds.tolist() == together.holds[k : k + 1].tolist()
-            np.testing.assert_allclose(alone.moved, together.moved[k : k + 1], rtol=1e-12)
-    assert 0 < held_bolts.held(moved[0], design.bolts, before).holds.sum() < COUNT
+            assert alone[0].tolist() == together[0][k : k + 1].tolist()
+            np.testing.assert_allclose(alone[1], together[1][k : k + 1], rtol=1e-12)
+    assert 0 < held_bolts.held(moved[0], design.bolts, before)[0].sum() < COUNT
 
 
 def test_each_has_to_reach_behind_its_joint() -> None:

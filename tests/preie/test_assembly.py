@@ -237,15 +237,14 @@ def test_pairs_do_not_depend_on_the_first_corner(name, refine) -> None:
         assert listed(by) == pytest.approx(listed(0), abs=1e-12)
 
 
-@pytest.mark.parametrize("refine", [0, 2])
+@pytest.mark.parametrize(("refine", "weights"), [(0, [1, 4, 1]), (1, [1, 4, 2, 4, 1])])
 @pytest.mark.parametrize("c", [0.0, 1.0])
-def test_pairs_of_a_segment(c, refine) -> None:
-    """Simpson's rule with cohesion and without, on one friction force; sections have nothing to refine."""
+def test_pairs_of_a_segment(c, refine, weights) -> None:
+    """Simpson's rule with cohesion and without, on one friction force."""
     scene = wall(1, 1)
     model = scene.model(30.0, c, refine=refine)
-    assert model.control_area * model.area_scale == pytest.approx(2.0 * np.array([1 / 6, 2 / 3, 1 / 6]))
-    ends = scene.patches.corners
-    assert model.points == pytest.approx(np.array([ends[0], ends.mean(axis=0), ends[1]]))
+    assert model.control_area * model.area_scale == pytest.approx(2.0 * np.array(weights) / sum(weights))
+    assert model.points == pytest.approx(np.linspace(*scene.patches.corners, len(weights)))
     assert len(model.group_first) == 1
 
 

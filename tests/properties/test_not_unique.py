@@ -100,7 +100,7 @@ LEANING_ROW = {
 KNOWN = {
     "two blocks": (TWO_BLOCKS, (0.529555, 0.52049, 0.52955, 0.52956)),
     "rough columns": (ROUGH_COLUMNS, (0.818, 0.669, 0.971, 1.000)),
-    "bonded columns": (BONDED_COLUMNS, (0.172230, None, 0.4144, 0.468)),
+    "bonded columns": (BONDED_COLUMNS, (0.172230, None, 0.4226, 0.468)),
     "a bonded row": (BONDED_ROW, (1.531150, 1.5001, 1.5312, 1.53506)),
     "shards": (SHARDS, (3.749624, 3.7050, 3.7496, 3.74962)),
     "Goodman & Bray": (GOODMAN_BRAY, (0.999956835, 0.799, 1.111, 1.19089)),

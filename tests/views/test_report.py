@@ -163,7 +163,6 @@ def test_tables_of_many_blocks() -> None:
     assert f"{first['interfaces'][0]['name']} {first['interfaces'][0]['joint']}" in seen
     assert "10 topple (C4 to C13), 3 slide (C1 to C3)" in seen
     assert "the modes are the same in 16 of 16 columns" in seen
-    assert "Factor by block" in seen
 
 
 def test_a_bench_without_shapes_has_its_tables() -> None:
@@ -175,7 +174,7 @@ def test_a_bench_without_shapes_has_its_tables() -> None:
     found = scenes.result(design, [first, second], names, fixed=names[5:]).to_dict()
     seen = words(report_of(json.loads(json.dumps(found)), with_pictures=False).html)
     for text in (
-        "3 slide (B1 to B3)", "1.250 3 B1 to B3", "1.750 1 B4", "33.3 %", "S1 30/175 dips 30° toward 175 (S)",
+        "3 slide (B1 to B3)", "33.3 %", "S1 30/175 dips 30° toward 175 (S)",
         "spacing 3 m", "c / kPa", "bedding 0 42 0 0", "no closed form to compare", "No published bench is among them",
     ):  # fmt: skip
         assert text in seen, text
