@@ -8,7 +8,7 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.pressure import Pieces, even, pyramid, resultant
 from slopekit.geometry.rock.cutting import Block, cut_wedge
 from slopekit.geometry.rock.rockmass import J1, J2
-from slopekit.kinds.water import outward_of
+from slopekit.kinds.water import outward_normal
 from slopekit.kinds.wedge.cutting import rock_mass
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads, PointForce, block_loads
@@ -26,7 +26,7 @@ def moment_of(block: Block, forces=(), active=()) -> np.ndarray:
 def loads_of_water(block: Block, joint: int, pieces: Pieces) -> Loads:
     polygon = block.faces[joint]
     thrust, at = resultant(pieces, polygon)
-    push = PointForce(-thrust * outward_of(polygon), at)
+    push = PointForce(-thrust * outward_normal(polygon), at)
     return block_loads(block, 0.0, np.zeros(3), pushes={f"water {joint}": push})
 
 

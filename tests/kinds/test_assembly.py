@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 import slopekit as sk
-from benchmarks import populations
+from benchmarks import benches, populations
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut, kind_of
@@ -491,9 +491,19 @@ def test_walls_that_rest_only_at_many_times_their_strength_say_what_was_found() 
     result = sk.run(populations.wall(261))
     assert (result.status, result.fos.limit) == ("topples", pytest.approx(0.0821181, rel=1e-5))
     assert "DISAGREE" not in str(result)
+    assert "W317" not in [notice.code for notice in result.warnings]  # a limit state, exact
     result = sk.run(populations.wall(44))
     assert result.fos.limit == pytest.approx(0.2325, rel=1e-3)
-    assert "W317" in [notice.code for notice in result.warnings]
+    assert ["only with joints 8 times" in notice.message for notice in result.warnings] == [False, True]
+    assert not [notice for notice in sk.run(populations.wall(0)).warnings if "only with joints" in notice.message]
+
+
+def test_a_last_rest_whose_mechanism_is_too_large_has_no_range() -> None:
+    """The rest and where the blocks run are 8e-5 apart: no range for other load paths, which is not known."""
+    result = sk.run(benches.bench(1.9, 5.0))
+    assert result.fos.limit is not None
+    assert (result.fos.lowest, result.fos.highest) == (None, None)
+    assert "none  range for other load paths and locked-in stresses: not found" in str(result)
 
 
 def test_a_quick_factor_agrees_with_nothing_that_the_result_does_not() -> None:

@@ -144,7 +144,7 @@ def _start(link: Link, message: Message) -> None:
     loop = asyncio.get_running_loop()
 
     def heard(event: Message) -> None:
-        loop.call_soon_threadsafe(_of_job, link, what, moment, event)
+        loop.call_soon_threadsafe(_pass_on, link, what, moment, event)
 
     options = {key: value for key, value in message.items() if key not in ("id", "do", "job")}
     link.answer(message, {"job": desk.jobs.start(what, moment, options, heard)})
@@ -154,7 +154,7 @@ def _analyse(link: Link, message: Message) -> None:
     _start(link, {**message, "job": "analyse"})
 
 
-def _of_job(link: Link, what: str, moment: Moment, event: Message) -> None:
+def _pass_on(link: Link, what: str, moment: Moment, event: Message) -> None:
     """Pass on what a job says; an analysis is the answer from now on."""
     desk = link.desk
     if what == "analyse" and (job_result := event.get("result")) is not None:

@@ -39,7 +39,7 @@ from slopekit.kinds.assemblies.many_blocks_design import (
     water_by,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_ground, with_loads
-from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, first_of, names_in_runs, strength_in_words
+from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, shortened, strength_in_words
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -518,7 +518,7 @@ def _slope(design: BlocksDesign, _result: Result) -> Section:
     ]
     for name, strength in design.strengths:
         pairs = [f"{one}/{other}" for one, other, own in design.interfaces if own == name]
-        listed = ", ".join(first_of(pairs, _MOST_INTERFACES))
+        listed = ", ".join(shortened(pairs, _MOST_INTERFACES))
         on = [f"on {counted(len(pairs), 'named interface')} ({listed})"] if pairs else []
         if name == design.default_strength:
             on.insert(0, "on every other interface" if design.interfaces else "on every interface")

@@ -22,7 +22,7 @@ from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.single_block.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
-from slopekit.kinds.water import outward_of
+from slopekit.kinds.water import outward_normal
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.notices import Interface
@@ -185,7 +185,7 @@ def _water(design: FootingDesign, section: PlaneSection) -> dict[str, PointForce
     plane = section.block.faces[J1]
     pressures = toe + (heel - toe) * plane[:, 0] / section.bottom[0]
     thrust, at = resultant([(plane, pressures)], plane)
-    return {f"water {J1}": PointForce(-thrust * outward_of(plane), at)}
+    return {f"water {J1}": PointForce(-thrust * outward_normal(plane), at)}
 
 
 def closed_form(design: FootingDesign) -> ClosedForm:

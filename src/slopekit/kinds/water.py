@@ -111,7 +111,7 @@ def pushes(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
     for face, pieces in _pressures(design, slope):
         thrust, at = resultant(pieces, faces[face])
         if thrust:
-            loads[f"water {face}"] = PointForce(-thrust * outward_of(faces[face]), at)
+            loads[f"water {face}"] = PointForce(-thrust * outward_normal(faces[face]), at)
     upper = faces.get(slope.free[1])
     if design.surcharge_kpa and upper is not None:
         a, b, c = upper[:1], upper[1:-1], upper[2:]
@@ -133,14 +133,14 @@ def _pressures(design: SlopeDesign, slope: LocalSlope) -> Iterator[tuple[int, Pi
         given = zip(slope.interfaces, water.pressures_kpa, strict=False)
         by_face = {face: even(faces[face], mean) for face, mean in given}
     elif water.mode == "full":
-        by_face = _part_of(slope.full(slope), water.fill)
+        by_face = _scaled(slope.full(slope), water.fill)
     if water.crack_fill is not None and slope.crack in faces:
         in_crack = {slope.crack: slope.full(slope)[slope.crack]}
-        by_face = {**by_face, **_part_of(in_crack, water.crack_fill)}
+        by_face = {**by_face, **_scaled(in_crack, water.crack_fill)}
     return iter(by_face.items())
 
 
-def _part_of(full: Mapping[int, Pieces], part: float) -> dict[int, Pieces]:
+def _scaled(full: Mapping[int, Pieces], part: float) -> dict[int, Pieces]:
     return {face: [(polygon, part * pressures) for polygon, pressures in pieces] for face, pieces in full.items()}
 
 
@@ -223,10 +223,10 @@ def _from_crack(
 
 def _lies_on(polygon: Floats, corner: Floats, size: float) -> bool:
     """Whether a point lies on the plane of a face of the block."""
-    return abs(float((corner - polygon[0]) @ outward_of(polygon))) <= _ON * size
+    return abs(float((corner - polygon[0]) @ outward_normal(polygon))) <= _ON * size
 
 
-def outward_of(polygon: Floats) -> Floats:
+def outward_normal(polygon: Floats) -> Floats:
     """The unit normal of a face anticlockwise from outside (Newell)."""
     whole = cross(polygon - polygon[0], np.roll(polygon, -1, axis=0) - polygon[0]).sum(axis=0)
     unit: Floats = whole / np.sqrt(float(whole @ whole))

@@ -89,10 +89,10 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
     return items[:first], between, items[len(items) - last :]
 
 
-def first_of(items: Sequence[str], most: int) -> list[str]:
+def shortened(items: Sequence[str], most: int) -> list[str]:
     """The first of many items, and how many more there are.
 
-    >>> first_of(["a", "b", "c", "d"], 2)
+    >>> shortened(["a", "b", "c", "d"], 2)
     ['a', 'b', '... and 2 more']
     """
     shown, rest, _ = first_and_last(items, most, 0)
@@ -149,7 +149,7 @@ def traces_in_words(sizes: Sizes | BlockSizes) -> list[str]:
         for name, lengths in sizes.trace_lengths_m.items()
         if "face" in lengths or "upper" in lengths
     ]
-    return [f"traces on face + upper slope {', '.join(first_of(traces, _FEW_TRACES))}"] if traces else []
+    return [f"traces on face + upper slope {', '.join(shortened(traces, _FEW_TRACES))}"] if traces else []
 
 
 def mass_in_words(mass_t: float) -> str:

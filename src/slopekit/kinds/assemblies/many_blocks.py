@@ -46,13 +46,13 @@ from slopekit.kinds.protocol import (
     Kind,
     compare,
 )
-from slopekit.kinds.single_block.secants import left_out_of_laws, secant_of
+from slopekit.kinds.single_block.secants import left_out_of_laws, secant_strength
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
     extents_in_words,
-    first_of,
     loads_part,
     mass_in_words,
+    shortened,
     size_number,
     strength_in_words,
     weight_in_words,
@@ -486,7 +486,7 @@ def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> dict[str, SecantLine
         on = (joint == key) & (normal > 0.0)
         if on.any() and strength.law is not None:
             tractions, mean = normal[on] / area[on], float(normal[on].sum() / area[on].sum())
-            line = secant_of(strength, mean)
+            line = secant_strength(strength, mean)
             lines[name] = SecantLine(
                 mean, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
                 line.friction_angle_deg,
@@ -508,7 +508,7 @@ def _size(result: Result, with_areas: Container[str]) -> Section:
     bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
     groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
     areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in with_areas]
-    listed = ", ".join(first_of(areas, 6))
+    listed = ", ".join(shortened(areas, 6))
     height, volume = size_number(geometry.total_height_m), size_number(geometry.volume_m3)
     return Section("SIZE", [
         f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
@@ -531,7 +531,7 @@ def _fails_first(findings: Findings) -> list[str]:
 def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:
     """Mean water pressures by what they act on."""
     wet = [f"u = {pressure:g} kPa on {name}" for name, pressure in pressures if pressure]
-    return ["water " + ", ".join(first_of(wet, 6))] if wet else []
+    return ["water " + ", ".join(shortened(wet, 6))] if wet else []
 
 
 def named_strength(design: AssemblyDesign, name: str) -> str:

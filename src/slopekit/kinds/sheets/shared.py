@@ -9,7 +9,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
-from slopekit.kinds.words import first_of, size_number
+from slopekit.kinds.words import shortened, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
 
 if TYPE_CHECKING:
@@ -79,14 +79,14 @@ def _forces_in_words(result: Result, rows: Sequence[_OnJoint]) -> str:
             stress = "" if row.stress is None else f" ({row.stress:.4g} kPa)"
             parts.append(f"N' {row.name} {size_number(row.normal)} kN{stress}")
     wet = [f"{name} {size_number(push)} kN" for name, push in acting.water.items() if push]
-    water = "water " + (", ".join(first_of(wet, 6)) or "0")
+    water = "water " + (", ".join(shortened(wet, 6)) or "0")
     held = [
         f"{what} {size_number(value)} kN"
         for what, value in (("driving", acting.driving), ("resisting", acting.resisting))
         if value is not None
     ]
     alone = " (forces alone)" if result.moments_govern and held else ""
-    return "  ".join([*first_of(parts, 6), water, *held]) + alone
+    return "  ".join([*shortened(parts, 6), water, *held]) + alone
 
 
 def _size_or_dash(value: float | None) -> str:

@@ -42,7 +42,7 @@ from slopekit.kinds.single_block.one_block_states import (
     turned,
     turned_back,
 )
-from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_of
+from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_strength
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.loads import Hull, Loads
 from slopekit.notices import Facts, Interface, notices_of_factor
@@ -353,7 +353,7 @@ def _curved(solved: Solved, interfaces: Sequence[Interface]) -> Mapping[str, Sec
         joint = model.interface == interface.key
         traction = float(limit.normal_force[joint].sum() / model.control_area[joint].sum()) * per_area
         if interface.strength.law is not None:
-            line = secant_of(interface.strength, traction)
+            line = secant_strength(interface.strength, traction)
             pairs = limit.normal_force[joint] / model.control_area[joint] * per_area
             lines[interface.name] = SecantLine(
                 max(traction, 0.0), (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg

@@ -36,7 +36,7 @@ def on_secants(
         return closed(strengths)
     after = [_FIRST_KPA] * len(strengths)
     for _ in range(_MOST_ROUNDS):
-        answer = closed([secant_of(*pair) for pair in zip(strengths, after, strict=True)])
+        answer = closed([secant_strength(*pair) for pair in zip(strengths, after, strict=True)])
         before, after = after, [max(traction, 0.0) for traction in tractions(answer)]
         changes = zip(strengths, before, after, strict=True)
         if all(strength.law is None or abs(new - old) <= _STEADY * new for strength, old, new in changes):
@@ -44,7 +44,7 @@ def on_secants(
     return answer
 
 
-def secant_of(strength: Strength, traction_kpa: float) -> Strength:
+def secant_strength(strength: Strength, traction_kpa: float) -> Strength:
     """The strength with the line of a curved law through its strength at a traction, one below 0 taken as 0."""
     if strength.law is None:
         return strength

@@ -138,7 +138,7 @@ def _limit_of(
 
 
 def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None = None) -> BlocksLimit:
-    """The limit of an assembly with the range of its mechanism's factors, where that does not take too long.
+    """The limit of an assembly with the range of its mechanism's factors; none where that takes too long.
 
     Parameters
     ----------
@@ -153,8 +153,8 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
         span = _span(model, limit, proposal)
     except WorkSpentError:
         span = None
-    if span is None:
-        return limit
+    if span is None:  # a last rest and where the blocks run are no range of the mechanism
+        return replace(limit, lowest=None, highest=None) if limit.basis is Basis.PEAK else limit
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or factor
@@ -203,10 +203,11 @@ def _limit(
         factor, highest, basis = None, None, Basis.NONE
     elif highest is not None:
         highest = max(factor, min(highest, top or highest))
+    begun = 0.0 if math.isnan(path_end.started) else path_end.started * (bound.factor or 0.0)
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
-        None if highest is None else factor, highest, steps, bound.steps, path_end.group, path_end.width,
+        None if highest is None else factor, highest, steps, bound.steps, begun, path_end.group, path_end.width,
         path_end.rounding, tips=tips, locked=bound.locked,
     )  # fmt: skip
 

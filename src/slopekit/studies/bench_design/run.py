@@ -132,7 +132,7 @@ def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
     )
 
 
-def of_columns(benches: Sequence[OfBench], sliding: Sequence[SlidingColumns]) -> Iterator[Notice]:
+def sliding_column_notices(benches: Sequence[OfBench], sliding: Sequence[SlidingColumns]) -> Iterator[Notice]:
     """W395, with the bench in which most of what slides is not counted."""
     slide, stand = sum(one.slide for one in sliding), sum(one.stand for one in sliding)
     if not slide:
@@ -329,7 +329,7 @@ def bench_design(
         "total": end - began,
     }  # fmt: skip
     sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
-    notices = [*notices_of(asked, outcomes, checked), *of_columns(outcomes, sliding)]
+    notices = [*notices_of(asked, outcomes, checked), *sliding_column_notices(outcomes, sliding)]
     study = BenchDesigns(asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal)
     if desk.folder is None:
         study.done()

@@ -235,7 +235,7 @@ class Probability(StudyOutcome):
         """The probability of failure to lead with, its limits."""
         columns = (("P of failure", "probability", 14), ("from", "low", 10), ("to", "high", 10))
         return [
-            Column(title, _of_leading(name), name, show=".3g", width=width)
+            Column(title, _leading_figure(name), name, show=".3g", width=width)
             for title, name, width in columns
         ]  # fmt: skip
 
@@ -423,7 +423,7 @@ def prob(
     return probability
 
 
-def _of_leading(name: str) -> Callable[[Probability], float | None]:
+def _leading_figure(name: str) -> Callable[[Probability], float | None]:
     return lambda study: study.leading[name]
 
 
