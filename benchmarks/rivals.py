@@ -21,10 +21,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from slopekit.preie.many_blocks.blocks import limit_of_blocks
-from slopekit.preie.one_block.limit import curved_limit_analysis, limit_analysis, passes_limit
+from slopekit.preie.one_block.limit import curved_limit_analysis, limit_analysis
+from slopekit.preie.one_block.limit_state import elastic_displacement
+from slopekit.preie.programs.mechanism import COLD, least_work_mechanism
 from slopekit.preie.programs.program import BlockProgram, Strengths
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.model import Model
+from slopekit.strength.mohr_coulomb import line
 from tests.preie.assembly_oracle import conic_sequence
 
 #: Where bisections start, in parts of the answer: no trial of theirs falls on it by chance.
@@ -82,6 +85,18 @@ def slopekit_limit(contacts: Contacts, curved: bool = False, ranged: bool = Fals
     limit = limit_of_blocks(contacts, ranged)
     steps = f"bound {limit.bound_steps} steps, path {limit.steps} factorisations"
     return Answer(limit.factor, note=f"{limit.outcome.name.lower()}, {limit.basis.name.lower()}: {steps}")
+
+
+def passes_limit(model: Model, passes: int) -> float:
+    """Return the factor of one block after that many frozen-friction passes from a cold start, every bond whole."""
+    normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
+    velocity, factor, stages = model.load, 0.0, COLD
+    for _ in range(passes):
+        friction = line(model.cohesion, model.tan_friction, normal)
+        mechanism = least_work_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
+        velocity, factor, stages = mechanism.velocity, mechanism.load_factor, stages[-1:]
+        normal = mechanism.normal_force / factor
+    return factor
 
 
 def frozen_passes(contacts: Contacts, most: int) -> Answer:

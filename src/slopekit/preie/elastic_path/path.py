@@ -46,13 +46,12 @@ _SNAPS, _FARTHER, _SLOWLY = 20, 1e3, 4000  # of a path in the load; work at whic
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4,)  # rounding in sections of many blocks, one after the other, and of few
 
 
-def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
+def follow(bed: Bed, start: float) -> PathLimit:
     """Return the limit of one assembly on its elastic joints.
 
     Parameters
     ----------
     start : strength (λ) at which gravity comes on, or the first load multiplier
-    brief : gives up where gravity does not come to rest there, and after the first bracket that does not settle
 
     Raises
     ------
@@ -61,7 +60,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     """
     path = _Path(bed, start)
     try:
-        ended = path.limit(brief)
+        ended = path.limit()
     except WorkSpentError:
         raise WorkSpentError(1.0 / path.stable if path.stable and bed.drive.ramp is None else None) from None
     if ended.found or ended.outcome is PathOutcome.STANDS or bed.drive.ramp is not None:
@@ -95,10 +94,10 @@ class _Path:
         self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER[: None if bed.tangents == 1 else 2]))
         self.tried = 1 if cohesion and bed.tangents > 1 else len(self.brackets)  # brackets with a try at a limit state
 
-    def limit(self, brief: bool) -> PathLimit:
+    def limit(self) -> PathLimit:
         """Return the limit, a peak, or why there is none."""
         bed = self.bed
-        parameter, flow = at_rest_first(bed, self.start, 0 if brief else ROUGHER)
+        parameter, flow = at_rest_first(bed, self.start, ROUGHER)
         if flow.ended != "rest":
             outcome = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
             return result_of(bed, outcome, None, None, flow.at, flow.at - flow.before, flow.forces)
@@ -109,11 +108,11 @@ class _Path:
             if ended is not None:
                 return replace(ended, started=parameter)
             self.smooth = False
-        return replace(self._narrowed(brief), started=self.begun)
+        return replace(self._narrowed(), started=self.begun)
 
-    def _narrowed(self, brief: bool) -> PathLimit:
+    def _narrowed(self) -> PathLimit:
         """Return the limit between a state at rest and ever nearer parameters at which the blocks run."""
-        bed, brackets = self.bed, self.brackets[: 2 if brief else None]
+        bed, brackets = self.bed, self.brackets
         assert self.stable is not None
         runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
         ratio, place, snaps = _STRIDE, 0, 0 if self.is_strength else _SNAPS
@@ -134,7 +133,7 @@ class _Path:
                     if snaps:
                         slow = relaxed(bed, self.state.at, unstable, THICK, runs_at=_FARTHER, patience=_SLOWLY)
                     if slow.ended != "rest":
-                        return self._peak(flow, unstable, brief)
+                        return self._peak(flow, unstable)
                     flow, snaps, ratio = slow, snaps - 1, _STRIDE  # they only snapped, to another rest
                     runs.clear()
                     place = 0
@@ -184,11 +183,11 @@ class _Path:
         low, high = sorted((self.stable, unstable))
         return ended.parameter is not None and low * (1.0 - SAME_LIMIT) <= ended.parameter <= high * (1.0 + SAME_LIMIT)
 
-    def _peak(self, flow: Flow, unstable: float, brief: bool) -> PathLimit:
+    def _peak(self, flow: Flow, unstable: float) -> PathLimit:
         """Return the last state at rest; in a section the limit of hardly rounded joints, where that lies before it."""
         assert self.stable is not None
         bed, peak = self.bed, (self.stable, unstable)
-        if self.smooth and not brief:
+        if self.smooth:
             ended = traced_in_section(bed, self.first, self.begun, _FINELY)
             if ended is not None and (ended.parameter or 0.0) >= unstable:
                 return replace(ended, peak=peak)

@@ -203,7 +203,7 @@ def _limit(
         factor, highest, basis = None, None, Basis.NONE
     elif highest is not None:
         highest = max(factor, min(highest, top or highest))
-    begun = 0.0 if math.isnan(path_end.started) else path_end.started * (bound.factor or 0.0)
+    begun = path_end.started * (bound.factor or 0.0)
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,

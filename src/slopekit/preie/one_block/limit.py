@@ -17,7 +17,6 @@ would raise it, the forces alone stand: no credit is taken for an arrangement th
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,9 +35,6 @@ from slopekit.preie.solvers.linear import bounded_least_squares
 from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST, NO_FORCE, NO_NUMBER, SAME_LIMIT, TINY
 from slopekit.strength.mohr_coulomb import line
-
-if TYPE_CHECKING:
-    from slopekit.preie.programs.mechanism import Stages
 
 _STRIDE = 1.05  # steps of λ on the way to the first loss
 _BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line across it meets zero
@@ -201,26 +197,6 @@ def _opens_cohesion(model: Model, state: LimitState) -> bool:
     """Whether the motion of a limit state opens pairs that have cohesion beyond their dilation."""
     tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
     return bool((opens(model, state.velocity, tan_dilation) & (model.cohesion > 0.0)).any())
-
-
-def passes_limit(model: Model, passes: int, stages: "Stages | None" = None) -> float:
-    """The factor after that many frozen-friction passes from a cold start, every bond whole: effort against error.
-
-    Parameters
-    ----------
-    stages : of the program, see `least_work_mechanism`; fewer of them are a looser tolerance; None: all
-    """
-    from slopekit.preie.programs.mechanism import COLD, least_work_mechanism
-
-    stages = COLD if stages is None else stages
-    normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
-    velocity, factor = model.load, 0.0
-    for _ in range(passes):
-        friction = line(model.cohesion, model.tan_friction, normal)
-        mechanism = least_work_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
-        velocity, factor, stages = mechanism.velocity, mechanism.load_factor, stages[-1:]
-        normal = mechanism.normal_force / factor
-    return factor
 
 
 def _associated_limit(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> Limit | None:
