@@ -488,36 +488,42 @@ INLINE double pressed_fraction(const double *gap, double *slope, const int corne
     return alone ? side : 1.0 - side;
 }
 
-/* pressed_share(law, corners, contact, fraction, gap_rows, touches, displacement, share, slopes) */
+/* pressed_share(law, cells, corners, groups, contact, corner, group, part, touches, displacement, share, slopes) */
 static PyObject *pressed_share(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
-    if (!enough(n, 9)) return NULL;
+    if (!enough(n, 12)) return NULL;
     const Law *l = PyCapsule_GetPointer(a[0], LAW);
     if (!l) return NULL;
     const Contacts *c = l->of;
-    const int u = c->u, corners = (int)PyLong_AsLong(a[1]);
-    const double touches = PyFloat_AsDouble(a[5]);
+    const int u = c->u, *in = u == 6 ? NORMAL6 : NORMAL3, nn = u == 6 ? 3 : 2;
+    const whole cells = PyLong_AsLongLong(a[1]);
+    const int corners = (int)PyLong_AsLong(a[2]), groups = (int)PyLong_AsLong(a[3]);
+    const double touches = PyFloat_AsDouble(a[8]);
     Kept here = {0}, *kept = &here;
     int failed = PyErr_Occurred() != NULL;
-    const whole *contact = WHOLES(a[2], -1);
-    const whole cells = failed ? 0 : kept->views[0].len / 8;
-    const double *fraction = FLOATS(a[3], cells), *rows = FLOATS(a[4], cells * corners * u);
-    const double *x = FLOATS(a[6], c->blocks * u);
-    double *share = OUT(a[7], c->contacts), *slopes = OUT(a[8], c->contacts * u), r[6];
+    const whole *contact = WHOLES(a[4], cells), *corner = WHOLES(a[5], cells * corners);
+    const whole *group = WHOLES(a[6], cells * groups);
+    const double *part = FLOATS(a[7], cells * groups), *x = FLOATS(a[9], c->blocks * u);
+    double *share = OUT(a[10], c->groups), *slopes = OUT(a[11], c->groups * u), r[6];
     for (whole i = 0; !failed && i < cells; i++) {
         const whole k = contact[i];
         if (i == 0 || contact[i - 1] != k) {
             motion_of(c, k, x, r, u);
             if (l->held)
                 for (int j = 0; j < u; j++) r[j] += l->held[k * u + j];
-            share[k] = 0.0;
+            for (whole g = c->first_group[k]; g < c->first_group[k + 1]; g++) share[g] = 0.0;
         }
-        double gap[3], slope[3];
-        const double *row = rows + i * corners * u;
-        for (int v = 0; v < corners; v++) gap[v] = dot(row + v * u, r, u) - touches;
-        share[k] += fraction[i] * pressed_fraction(gap, slope, corners);
+        double gap[3], slope[3], by[3] = {0.0}, opens[3];
+        for (int j = 0; j < nn; j++) opens[j] = r[in[j]];
+        for (int v = 0; v < corners; v++) gap[v] = dot(c->rows + corner[i * corners + v] * nn, opens, nn) - touches;
+        const double fraction = pressed_fraction(gap, slope, corners);
         for (int v = 0; v < corners; v++)
-            for (int j = 0; j < u; j++) slopes[k * u + j] += fraction[i] * slope[v] * row[v * u + j];
+            for (int j = 0; j < nn; j++) by[j] += slope[v] * c->rows[corner[i * corners + v] * nn + j];
+        for (int e = 0; e < groups; e++) {
+            const whole g = group[i * groups + e];
+            share[g] += part[i * groups + e] * fraction;
+            for (int j = 0; j < nn; j++) slopes[g * u + in[j]] += part[i * groups + e] * by[j];
+        }
     }
     released(kept);
     return failed ? NULL : Py_NewRef(Py_None);

@@ -109,57 +109,51 @@ class Bed:
         if held is None:  # of a few blocks hardly anybody asks
             self._at_first = self._elastic()
 
-    def contact_motion(self, displacement: Floats) -> Floats:
-        """Return the relative motion (k, u) of the contacts for a motion (N,) of the blocks."""
-        model = self.model
-        blocks = np.concatenate([displacement.reshape(model.load.shape), np.zeros((1, model.unknowns))])
-        motion: Floats = np.matmul(model.plus_motion, blocks[model.plus][:, :, None])[:, :, 0]
-        motion += np.matmul(model.minus_motion, blocks[model.minus][:, :, None])[:, :, 0]
-        return motion
-
     def pressed_share(self, displacement: Floats, reduction: float) -> PressedShare | None:
-        """Return the pressed share of each contact; None where no contact has cohesion.
+        """Return the share of the cohesion that acts; None where no contact has any.
 
         Joints that dilate are pressed by as much as slip opens them.
         """
-        cells = self.cells
+        cells, contact = self.cells, self.model.group_contact
         if cells is None:
             return None
-        by_strength = np.zeros(self.contacts)
+        by_strength = np.zeros(self.groups)
         if self._kernels is not None and not self.dilates:
-            share, slopes = np.ones(self.contacts), np.zeros((self.contacts, self.model.unknowns))
+            share, slopes = np.ones(self.groups), np.zeros((self.groups, self.model.unknowns))
             self._kernels.pressed_share(
-                self._law, cells.gap_rows.shape[1], cells.contact, cells.fraction, cells.gap_rows, TOUCHES,
-                np.ascontiguousarray(displacement), share, slopes,
+                self._law, *cells.corners.shape, cells.groups.shape[1], cells.contact, cells.corners, cells.groups,
+                cells.parts, TOUCHES, np.ascontiguousarray(displacement), share, slopes,
             )  # fmt: skip
         else:
-            motion = self.contact_motion(displacement)
-            motion = motion if self.held is None else motion + self.held
-            relative, by_slip = self._without_dilation(motion, reduction)
-            share, slopes = cells.pressed_share(relative)
-            if self.dilates:  # where the joint dilates by all of its reduced friction angle that angle falls too
-                friction = self.friction[self._group_starts]
-                steeper = np.where(self.model.tan_dilation[self._group_starts] > reduction * friction, friction, 0.0)
-                slip = motion[:, 1 : 1 + self.tangents]
-                by_strength = -slopes[:, 0] * steeper * np.sqrt((slip * slip).sum(axis=1))
-            slopes[:, 1 : 1 + self.tangents] -= by_slip * slopes[:, :1]
+            relative = self.rows @ displacement if self.held is None else self.rows @ displacement + self._of_held
+            opening, by_slip, size = relative[: self.pairs], None, None
+            if self.dilates:
+                size, by_slip = self._slip_of_contacts(displacement)
+                dilation = self._dilation(reduction)[self._group_starts]
+                opening = opening - (dilation * size)[self.model.pair_contact]
+            share, slopes = cells.pressed_share(opening - TOUCHES, self.model.normal_rows, self.groups)
+            if by_slip is not None and size is not None:
+                # where the joint dilates by all of its reduced friction angle that angle falls too
+                steeper = np.where(self.model.tan_dilation > reduction * self.friction, self.friction, 0.0)
+                by_strength = -slopes[:, 0] * steeper * size[contact]
+                slopes[:, 1 : 1 + self.tangents] -= (dilation[:, None] * by_slip)[contact] * slopes[:, :1]
         if self.have_opened is not None:
-            share[self.have_opened] = by_strength[self.have_opened] = 0.0
-            slopes[self.have_opened] = 0.0
+            gone = self.have_opened[contact]
+            share[gone] = by_strength[gone] = 0.0
+            slopes[gone] = 0.0
         return PressedShare(share, slopes, by_strength)
 
-    def _without_dilation(self, motion: Floats, reduction: float) -> tuple[Floats, Floats]:
-        """Return relative motions (k, u) of contacts less what their slip opens, and that by the slip (k, t)."""
-        by_slip = np.zeros((self.contacts, self.tangents))
-        if not self.dilates:
-            return motion, by_slip
+    def _slip_of_contacts(self, displacement: Floats) -> tuple[Floats, Floats]:
+        """Return how far contacts slip at their centroids, (k,), and which way, (k, t)."""
+        model = self.model
+        blocks = np.concatenate([displacement.reshape(model.load.shape), np.zeros((1, model.unknowns))])
+        motion = np.matmul(model.plus_motion, blocks[model.plus][:, :, None])[:, :, 0]
+        motion += np.matmul(model.minus_motion, blocks[model.minus][:, :, None])[:, :, 0]
+        if self.held is not None:
+            motion = motion + self.held
         slip = motion[:, 1 : 1 + self.tangents]
         size = np.sqrt((slip * slip).sum(axis=1))
-        dilation = self._dilation(reduction)[self._group_starts]
-        by_slip = dilation[:, None] * slip / np.maximum(size, TINY)[:, None]
-        motion = motion.copy()
-        motion[:, 0] -= dilation * size
-        return motion, by_slip
+        return size, slip / np.maximum(size, TINY)[:, None]
 
     def opened_by(self, motion: Floats, parameter: float, least: float) -> Bools:
         """Return the cohesive contacts (k,) that a motion (N,) opens anywhere, by `least` of its fastest part."""
@@ -167,8 +161,8 @@ class Bed:
         if self.cells is not None:
             opening, slip = self.motion(motion, parameter)
             fastest = max(float(np.abs(opening).max()), float(np.abs(slip).max()))
-            relative, _ = self._without_dilation(self.contact_motion(motion), self.drive.at(parameter)[0])
-            opened[self.cells.contact[self.cells.largest_gap(relative) > least * fastest]] = True
+            opens = (opening[self.cells.corners] > least * fastest).any(axis=1)
+            opened[self.cells.contact[opens]] = True
         return opened
 
     def with_opened(self, contacts: Bools) -> "Bed":
@@ -183,7 +177,7 @@ class Bed:
         if pressed is None:
             return self
         other = copy.copy(self)
-        other.cells, other.bond = None, pressed.share[self.model.pair_contact]
+        other.cells, other.bond = None, pressed.share[self.group_of_pair]
         other.cohesion = self._summed(self.model.cohesion * other.bond)
         if self._kernels is not None:
             given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
@@ -289,8 +283,8 @@ class Bed:
         )  # fmt: skip
 
     def _cohesion_of(self, pressed: PressedShare | None) -> Floats:
-        """Return the cohesion forces (g,) of contacts that are pressed on a share of them."""
-        return self.cohesion if pressed is None else self.cohesion * pressed.share[self.model.group_contact]
+        """Return the cohesion forces (g,), of which a share acts."""
+        return self.cohesion if pressed is None else self.cohesion * pressed.share
 
     def _compiled_forces(self, at: Floats, reduction: float, load: Floats, allowed: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
@@ -396,7 +390,7 @@ class Bed:
                 stiff = self.spring + dilation * self._pushed(follows, there)
                 dragged = self.strengths.rows(follows, rows)
                 if there.pressed is not None:
-                    dragged -= (reduction * self.cohesion)[:, None] * there.pressed.slopes[self.model.group_contact]
+                    dragged -= (reduction * self.cohesion)[:, None] * there.pressed.slopes
                 dragged[~there.slips] = 0.0
                 beyond = (self.spring[:, None] * slipping + dragged) / stiff[:, None]
                 carries = np.where(there.slips, self.spring, 0.0)[:, None] * (slipping - beyond)
@@ -417,7 +411,7 @@ class Bed:
         assert there.pressed is not None
         slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
         slipping *= np.where(there.slips, reduction * self.cohesion, 0.0)[:, None]
-        return self._by_contact(slipping)[:, :, None] * there.pressed.slopes[:, None, :]
+        return self._by_contact(slipping[:, :, None] * there.pressed.slopes[:, None, :])
 
     def _pushed(self, follows: Floats, there: BedForces) -> Floats:
         """How strength grows with an even closing of what touches, (g,)."""
@@ -449,7 +443,7 @@ class Bed:
             pushed = self._pushed(parameter * self.strengths.slopes(there.normal), there)
             stiff = self.spring + dilation * pushed
             if there.pressed is not None:
-                shared = parameter * self.cohesion * there.pressed.by_strength[self.model.group_contact]
+                shared = parameter * self.cohesion * there.pressed.by_strength
                 weaker = weaker + np.where(there.slips, shared, 0.0)
             # where the joint dilates by all of its reduced friction angle that angle falls too
             steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)

@@ -9,7 +9,10 @@ from slopekit.preie.tolerances import SETTLED
 
 @dataclass(frozen=True, slots=True)
 class PressedShare:
-    """The pressed share of each contact (k,), and its slopes by the relative motion (k, u) and, dilating, by λ (k,)."""
+    """The share of its cohesion that each friction force (g,) has, as what is pressed where it acts.
+
+    Slopes (g, u) by the relative motion of its contact, and, dilating, by λ (g,).
+    """
 
     share: Floats
     slopes: Floats
@@ -25,7 +28,7 @@ class BedForces:
     normal : (m,); friction : (g, t); strength : (g,) r, before it is reduced
     touching : (m,); slips : (g,); direction : (g, t) of the slip; slip : (g,) its size
     unbalanced : (N,) R; largest : of all forces; rounding : unbalanced force that is none
-    pressed : the pressed share of the contacts; None without cohesion
+    pressed : of what the cohesion acts on; None without cohesion
     """
 
     normal: Floats

@@ -82,7 +82,7 @@ def result_of(
     return PathLimit(
         outcome, parameter, peak, at, motion / fastest, forces.normal, forces.friction,
         bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations,
-        bed.bond if forces.pressed is None else forces.pressed.share[bed.model.pair_contact],
+        bed.bond if forces.pressed is None else forces.pressed.share[bed.model.group_of_pair],
     )  # fmt: skip
 
 

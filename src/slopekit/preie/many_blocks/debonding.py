@@ -61,5 +61,5 @@ def _after(bed: Bed, flow: Flow) -> Bed:
     pressed = flow.forces.pressed
     if pressed is None:
         return bed
-    opened = pressed.share == 0.0
+    opened = np.bincount(bed.model.group_contact, pressed.share, bed.contacts) == 0.0
     return bed.with_opened(opened if bed.have_opened is None else np.logical_or(opened, bed.have_opened))

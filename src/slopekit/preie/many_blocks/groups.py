@@ -111,7 +111,7 @@ class Groups:
             limit, outcome=outcome, width=width, group=len(solution[0].load),
             displacement=displacement, normal=forces.normal, friction=forces.friction,
             residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work, rounding=flow.rounding,
-            bond=bed.bond if pressed is None else pressed.share[self.model.pair_contact],
+            bond=bed.bond if pressed is None else pressed.share[self.model.group_of_pair],
             touching=flow.forces.touching if flow.rounding else None,
         )  # fmt: skip
 

@@ -162,7 +162,7 @@ class BedSprings:
     def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed = bed
         self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
-        places, (shares,) = fan_rule(3, split)
+        places, (shares,), _, _ = fan_rule(3, split)
         self.templates = {2: _line_template(split), 3: (places, shares)}
         self.flats = [_Flat(bed, k) for k in range(len(bed.corners))]
         self._whole: list[tuple[Floats, Floats, Floats]] = []

@@ -23,7 +23,7 @@ from slopekit.core.errors import Fault, SolverError
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
-from slopekit.preie.system.contact_cells import ContactCells, contact_cells
+from slopekit.preie.system.contact_cells import ContactCells
 from slopekit.preie.system.model import JointStrength, Model, local_axes
 from slopekit.preie.system.patch_pairs import polygon_pairs, segment_pairs
 from slopekit.preie.tolerances import LIGHTEST, TINY
@@ -150,6 +150,8 @@ class AssemblyModel:
         number = np.full(len(plus), -1)
         number[contacts] = np.arange(len(contacts))
         pairs, groups = np.flatnonzero(number[self.pair_contact] >= 0), np.flatnonzero(number[self.group_contact] >= 0)
+        of_pair, of_group = np.full(len(self.control_area), -1), np.full(len(self.group_contact), -1)
+        of_pair[pairs], of_group[groups] = np.arange(len(pairs)), np.arange(len(groups))
         plus, minus = plus[contacts], minus[contacts]
         turned = (plus < 0)[:, None, None]  # the plus side always moves
         plus, minus = np.where(plus < 0, minus, plus), np.where(plus < 0, BEDROCK, minus)
@@ -171,7 +173,7 @@ class AssemblyModel:
             patch=self.patch[contacts[contacts < len(self.patch)]], points=self.points[pairs],
             moving=self.moving[blocks], load=self.load[blocks], live=self.live[blocks],
             kinematics=kinematics, statics=kinematics.T, bolts=bolts,
-            cells=None if self.cells is None else self.cells.renumbered(number),
+            cells=None if self.cells is None else self.cells.renumbered(number, of_pair, of_group),
             lines=None if self.lines is None else self.lines.chosen(pairs),
         )  # fmt: skip
         return model, contacts, pairs, groups
@@ -233,7 +235,7 @@ def build_assembly(
     axes = section_axes(normals) if in_section else local_axes(normals)
     split = np.zeros(len(patches), dtype=np.int64) if refine is None else refine
     pairs_on = segment_pairs if in_section else polygon_pairs
-    where, pair_contact, areas = pairs_on(patches, kept, split[kept])
+    where, pair_contact, areas, cells = pairs_on(patches, kept, split[kept])
     offsets = np.einsum("mij,mj->mi", axes[pair_contact], where - middle[pair_contact]) / length
     joint = patches.joint[kept]
     if in_section:
@@ -273,7 +275,7 @@ def build_assembly(
         patch=kept, points=frozen(where), moving=moving,
         load=frozen(load), live=frozen(live_load),
         length_scale=length, force_scale=force_scale, area_scale=area_scale,
-        cells=_cohesive_cells(patches, kept, axes, length, in_section, strength),
+        cells=_cohesive(cells, strength.cohesion[joint]),
     )  # fmt: skip
     if strength.laws:
         from slopekit.preie.system.strength_lines import first_lines  # only curved laws pay for it
@@ -283,15 +285,12 @@ def build_assembly(
     return _with_bolts(model, bolts, index, centroids) if len(bolts.head) else model
 
 
-def _cohesive_cells(
-    patches: Patches, kept: Ints, axes: Floats, length: float, in_section: bool, strength: JointStrength
-) -> ContactCells | None:
-    """Return the cells of the contacts with cohesion, None where none has any."""
-    cohesive = np.flatnonzero(strength.cohesion[patches.joint[kept]] > 0.0)
-    if len(cohesive) == 0:
+def _cohesive(cells: ContactCells, cohesion: Floats) -> ContactCells | None:
+    """Return the cells of the contacts (k,) with cohesion, None where none has any."""
+    kept = cohesion[cells.contact] > 0.0
+    if not kept.any():
         return None
-    cells = contact_cells(patches, kept[cohesive], axes[cohesive], length, in_section)
-    return replace(cells, contact=cohesive[cells.contact])
+    return ContactCells(cells.contact[kept], cells.corners[kept], cells.groups[kept], cells.parts[kept])
 
 
 def one_block(model: Model) -> AssemblyModel:
