@@ -18,7 +18,6 @@ from slopekit.notices import (
     mesh_notices,
     undrawn_notice,
 )
-from slopekit.preie.elastic_path.path import START
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
 from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.one_block.passes import Outcome
@@ -57,13 +56,6 @@ def notices_of(
         yield Notice("W317", f"all blocks rest {where} the factor but for a rounding of the law of their joints: "
                      "forces balance within strength, and what joints give, open and slip fits them but for "
                      f"{limit.rounding * 100.0:.1g} % of the elastic energy")  # fmt: skip
-    if first.fos and limit.basis is Basis.PEAK and limit.begun > START * (1.0 + SAME_LIMIT):
-        message = (
-            f"the loads came to rest only with joints {limit.begun:.3g} times as strong as the upper bound needs, not "
-            f"with {START:g} times: coming on in another order they may fail at a lower factor, or rest at none; of 38 "
-            "single wedges like that 24 had a lower factor, or none, as the kind wedge"
-        )
-        yield Notice("W317", message)
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit, design.seismic.coefficient)
     if limit.spent:

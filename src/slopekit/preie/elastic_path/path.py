@@ -30,13 +30,13 @@ from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
 
-START = 2.0  # times the strength of the static bound, or of a known limit, at which a path begins
-_STRIDE = 0.85  # of the strength, a step of stage A
+START = 32.0  # times the strength of the static bound, or of a known limit: hardly a joint slips where a path begins
+_STRIDE = 0.5  # of the strength, a step of stage A
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose peaks need no more digits
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
-ROUGHER = 7  # doublings of the strength to start from
+ROUGHER = 3  # doublings of the strength to start from
 _LIGHTER = 4  # first loads, each a tenth of the one before
 _OTHER = 0.2  # of ln λ: a limit so far from the last rest is that of another motion
 _FAILS = 7
@@ -81,12 +81,15 @@ class _Path:
     Attributes
     ----------
     stable : the last parameter at rest, None before the first; state : the flow that came to rest there
+    early : the last at rest within so many elastic displacements as a motion that runs has; crept : whether blocks rest
+        farther off
     """
 
     def __init__(self, bed: Bed, start: float) -> None:
         self.bed, self.start = bed, start
         self.is_strength = bed.drive.ramp is None
         self.stable: float | None = None
+        self.early, self.crept = math.nan, False
         self.failed: Flow | None = None  # the last flow whose forces did not settle
         bolts, cohesion = bed.bolted is not None, bed.cells is not None
         self.rounds = self.is_strength and not bed.dilates and not cohesion
@@ -102,13 +105,14 @@ class _Path:
             outcome = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
             return result_of(bed, outcome, None, None, flow.at, flow.at - flow.before, flow.forces)
         self.begun, self.first = parameter, flow.at
-        self.stable, self.state = parameter, flow
+        self._rests(parameter, flow)
         if self.smooth and bed.size > MANY:
             ended = traced_in_section(bed, flow.at, parameter, _BROADLY)
             if ended is not None:
-                return replace(ended, started=parameter)
+                return ended
             self.smooth = False
-        return replace(self._narrowed(), started=self.begun)
+        ended = self._narrowed()
+        return replace(ended, early=self.early) if self.crept else ended
 
     def _narrowed(self) -> PathLimit:
         """Return the limit between a state at rest and ever nearer parameters at which the blocks run."""
@@ -119,6 +123,10 @@ class _Path:
         while True:
             if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
                 unstable, flow = runs.pop()
+                nearer = at_rest_next(bed, self.state.at, unstable)
+                if nearer.ended == "rest":  # it only crept
+                    self._rests(unstable, nearer)
+                    continue
                 if flow.ended != "runs":
                     flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
                 if flow.ended != "rest":
@@ -137,7 +145,7 @@ class _Path:
                     flow, snaps, ratio = slow, snaps - 1, _STRIDE  # they only snapped, to another rest
                     runs.clear()
                     place = 0
-                self.stable, self.state = unstable, flow
+                self._rests(unstable, flow)
             if runs:
                 ratio = math.sqrt(bed.drive.gap(runs[-1][0], self.stable))
             trial = bed.drive.harder(self.stable, ratio)
@@ -147,11 +155,16 @@ class _Path:
             if tried.ended != "rest":
                 runs.append((trial, tried))
                 continue
-            self.stable, self.state = trial, tried
+            self._rests(trial, tried)
             if (trial < LEAST_STRENGTH * self.begun) if self.is_strength else (trial > FARTHEST):
                 return result_of(bed, PathOutcome.STANDS, None, None, tried.at, tried.at, tried.forces)
-            if not runs:
-                ratio = max(ratio * _STRIDE, 0.5)
+
+    def _rests(self, parameter: float, flow: Flow) -> None:
+        """Go on from a state at rest."""
+        self.stable, self.state = parameter, flow
+        self.crept = abs(float(self.bed.working @ flow.at)) > RUNS * self.bed.elastic_work
+        if not self.crept:
+            self.early = parameter
 
     def _running_limit(self, flow: Flow, unstable: float) -> PathLimit | None:
         """Return the limit of the motion that runs, None where its forces do not settle.
@@ -165,15 +178,19 @@ class _Path:
         self.failed = flow  # the same again ends the same
         if ended is None and self.rounds and bed.tangents > 1:
             ended, self.rounds = traced(bed, self.state.at, self.stable), False
-        if bed.cells is None:
-            far = ended is not None and abs(math.log((ended.parameter or math.nan) / self.stable)) > _OTHER
-            return None if far else ended
-        if ended is not None and self._is_between(ended, unstable):
-            return ended
+        if bed.cells is None or (ended is not None and self._is_between(ended, unstable)):
+            return self._near(ended)
         bonded = bed.with_cohesion_at(self.state.at, self.stable)
         flow = relaxed(bonded, self.state.at, unstable, THICK, runs_at=RUNS)
-        ended = _run(bonded, flow, unstable) if flow.ended == "runs" else None
+        ended = self._near(_run(bonded, flow, unstable)) if flow.ended == "runs" else None
         if ended is None or ended.parameter is None or bed.drive.gap(ended.parameter, self.stable) < 1.0:
+            return None
+        return ended
+
+    def _near(self, ended: PathLimit | None) -> PathLimit | None:
+        """Return a limit that is that of the motion which ends the last rest; None where it is another's."""
+        assert self.stable is not None
+        if ended is None or abs(math.log((ended.parameter or math.nan) / self.stable)) > _OTHER:
             return None
         return ended
 

@@ -43,7 +43,7 @@ class PathLimit:
     displacement : (N,) of the elastic joints
     reduction : λ of the joints there
     residual : largest unbalanced force in parts of the largest load
-    started : the parameter at which gravity, or the first load, was at rest
+    early : the last parameter at rest within `RUNS` elastic displacements, nan where the last of all is
     group : blocks that were not held when it was found, 0 where none was; width : how much nearer than that, in
         parts of it, all blocks were not seen at rest
     factorisations : work done
@@ -62,7 +62,7 @@ class PathLimit:
     residual: float
     factorisations: int
     bond: Floats
-    started: float = math.nan
+    early: float = math.nan
     group: int = 0
     width: float = 0.0
     rounding: float = 0.0

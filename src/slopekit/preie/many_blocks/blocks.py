@@ -5,8 +5,8 @@
     M   [lowest, highest]: what the same mechanism can have under any admissible forces
 
 Where the blocks come to rest at no strength, the loads beside weight and water (earthquake, forces) come on after them
-at twice the strength of the static bound: a motion under a part of those that slips nowhere is a proof that the blocks
-topple whatever the friction.
+at many times the strength of the static bound: a motion under a part of those that slips nowhere is a proof that the
+blocks topple whatever the friction.
 """
 
 import math
@@ -154,7 +154,9 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     except WorkSpentError:
         span = None
     if span is None:  # a last rest and where the blocks run are no range of the mechanism
-        return replace(limit, lowest=None, highest=None) if limit.basis is Basis.PEAK else limit
+        crept = limit.lowest is not None and limit.lowest < factor
+        peak = replace(limit, lowest=limit.lowest if crept else None, highest=None)
+        return peak if limit.basis is Basis.PEAK else limit
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or factor
@@ -199,15 +201,17 @@ def _limit(
         unbalanced = _off(model, path_end) > LIMIT_BALANCED
         if path_end.outcome is PathOutcome.GAVE_UP or unbalanced or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
+    lowest = None if highest is None else factor
+    if path_end.early < math.inf:  # it crept on from there
+        lowest = 1.0 / path_end.early
     if outcome is not Outcome.SLIDES or factor is None:
-        factor, highest, basis = None, None, Basis.NONE
+        factor, lowest, highest, basis = None, None, None, Basis.NONE
     elif highest is not None:
         highest = max(factor, min(highest, top or highest))
-    begun = path_end.started * (bound.factor or 0.0)
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(path_end.bond), top,
-        None if highest is None else factor, highest, steps, bound.steps, begun, path_end.group, path_end.width,
+        lowest, highest, steps, bound.steps, path_end.group, path_end.width,
         path_end.rounding, tips=tips, locked=bound.locked,
     )  # fmt: skip
 
@@ -291,7 +295,7 @@ def _weaker(path_end: PathLimit, unit: float) -> PathLimit:
     peak = None if path_end.peak is None else (path_end.peak[0] / unit, path_end.peak[1] / unit)
     return replace(
         path_end, parameter=_times(path_end.parameter, 1.0 / unit), peak=peak, reduction=path_end.reduction / unit,
-        started=path_end.started / unit,
+        early=path_end.early / unit,
     )  # fmt: skip
 
 

@@ -42,7 +42,6 @@ class BlocksLimit:
     steps : factorisations of the path; bound_steps : of the bound
     spent : whether there is no factor because the work that is allowed was done (`solvers.work_limit`); `rested`: the
         factor at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
-    begun : times the strength of the static bound at which the loads were first at rest; 0 or nan where not known
     group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
     rounding : what the law of the joints is rounded by where all came to rest, in parts of their elastic energy
     """
@@ -60,7 +59,6 @@ class BlocksLimit:
     highest: float | None
     steps: int
     bound_steps: int
-    begun: float = 0.0
     group: int = 0
     width: float = 0.0
     rounding: float = 0.0
