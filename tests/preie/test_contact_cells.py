@@ -9,7 +9,8 @@ from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
 from slopekit.preie.many_blocks.debonding import debonding_limit
-from slopekit.preie.system.contact_cells import contact_cells, pressed_fraction
+from slopekit.preie.system.contact_cells import pressed_fraction
+from slopekit.preie.system.patch_pairs import polygon_pairs
 from tests.preie.block_scenes import Scene, boxes_in_space, rectangles, stack
 from tests.preie.pressed import pressed_part, pressed_shares
 
@@ -71,19 +72,26 @@ def pressed_area(corners: np.ndarray, normal: np.ndarray) -> float:
     return abs(float(crossed @ normal)) / 2.0
 
 
+@pytest.mark.parametrize("refine", [0, 1])
 @pytest.mark.parametrize("corners", [3, 4, 5, 7])
-def test_a_contact_that_turns_is_pressed_on_the_part_that_clipping_leaves(corners) -> None:
-    """Its gap is a closing at the centroid and a rotation about two axes; cells sum to the whole contact."""
+def test_a_contact_that_turns_is_pressed_on_the_part_that_clipping_leaves(corners, refine) -> None:
+    """Its gap is a closing at the centroid and a rotation about two axes; of all node pairs together."""
     rng = np.random.default_rng(11)
     normal = np.array([0.48, 0.6, 0.64])
     patches = polygon(corners, normal)
     first = np.cross(normal, [1.0, 0.0, 0.0])
     first /= np.linalg.norm(first)
-    axes = np.stack([normal, first, np.cross(normal, first)])[None]
-    cells = contact_cells(patches, np.array([0]), axes, 2.0, False)
-    assert len(cells.fraction) == corners - 2
-    assert cells.fraction.sum() == pytest.approx(1.0, rel=1e-12)
-    flat = (patches.corners - patches.centroids[0]) @ axes[0, 1:].T
+    axes = np.stack([normal, first, np.cross(normal, first)])
+    points, _, areas, cells = polygon_pairs(patches, np.array([0]), np.array([refine]))
+    assert np.bincount(cells.groups.ravel(), cells.parts.ravel()) == pytest.approx(1.0, rel=1e-12)
+    flat, at = ((there - patches.centroids[0]) @ axes[1:].T for there in (patches.corners, points))
+    none = np.zeros(len(at))
+    rows = np.stack([none + 1.0, none, none, none, at[:, 1] / 2.0, -at[:, 0] / 2.0], axis=1)
+
+    def pressed(motion: np.ndarray) -> tuple[float, np.ndarray]:
+        share, slopes = cells.pressed_share(rows @ motion - 1e-9, rows, len(points))  # what just touches is pressed
+        return areas @ share / areas.sum(), areas @ slopes / areas.sum()
+
     partly = 0
     for _ in range(40):
         motion = np.zeros(6)
@@ -91,28 +99,43 @@ def test_a_contact_that_turns_is_pressed_on_the_part_that_clipping_leaves(corner
         motion[[1, 2, 3]] = rng.normal(size=3)  # slip and drilling open nothing
         # a rotation (θ1, θ2) about the tangents, of arms (y1, y2): the gap is n + θ1 y2 - θ2 y1
         gaps = motion[0] + (motion[4] * flat[:, 1] - motion[5] * flat[:, 0]) / 2.0
-        share, slopes = cells.pressed_share(motion[None])
-        exact = pressed_part(flat, gaps - 1e-9)  # what just touches is pressed
+        share, slopes = pressed(motion)
+        exact = pressed_part(flat, gaps - 1e-9)
         partly += 0.0 < exact < 1.0
-        assert share[0] == pytest.approx(exact, abs=1e-9)
+        assert share == pytest.approx(exact, abs=1e-9)
         step = 1e-6
         for unknown in range(6):
             moved = step * (np.arange(6) == unknown)
-            ahead, behind = (cells.pressed_share((motion + sign * moved)[None])[0][0] for sign in (1.0, -1.0))
-            assert slopes[0, unknown] == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-5)
-        assert cells.largest_gap(motion[None]).max() == pytest.approx(gaps.max(), abs=1e-12)
+            ahead, behind = (pressed(motion + sign * moved)[0] for sign in (1.0, -1.0))
+            assert slopes[unknown] == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-5)
     assert partly > 10
 
 
-def test_cells_of_some_contacts_keep_their_shares() -> None:
+@pytest.mark.parametrize("refine", [0, 2])
+def test_node_pairs_have_cohesion_where_the_contact_is_pressed_near_them(refine) -> None:
+    """A square lifted on one half, in numbers: the cohesive force acts in the middle of the pressed half."""
+    square = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]])
+    one = np.zeros(1, dtype=np.int64)
+    patches = Patches(
+        one, one + BEDROCK, one, np.array([[0.0, 0.0, 1.0]]), np.array([4.0]), square.mean(axis=0)[None], square,
+        np.array([0, 4]),
+    )  # fmt: skip
+    points, _, areas, cells = polygon_pairs(patches, np.array([0]), np.array([refine]))
+    share, _ = cells.pressed_share(points[:, 0] - 1.0, np.zeros((len(points), 6)), len(points))
+    acts = areas * share
+    assert acts.sum() == pytest.approx(2.0, rel=1e-9)
+    assert points[:, 0] @ acts / acts.sum() == pytest.approx(0.5, abs=0.4 * 0.5 ** (2 * refine))
+    assert (share[points[:, 0] >= 1.0 + 2.0 * 0.5**refine] == 0.0).all()
+
+
+def test_cells_of_some_blocks_keep_their_shares() -> None:
     model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(30.0, 1.0)
-    number = np.full(len(model.plus), -1)
-    number[1::2] = np.arange(len(number[1::2]))
-    motion = np.random.default_rng(2).normal(size=(len(model.plus), 6))
-    share, slopes = model.cells.pressed_share(motion)
-    of_some, slopes_of_some = model.cells.renumbered(number).pressed_share(motion[1::2])
-    np.testing.assert_array_equal(of_some, share[1::2])
-    np.testing.assert_array_equal(slopes_of_some, slopes[1::2])
+    few, _, pairs, groups = model.among(np.array([0, 3]))
+    gaps = np.random.default_rng(2).normal(size=len(model.control_area))
+    share, slopes = model.cells.pressed_share(gaps, model.normal_rows, len(model.group_first))
+    of_some, slopes_of_some = few.cells.pressed_share(gaps[pairs], few.normal_rows, len(groups))
+    np.testing.assert_array_equal(of_some, share[groups])
+    np.testing.assert_array_equal(slopes_of_some, slopes[groups])
 
 
 SCENES = {
@@ -132,7 +155,7 @@ def partly_open(scene: Scene, cohesion: float) -> tuple[Bed, np.ndarray]:
         at = bed.elastic_displacement + 1.5 * mean * rng.normal(size=bed.size)
         there = bed.forces(at, 0.6)
         share = there.pressed.share
-        slips = np.bincount(model.group_contact, there.slips, len(share)) > 0
+        slips = there.slips
         near = [bed.forces(at + 10.0 * step * rng.normal(size=bed.size), 0.6) for _ in range(20)]
         if (slips & (share > 0.05) & (share < 0.95)).sum() > 1 and all(there.same_modes(other) for other in near):
             return bed, at
@@ -159,7 +182,10 @@ def test_forces_have_the_cohesion_of_what_clipping_leaves(name, kernels) -> None
     bed, at = partly_open(scene, 5.0)
     there = bed.forces(at, 0.6)
     opening, _ = bed.model.opening_and_slip(at)
-    assert there.pressed.share == pytest.approx(pressed_shares(scene.patches, bed.model, opening - 1e-9), abs=1e-9)
+    exact, model = pressed_shares(scene.patches, bed.model, opening - 1e-9), bed.model
+    areas = model.by_group(model.control_area)
+    parts = [np.bincount(model.group_contact, weights) for weights in (areas * there.pressed.share, areas)]
+    assert parts[0] / parts[1] == pytest.approx(exact, abs=1e-9)
 
 
 def test_cohesion_that_is_kept_acts_wherever_the_blocks_go() -> None:
@@ -169,7 +195,7 @@ def test_cohesion_that_is_kept_acts_wherever_the_blocks_go() -> None:
     for displacement in (at, 3.0 * at, -at):
         there = kept.forces(displacement, 0.6)
         friction = bed.model.tan_friction * bed.model.by_group(there.normal)
-        cohesive = bed.model.by_group(bed.model.cohesion) * share[bed.model.group_contact]
+        cohesive = bed.model.by_group(bed.model.cohesion) * share
         assert there.strength == pytest.approx(friction + cohesive, rel=1e-12, abs=1e-15)
     assert kept.forces(at, 0.6).unbalanced == pytest.approx(bed.forces(at, 0.6).unbalanced, rel=1e-9, abs=1e-12)
 
@@ -199,13 +225,13 @@ def test_a_face_that_nothing_presses_holds_no_block_back(cohesion) -> None:
 
 def test_contacts_that_have_opened_have_no_cohesion_where_they_are_pressed_again() -> None:
     bed, at = partly_open(SCENES["space"](), 5.0)
-    share = bed.forces(at, 0.6).pressed.share
-    gone = share > 0.5
+    share, contact = bed.forces(at, 0.6).pressed.share, bed.model.group_contact
+    gone = np.bincount(contact, share) > 0.5 * np.bincount(contact)
+    of_gone = gone[contact]
     assert gone.any()
-    assert (share[~gone] > 0.0).any()
+    assert (share[~of_gone] > 0.0).any()
     there = bed.with_opened(gone).forces(at, 0.6)
-    assert there.pressed.share == pytest.approx(np.where(gone, 0.0, share), abs=1e-15)
+    assert there.pressed.share == pytest.approx(np.where(of_gone, 0.0, share), abs=1e-15)
     friction = bed.model.tan_friction * bed.model.by_group(there.normal)
-    of_gone = gone[bed.model.group_contact]
     assert there.strength[of_gone] == pytest.approx(friction[of_gone], rel=1e-12)
-    assert (there.pressed.slopes[gone] == 0.0).all()
+    assert (there.pressed.slopes[of_gone] == 0.0).all()
