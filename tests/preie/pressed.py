@@ -26,6 +26,36 @@ def pressed_shares(patches: Patches, model: AssemblyModel, gaps: np.ndarray) -> 
     return shares
 
 
+def pressed_shares_of_pairs(patches: Patches, model: AssemblyModel, gaps: np.ndarray) -> np.ndarray:
+    """Return the share of its cohesion that each friction force (g,) has: of rectangles in space, and in sections.
+
+    A rectangle is cut by its diagonals; a corner has what is pressed of its two triangles, the middle of all four.
+    """
+    if model.unknowns == 3:
+        return pressed_shares(patches, model, gaps)[model.group_contact]
+    shares = np.ones(len(model.group_contact))
+    for contact, patch in enumerate(model.patch):
+        if patch < 0 or patch >= len(patches):
+            continue
+        corners = patches.corners[patches.first[patch] : patches.first[patch + 1]]
+        pairs = np.flatnonzero(model.pair_contact == contact)
+        assert (len(corners), len(pairs)) == (4, 5)
+        places = np.concatenate([corners, corners.mean(axis=0)[None]])
+        at = [pairs[np.argmin(((model.points[pairs] - place) ** 2).sum(axis=1))] for place in places]
+        of_triangles = []
+        for k in range(4):
+            three = [k, (k + 1) % 4, 4]
+            along, other = places[three[1]] - places[three[0]], places[4] - places[three[0]]
+            across = other - along * (other @ along) / (along @ along)
+            arms = places[three] - places[three[0]]
+            flat = np.stack([arms @ along / np.sqrt(along @ along), arms @ across / np.sqrt(across @ across)], axis=1)
+            of_triangles.append(pressed_part(flat, gaps[[at[j] for j in three]]))
+        for k in range(4):
+            shares[at[k]] = (of_triangles[k] + of_triangles[k - 1]) / 2.0
+        shares[at[4]] = np.mean(of_triangles)
+    return shares
+
+
 def points_of(model: AssemblyModel, pairs: np.ndarray) -> np.ndarray:
     """Return where node pairs are, m."""
     return model.points[pairs]

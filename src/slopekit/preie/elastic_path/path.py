@@ -30,15 +30,15 @@ from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
 
-START = 32.0  # times the strength of the static bound, or of a known limit: hardly a joint slips where a path begins
-_STRIDE = 0.5  # of the strength, a step of stage A
+START = 2.0  # times the strength of the static bound, or of a known limit, at which a path begins
+_STRIDE, _LONGEST = 0.85, 0.5  # of the strength: the first step of stage A, and the longest
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose peaks need no more digits
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
-ROUGHER = 3  # doublings of the strength to start from
+ROUGHER = 7  # doublings of the strength to start from
 _LIGHTER = 4  # first loads, each a tenth of the one before
-_OTHER = 0.2  # of ln λ: a limit so far from the last rest is that of another motion
+_OTHER = 0.5  # of ln λ: a limit so far from the last rest, 0.6 times it, is that of another motion
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
@@ -118,22 +118,24 @@ class _Path:
         """Return the limit between a state at rest and ever nearer parameters at which the blocks run."""
         bed, brackets = self.bed, self.brackets
         assert self.stable is not None
-        runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
+        # parameters at which nothing was found at rest, the worst first, and the work of the state they were tried from
+        runs: list[tuple[float, Flow, float]] = []
         ratio, place, snaps = _STRIDE, 0, 0 if self.is_strength else _SNAPS
         while True:
             if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
-                unstable, flow = runs.pop()
-                nearer = at_rest_next(bed, self.state.at, unstable)
-                if nearer.ended == "rest":  # it only crept
-                    self._rests(unstable, nearer)
-                    continue
+                unstable, flow, begun = runs.pop()
+                if self._worked() > begun + bed.elastic_work:  # it was tried before they crept to where they are
+                    nearer = at_rest_next(bed, self.state.at, unstable)
+                    if nearer.ended == "rest":
+                        self._rests(unstable, nearer)
+                        continue
                 if flow.ended != "runs":
                     flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
                 if flow.ended != "rest":
                     ended = self._running_limit(flow, unstable) if place < self.tried else None
                     if ended is not None:
                         return replace(ended, peak=(self.stable, unstable))
-                    runs.append((unstable, flow))
+                    runs.append((unstable, flow, self._worked()))
                     place += 1
                     if place < len(brackets):
                         continue
@@ -153,18 +155,24 @@ class _Path:
                 1.0 / trial if self.is_strength else trial)  # fmt: skip
             tried = at_rest_next(bed, self.state.at, trial)
             if tried.ended != "rest":
-                runs.append((trial, tried))
+                runs.append((trial, tried, self._worked()))
                 continue
             self._rests(trial, tried)
             if (trial < LEAST_STRENGTH * self.begun) if self.is_strength else (trial > FARTHEST):
                 return result_of(bed, PathOutcome.STANDS, None, None, tried.at, tried.at, tried.forces)
+            if not runs:
+                ratio = max(ratio * _STRIDE, _LONGEST)
 
     def _rests(self, parameter: float, flow: Flow) -> None:
         """Go on from a state at rest."""
         self.stable, self.state = parameter, flow
-        self.crept = abs(float(self.bed.working @ flow.at)) > RUNS * self.bed.elastic_work
+        self.crept = crept(self.bed, flow)
         if not self.crept:
             self.early = parameter
+
+    def _worked(self) -> float:
+        """Return the work of the load that drives, up to the last state at rest."""
+        return abs(float(self.bed.working @ self.state.at))
 
     def _running_limit(self, flow: Flow, unstable: float) -> PathLimit | None:
         """Return the limit of the motion that runs, None where its forces do not settle.
@@ -213,7 +221,7 @@ class _Path:
 
 
 def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
-    """Gravity on at a strength that holds the blocks, or the load before it is raised."""
+    """Gravity on at a strength that holds the blocks near where they are, or the load before it is raised."""
     none = np.zeros(bed.size)
     if bed.drive.ramp is not None:
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
@@ -224,7 +232,7 @@ def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
             if tried.ended == "rest":
                 return float(parameter), tried
         return start, flow
-    parameter = start
+    parameter, far = start, None
     flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
@@ -233,9 +241,16 @@ def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
             return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
         flow = relaxed(bed, none, parameter, 1.0, runs_at=3e2)
         if flow.ended == "rest":
-            return parameter, flow
+            if not crept(bed, flow):
+                return parameter, flow
+            far = far or (parameter, flow)  # stronger joints may hold them nearer
         parameter *= 2.0
-    return parameter, flow
+    return far or (parameter, flow)
+
+
+def crept(bed: Bed, flow: Flow) -> bool:
+    """Return whether blocks are farther from where they set off than a motion that runs gets at once."""
+    return abs(float(bed.working @ flow.at)) > RUNS * bed.elastic_work
 
 
 def at_rest_next(bed: Bed, at: Floats, parameter: float) -> Flow:

@@ -5,8 +5,8 @@
     M   [lowest, highest]: what the same mechanism can have under any admissible forces
 
 Where the blocks come to rest at no strength, the loads beside weight and water (earthquake, forces) come on after them
-at many times the strength of the static bound: a motion under a part of those that slips nowhere is a proof that the
-blocks topple whatever the friction.
+at twice the strength of the static bound: a motion under a part of those that slips nowhere is a proof that the blocks
+topple whatever the friction.
 """
 
 import math
@@ -202,7 +202,7 @@ def _limit(
         if path_end.outcome is PathOutcome.GAVE_UP or unbalanced or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
     lowest = None if highest is None else factor
-    if path_end.early < math.inf:  # it crept on from there
+    if path_end.early < math.inf and basis is not Basis.LIMIT:  # it crept on from there
         lowest = 1.0 / path_end.early
     if outcome is not Outcome.SLIDES or factor is None:
         factor, lowest, highest, basis = None, None, None, Basis.NONE

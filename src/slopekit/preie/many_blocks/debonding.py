@@ -15,6 +15,7 @@ from slopekit.preie.elastic_path.path import ROUGHER, START, at_rest_first, at_r
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.tolerances import LEAST_STRENGTH, RUNS
 
+_STUCK = 32.0  # times the strength of a path's start, where hardly anything slips
 _STRIDE, _NARROWEST = 0.05, 0.05 / 16.0  # of ln λ, the longest and the shortest step
 
 
@@ -34,7 +35,7 @@ def debonding_limit(model: AssemblyModel, limit: float) -> tuple[float, float | 
         The work that is allowed is done.
     """
     bed = Bed(model, Drive(model.load.ravel()))
-    strength, flow = at_rest_first(bed, START / limit, ROUGHER)
+    strength, flow = at_rest_first(bed, _STUCK * START / limit, ROUGHER)
     if flow.ended != "rest":
         return None
     begun, stride = strength, _STRIDE
