@@ -27,9 +27,11 @@ def pressed_shares(patches: Patches, model: AssemblyModel, gaps: np.ndarray) -> 
 
 
 def pressed_shares_of_pairs(patches: Patches, model: AssemblyModel, gaps: np.ndarray) -> np.ndarray:
-    """Return the share of its cohesion that each friction force (g,) has: of rectangles in space, and in sections.
+    """Return the share of its cohesion that each friction force (g,) has.
 
-    A rectangle is cut by its diagonals; a corner has what is pressed of its two triangles, the middle of all four.
+    In space a contact is cut into triangles about its centroid (a triangle is one): a pair has what is pressed of those
+    that it lies in, in parts of the area that it controls there, A/12 at a corner and 3A/4 in the middle; of a
+    parallelogram A/6 at its corners and 2A/3 at its own centroid.
     """
     if model.unknowns == 3:
         return pressed_shares(patches, model, gaps)[model.group_contact]
@@ -39,21 +41,24 @@ def pressed_shares_of_pairs(patches: Patches, model: AssemblyModel, gaps: np.nda
             continue
         corners = patches.corners[patches.first[patch] : patches.first[patch + 1]]
         pairs = np.flatnonzero(model.pair_contact == contact)
-        assert (len(corners), len(pairs)) == (4, 5)
-        places = np.concatenate([corners, corners.mean(axis=0)[None]])
-        at = [pairs[np.argmin(((model.points[pairs] - place) ** 2).sum(axis=1))] for place in places]
-        of_triangles = []
-        for k in range(4):
-            three = [k, (k + 1) % 4, 4]
-            along, other = places[three[1]] - places[three[0]], places[4] - places[three[0]]
-            across = other - along * (other @ along) / (along @ along)
-            arms = places[three] - places[three[0]]
-            flat = np.stack([arms @ along / np.sqrt(along @ along), arms @ across / np.sqrt(across @ across)], axis=1)
-            of_triangles.append(pressed_part(flat, gaps[[at[j] for j in three]]))
-        for k in range(4):
-            shares[at[k]] = (of_triangles[k] + of_triangles[k - 1]) / 2.0
-        shares[at[4]] = np.mean(of_triangles)
+        acts, whole = np.zeros(len(pairs)), np.zeros(len(pairs))
+        for triangle in [corners] if len(corners) == 3 else fan_of(corners, patches.centroids[patch]):
+            places = np.concatenate([triangle, triangle.mean(axis=0)[None]])
+            away = ((model.points[pairs] - places[:, None]) ** 2).sum(axis=2)
+            near, is_pair = away.argmin(axis=1), away.min(axis=1) < 1e-9 * np.ptp(corners, axis=0).max() ** 2
+            weights = np.array([1.0, 1.0, 1.0, 9.0]) if is_pair[3] else np.array([2.0, 2.0, 8.0, 0.0])
+            _, _, axes = np.linalg.svd(triangle - triangle.mean(axis=0))
+            flat = (triangle - triangle[0]) @ axes[:2].T
+            area = shoelace(flat)
+            np.add.at(acts, near, weights * area * pressed_part(flat, gaps[pairs[near[:3]]]))
+            np.add.at(whole, near, weights * area)
+        shares[pairs] = acts / whole
     return shares
+
+
+def fan_of(corners: np.ndarray, middle: np.ndarray) -> list[np.ndarray]:
+    """Return the triangles (3, 3) of a polygon (n, 3) about a point."""
+    return [np.array([corners[k - 1], corners[k], middle]) for k in range(len(corners))]
 
 
 def points_of(model: AssemblyModel, pairs: np.ndarray) -> np.ndarray:
