@@ -22,6 +22,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.reading.nodes import fail
 from slopekit.design.reading.on_disk import read_bytes
+from slopekit.design.survey.ags import table_of
 from slopekit.design.survey.bad_rows import BadRow, grouped_faults, skipped_rows
 from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVertical, beyond_vertical
 from slopekit.design.survey.columns import (
@@ -47,7 +48,7 @@ from slopekit.design.survey.ordering import columns_advice, named_in_order, swap
 from slopekit.design.survey.oriented_core import CoreLog, core_columns
 from slopekit.design.survey.planes import DIP_FIRST, PlaneReader, dip_and_azimuth, is_horizontal
 from slopekit.design.survey.preamble import Preamble, preamble_of
-from slopekit.design.survey.tables import SurveyTable, frame_table, table_of
+from slopekit.design.survey.tables import SurveyTable, frame_table
 from slopekit.design.survey.units_row import headings_with_units
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
