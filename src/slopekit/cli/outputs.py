@@ -37,7 +37,6 @@ def plot(
     case: Annotated[str | None, CASE] = None,
     output: Annotated[str | None, typer.Option("-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, "
                                                "scenes .png .glb .gltf.")] = None,
-    show: Annotated[bool, typer.Option("--show", help="Open a window, write nothing.")] = False,
     test: Annotated[str | None, typer.Option(help=_TEST)] = None,
     step: Annotated[str, typer.Option(help="mechanism: which one, 1 the first.")] = "1",
 ) -> None:  # fmt: skip
@@ -55,7 +54,7 @@ def plot(
         cases = ", ".join(documents)
         typer.echo(_listed(path, given, f"{path.name}, load cases {cases}," if cases else path.name))
         return
-    options = plots.PlotOptions(show=show, test=test, step=whole_number(step, "--step"))
+    number = whole_number(step, "--step")
     wanted = {name: one for name, one in documents.items() if len(documents) == 1 or what in plots.offers(one)}
     for name, document in (wanted or documents).items():
         own = f"-{name}" if name and (case is None or output is None) else ""
@@ -64,13 +63,11 @@ def plot(
             given_path = Path(output)
             beside = given_path.with_name(f"{given_path.stem}{own}{given_path.suffix}")
             target = given_path / target.name if given_path.is_dir() else beside
-        plots.check(document, what, target, options, path.name)
-        if not show:
-            folder_of(target.parent)
+        plots.check(document, what, target, path.name, test, number)
+        folder_of(target.parent)
         with watched(what):
-            plots.draw(document, what, None if show else target, options, path.name)
-        if not show:
-            typer.echo(f"wrote {target}")
+            plots.draw(document, what, target, test=test, step=number, name=path.name)
+        typer.echo(f"wrote {target}")
     if wanted and len(wanted) < len(documents):
         typer.echo(f"no {what} of {', '.join(name for name in documents if name not in wanted)}", err=True)
 

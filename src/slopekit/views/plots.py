@@ -14,40 +14,13 @@ from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.design.reading.nodes import cut
-from slopekit.views.charts.drawing import (
-    FORMATS,
-    FOS,
-    Damaged,
-    kept,
-    misfit,
-    need_of_drawing,
-    new_figure,
-    no_window,
-    plain_numbers,
-    save,
-)
+from slopekit.views.charts.drawing import FORMATS, new_figure, plain_numbers, save
 from slopekit.views.charts.kinematic_charts import TESTS
 from slopekit.views.solid.scenes import SCENES
 
 Document = Mapping[str, Any]
 SCENE_FORMATS = (".png", ".glb", ".gltf")
 _MOST_BYTES = 1_000_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class PlotOptions:
-    """How to draw.
-
-    Attributes
-    ----------
-    show : a window in place of a file
-    test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
-    step : the mechanism of a scene, 1 the first
-    """
-
-    show: bool = False
-    test: str | None = None
-    step: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +31,7 @@ class Chart:
     ----------
     shows : what is seen; wants : which file has the data
     drawn_by : module and function of `views.charts`, of a figure and a document
-    given_by : whether a document has the data; what form they must have then the drawing says, see `needs`
+    given_by : whether a document has the data
     """
 
     shows: str
@@ -102,11 +75,11 @@ def _oriented(document: Document) -> bool:
     if document.get("study", "prob") != "prob" and document.get("kind") != "combos":
         return False  # other studies change their design
     try:
-        return orientations_of(kept(document)) is not None
-    except (Damaged, DesignError):
+        return orientations_of(document) is not None
+    except DesignError:
         return False
     except MISREAD as error:
-        if _damage(document, "stereonet", error):
+        if is_of_document(error):
             return False
         raise
 
@@ -182,9 +155,6 @@ _OF_SURVEYS: Mapping[str, Chart] = {
         ("sets", "set_charts.draw_sets"),
     )
 }
-_SCENE: Mapping[str, Any] = {
-    "inputs": dict, "fos": FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
-}  # fmt: skip
 EVERY = (*SCENES, *CHARTS)
 
 
@@ -204,15 +174,16 @@ def offers(document: Document) -> dict[str, str]:
 
 
 def draw(
-    document: Document, what: str, path: Path | None, options: PlotOptions | None = None, name: str = "",
+    document: Document, what: str, path: Path, *, test: str | None = None, step: int = 1, name: str = "",
     instead: Callable[[Path], Path | None] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Draw a picture of a document to a file, or in a window.
+    """Draw a picture of a document to a file.
 
     Parameters
     ----------
     what : one of `EVERY`
-    path : None only with `options.show`
+    test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
+    step : the mechanism of a scene, 1 the first
     name : what the document is called, for messages
     instead : of the file of a chart that was written, another to write the same chart to, which is not drawn again
 
@@ -220,62 +191,37 @@ def draw(
     ------
     DesignError
         E106 an option that is no number, E140 without the extra, E197 no such picture, E273 nothing to draw,
-        E340 the document is damaged, E141 not a format, E140 no window, E313 an option of other pictures, E129 not
-        writable. What goes wrong in drawing a whole document is ours, and goes through.
+        E340 the document is damaged, E141 not a format, E313 an option of other pictures, E129 not writable.
     """
-    options = options or PlotOptions()
-    named, name = bool(name), name or "the document"
-    check(document, what, path, options, name)
-    document = kept(document)
+    called = name or "the document"
+    check(document, what, path, called, test, step)
     try:
         if what in SCENES:
             from slopekit.views.solid import scenes
 
-            scenes.draw(document, what, path, show=options.show, step=options.step)
+            scenes.draw(document, what, path, step)
             return
-        figure = new_figure(path or name)
+        figure = new_figure(path)
         with plain_numbers(), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
             is_test = what == "stereonet" and _is_kinematic(document)
-            _chart(what, document).draw(figure, document, *((options.test,) if is_test else ()))
-            if path is not None and not options.show:
-                save(figure, path)
-                if (other := instead(path)) is not None:
-                    save(figure, other)
+            _chart(what, document).draw(figure, document, *((test,) if is_test else ()))
+            save(figure, path)
+            if (other := instead(path)) is not None:
+                save(figure, other)
     except MISREAD as error:
-        said = _damage(document, what, error)
-        if not said:  # the document is whole: the fault is ours, and shall be seen
+        if not is_of_document(error):  # the fault is ours, and shall be seen
             raise
-        message = f"{name} cannot be drawn as {what} ({said})"
+        said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
+        message = f"{called} cannot be drawn as {what} ({said})"
         advice = "Was it changed, or written by an older slopekit? Make it again."
         raise DesignError([Fault("E340", message, "", advice)]) from error
     except DesignError as error:  # where it stands is the document
-        where = name if named else ""
-        faults = [Fault(fault.code, fault.message, fault.where or where, fault.advice) for fault in error.faults]
+        faults = [Fault(fault.code, fault.message, fault.where or name, fault.advice) for fault in error.faults]
         raise DesignError(faults) from error
-    if options.show:
-        _window(figure)
 
 
-def _damage(document: Document, what: str, error: Exception) -> str:
-    """What is wrong with a document that could not be drawn, "" where it has all that the picture needs."""
-
-    if isinstance(error, Damaged):
-        return str(error)
-    said = misfit(document, need_of(what, str(document.get("kind"))))
-    if not said and what in SCENES:
-        from slopekit.views.solid.stage import Stage
-
-        try:
-            Stage.of(document)
-        except MISREAD as reading:
-            if not is_of_document(reading):
-                return ""
-            return f"its scene: {type(reading).__name__}: {reading}"
-    return said
-
-
-def check(document: Document, what: str, path: Path | None, options: PlotOptions, name: str) -> None:
+def check(document: Document, what: str, path: Path, name: str, test: str | None = None, step: int = 1) -> None:
     """Refuse what cannot be drawn before anything is loaded: E106, E197, E273, E141, E313."""
     given = offers(document)
     can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."
@@ -291,39 +237,23 @@ def check(document: Document, what: str, path: Path | None, options: PlotOptions
             wants = "result.json of many blocks: bench, blocks, topple"
         raise DesignError([Fault("E273", f"{name} has no data for {what}", "", f"{can} {what} wants {wants}")])
     formats = SCENE_FORMATS if what in SCENES else FORMATS
-    if path is not None and not options.show and path.suffix.lower() not in formats:
+    if path.suffix.lower() not in formats:
         message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"
         raise DesignError([Fault("E141", message, str(path), f"Known: {', '.join(formats)}.")])
-    if not isinstance(options.step, Real) or not (math.isfinite(options.step) and options.step == int(options.step)):
-        raise DesignError([Fault("E106", f"--step is {options.step!r}, a whole number is needed", "--step")])
+    if not isinstance(step, Real) or not (math.isfinite(step) and step == int(step)):
+        raise DesignError([Fault("E106", f"--step is {step!r}, a whole number is needed", "--step")])
     stereonet = ("--test",) if _is_kinematic(document) else ()
     belong = scene.options if scene is not None else stereonet if what == "stereonet" else ()
-    used = {"--test": options.test is not None, "--step": options.step != 1}
+    used = {"--test": test is not None, "--step": step != 1}
     for option, is_used in used.items():
         if is_used and option not in belong:
             whose = [word for word, one in SCENES.items() if option in one.options]
             of = f" It is of {' and '.join(whose)}." if whose else ""
             message = f"{option} says nothing of this {what}"
             raise DesignError([Fault("E313", message, option, f"Leave it out.{of}")])
-    if options.test is not None and options.test not in TESTS:
+    if test is not None and test not in TESTS:
         advice = f"Known: {', '.join(TESTS)}."
-        raise DesignError([Fault("E313", f"{options.test} is not a test", f"--test {options.test}", advice)])
-
-
-def _window(figure: Any) -> None:
-    """Show a figure until its window is closed."""
-    import matplotlib.pyplot as plt
-
-    try:
-        shown = plt.figure()
-    except ImportError as error:  # a display, but no toolkit that draws on it
-        no_window(str(error))
-    if plt.get_backend().lower() == "agg":
-        plt.close(shown)
-        no_window("there is no display, or no toolkit for it (PyQt, Tk)")
-    shown.canvas.manager.canvas.figure = figure
-    figure.set_canvas(shown.canvas.manager.canvas)
-    plt.show()
+        raise DesignError([Fault("E313", f"{test} is not a test", f"--test {test}", advice)])
 
 
 # -- documents --------------------------------------------------------------------------------------------------------
@@ -431,10 +361,3 @@ def by_case(document: Document, case: str | None = None, name: str = "") -> dict
     return {
         own: checked_document(below, f"{name}, case {own}") for own, below in of_cases(document, case, name).items()
     }
-
-
-def need_of(what: str, kind: str = "") -> Mapping[str, Any]:
-    """The form of a document that can give a picture; of scenes what stands beside the scene."""
-    if what in SCENES:
-        return _SCENE
-    return need_of_drawing((_OF_SURVEYS[kind] if what == "stereonet" and kind in _OF_SURVEYS else CHARTS[what]).draw)

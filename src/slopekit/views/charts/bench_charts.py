@@ -6,23 +6,13 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.orientation import number
-from slopekit.views.charts.drawing import GREY, NUMBER, RED, TEXT, finish, needs, short
+from slopekit.views.charts.drawing import GREY, RED, finish, short
 
 Document = Mapping[str, Any]
 _MOST_CURVES = 24
 _STYLES = ("-", "--", ":", "-.")
-_BENCHES = {
-    "benches": [{
-        "height_m": float, "face_dip_deg": float, "backbreak_curve_m": [float], "effective_face_curve_deg": [float],
-        "berm_needed_m": float,
-        "reliability": [{"berm_m": float, "inter_ramp_deg": float, "reliability": {"probability": NUMBER}}],
-    }],
-    "inputs": {"reliability": float, "berms_m": ([float], None), "dip_direction_deg": float},
-    "survey": {"name": TEXT, "joints": float}, "input_sha256": str,
-}  # fmt: skip
 
 
-@needs(_BENCHES)
 def draw_backbreak(figure: Any, document: Document) -> None:
     """Backbreak against the share of the length that loses no more, a curve for each bench."""
     axes = _curves(figure, document, "backbreak_curve_m")
@@ -32,7 +22,6 @@ def draw_backbreak(figure: Any, document: Document) -> None:
     finish(figure, axes, f"{_title(document)}\nbackbreak along the bench", columns=4, size=10.0)
 
 
-@needs(_BENCHES)
 def draw_face_angle(figure: Any, document: Document) -> None:
     """The angle of the face that is left against the share of the length that is no steeper, a curve for each bench."""
     axes = _curves(figure, document, "effective_face_curve_deg", falling=True)
@@ -41,7 +30,6 @@ def draw_face_angle(figure: Any, document: Document) -> None:
     finish(figure, axes, f"{_title(document)}\neffective face angle", columns=4, size=10.0)
 
 
-@needs(_BENCHES)
 def draw_reliability(figure: Any, document: Document) -> None:
     """Height against face angle, a cell for each bench, coloured by reliability; a panel for each berm."""
     from matplotlib.colors import LinearSegmentedColormap

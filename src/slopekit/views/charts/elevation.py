@@ -17,7 +17,7 @@ from slopekit.kinds.sheets.bolts import (
     schedule,
     without_head,
 )
-from slopekit.views.charts.drawing import DARK, NUMBER, TEXT, finish, needs, nothing, short, title_of
+from slopekit.views.charts.drawing import DARK, finish, nothing, short, title_of
 from slopekit.views.solid.layers import (
     ACTIVE_BOLT,
     BLOCK,
@@ -48,15 +48,6 @@ class _FlatPiece:
     share: float = 1.0
 
 
-@needs({
-    "inputs": {
-        "bolts": [{
-            "force_kn": float, "toward": {"trend_deg": float, "plunge_deg": float}, "acts": str,
-            "head_m": ([float], None), "length_m": NUMBER, "block": TEXT,
-        }],
-        "face": TEXT, "upper": TEXT,
-    },
-})  # fmt: skip
 def draw_elevation(figure: Any, document: Any) -> None:
     """The face with the heads of the bolts; numbers where there is room, those at the ends of rows first.
 

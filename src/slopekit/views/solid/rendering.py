@@ -14,7 +14,6 @@ from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.whole_files import whole_file
 from slopekit.exchange.solids import save_gltf
-from slopekit.views.charts.drawing import no_window
 from slopekit.views.solid.layers import Bar, Layer, Picture
 from slopekit.views.solid.scene_parts import nice
 
@@ -51,35 +50,6 @@ def require_drawing(path: Path) -> None:
     for name in ("pyvista", "matplotlib"):
         if find_spec(name) is None:
             raise DesignError([Fault("E140", f"drawing needs the extra plot ({name})", str(path), _ADVICE)])
-
-
-def show_window(picture: Picture) -> None:
-    """Show a picture in a window that can be turned.
-
-    Raises
-    ------
-    DesignError
-        E140 where pyvista is not installed, or without a display.
-    """
-    import os
-    import sys
-
-    require_drawing(Path())
-    pyvista = _pyvista()
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        no_window("there is no display")
-    plotter = pyvista.Plotter(window_size=[_WIDTH, _HEIGHT], title=picture.title)
-    _fill(plotter, pyvista, picture)
-    camera = Camera.of(picture)
-    camera.set(plotter)
-    plotter.add_text(f"{picture.title}\n{picture.subtitle}", font_size=10, color="black")
-    entries = [[text, [part / 255.0 for part in colour]] for text, colour, _ in picture.legend]
-    if entries:
-        plotter.add_legend(
-            entries, bcolor="white", size=(0.3, 0.035 * len(entries)), loc="lower right", face="rectangle"
-        )
-    plotter.add_axes(xlabel="E", ylabel="N", zlabel="up")
-    plotter.show()
 
 
 def _pyvista() -> Any:

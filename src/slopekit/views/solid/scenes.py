@@ -172,8 +172,8 @@ class Scene:
     options: tuple[str, ...] = ()
 
 
-def draw(document: Mapping[str, Any], what: str, path: Path | None, *, show: bool = False, step: int = 1) -> None:
-    """Draw a scene of a result to PNG, GLB or glTF, or in a window.
+def draw(document: Mapping[str, Any], what: str, path: Path, step: int = 1) -> None:
+    """Draw a scene of a result to PNG, GLB or glTF.
 
     Parameters
     ----------
@@ -183,16 +183,11 @@ def draw(document: Mapping[str, Any], what: str, path: Path | None, *, show: boo
     Raises
     ------
     DesignError
-        E140 where pyvista or matplotlib is not installed or there is no display, E273 and E350 where the
-        document holds no such scene.
+        E140 where pyvista or matplotlib is not installed, E273 and E350 where the document holds no such scene.
     """
-    from slopekit.views.solid.rendering import save, show_window
+    from slopekit.views.solid.rendering import save
 
-    picture = compose(document, what, step)
-    if show:
-        show_window(picture)
-    elif path is not None:
-        save(picture, path)
+    save(compose(document, what, step), path)
 
 
 def compose(document: Mapping[str, Any], what: str, step: int = 1) -> Picture:
