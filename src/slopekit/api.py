@@ -358,23 +358,19 @@ def plot(
 
     ``sk.plot(wedge, "exploded", "wedge.png")`` then draws one.
     """
+    from slopekit.exchange.documents import by_case, document_of
     from slopekit.views import plots
     from slopekit.views.notebook import Drawing
 
-    folder, name = Path(), ""
-    if isinstance(source, str | os.PathLike):
-        file = plots.document_file(Path(source))
-        document, folder, name = plots.read_document(file), file.parent, file.stem
-    else:
-        given = source.to_dict() if hasattr(source, "to_dict") else source
-        document = plots.checked_document(given, type(source).__name__)
-        name = str(document.get("study") or document.get("kind") or "result")
+    document, file = document_of(source)
+    name = str(document.get("study") or document.get("kind") or "result") if file is None else file.stem
     if what is None:
         return plots.offers(document)
+    folder = Path() if file is None else file.parent
     target = folder / f"{name}-{what}.png" if path is None else Path(path)
     if document.get("study") == "cases":
         message = "these are load cases: a picture is of one of them"
-        advice = f"Give its result, .cases[{next(iter(plots.by_case(document)))!r}]."
+        advice = f"Give its result, .cases[{next(iter(by_case(document)))!r}]."
         raise DesignError([Fault("E313", message, what, advice)])
     plots.draw(document, what, target, test=test, step=step, name=name)
     return Drawing(target)
@@ -430,13 +426,8 @@ def report(
 
 def _document(source: Any) -> Mapping[str, Any]:
     """The JSON of anything that has one."""
-    from slopekit.views.plots import document_file, read_document
+    from slopekit.exchange.documents import document_of
 
-    if isinstance(source, Mapping):
-        return source
-    if callable(own := getattr(source, "to_dict", None)):
-        document: Mapping[str, Any] = own()
-        return document
-    if not isinstance(source, str | os.PathLike):
+    if not isinstance(source, str | os.PathLike | Mapping) and not hasattr(source, "to_dict"):
         raise wrong_kind("report", "results", "results, studies, or paths of their JSON", source)
-    return read_document(document_file(Path(source)))
+    return document_of(source)[0]

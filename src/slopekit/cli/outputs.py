@@ -45,10 +45,11 @@ def plot(
     Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet elevation
     histogram curve contour tornado speed-error reduction motion six. Without WHAT: those that the file can give.
     """
+    from slopekit.exchange.documents import by_case, document_file, read_document
     from slopekit.views import plots
 
-    path = plots.document_file(Path(result))
-    documents = plots.by_case(plots.read_document(path), case, path.name)
+    path = document_file(Path(result))
+    documents = by_case(read_document(path), case, path.name)
     if what is None:
         given = {word: shows for one in documents.values() for word, shows in plots.offers(one).items()}
         cases = ", ".join(documents)
@@ -153,8 +154,8 @@ def report(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing on success.")] = False,
 ) -> None:
     """One self-contained page of results and studies: answers, checks, pictures, a view to turn (extra: report)."""
+    from slopekit.exchange.documents import document_file, read_document
     from slopekit.views.pages.report import require_jinja, write_report
-    from slopekit.views.plots import document_file, read_document
 
     sources = [document_file(Path(result)) for result in results]
     target = sources[0].parent / "report.html" if output is None else Path(output)

@@ -13,6 +13,7 @@ from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_file
+from slopekit.exchange.documents import by_case, checked_document
 from slopekit.kinds import words_named
 from slopekit.views.pages import page_together as together
 from slopekit.views.pages import report_tables as tables
@@ -20,7 +21,6 @@ from slopekit.views.pages.page_pictures import still_pictures
 from slopekit.views.pages.report_inputs import InputTable, input_tables, value_text, words
 from slopekit.views.pages.report_tables import parts
 from slopekit.views.pages.report_words import answer, force_notes, meaning
-from slopekit.views.plots import by_case, checked_document
 from slopekit.views.solid.viewer_data import viewer_data
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
