@@ -8,7 +8,7 @@ from slopekit.core.codec import digest
 from slopekit.core.orientation import Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, group, number, text
+from slopekit.design.fields import Field, declare, group, number, text
 from slopekit.design.parts import (
     Action,
     Bolt,
@@ -95,9 +95,9 @@ class Design:
     #: Beside the attributes: keys that are read into several, top keys that must be there, and those that are not;
     #: what a design takes where they are left out, which the sheet says.
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("slopekit", "text", is_required=True, example="1", doc="version of the language"),
-        Field("kind", "text", is_required=True, example="wedge", doc="what the design is"),
-        Field(
+        declare("slopekit", "text", is_required=True, example="1", doc="version of the language"),
+        declare("kind", "text", is_required=True, example="wedge", doc="what the design is"),
+        declare(
             "strength",
             "group",
             of=Strength,
@@ -106,7 +106,7 @@ class Design:
             example="{joint: {c: 50 kPa, phi: 20}}",
             left_out="required (a wedge: the paper's)",
         ),
-        Field(
+        declare(
             "correlation",
             "ratio",
             -1.0,
@@ -116,7 +116,7 @@ class Design:
             role="scatter",
             example="{J1.phi/J2.phi: 0.8}",
         ),
-        Field("cases", "group", of=CaseKeys, many="names", at_least=1, left_out="the design alone",
+        declare("cases", "group", of=CaseKeys, many="names", at_least=1, left_out="the design alone",
               example="{quake: {set: {loads.seismic.k: 0.1}}}", doc="[load cases](cases.md) by name"),
     )  # fmt: skip
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, count
+from slopekit.design.fields import Field, count, declare
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -32,12 +32,12 @@ class Joint:
     """A joint by its name: its plane, and the strength it names."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("plane", "plane", is_required=True, example="45/115"),
-        Field("strength", "text", left_out="the only one", doc="a name under strength"),
+        declare("plane", "plane", is_required=True, example="45/115"),
+        declare("strength", "text", left_out="the only one", doc="a name under strength"),
     )
 
 
-JOINTS = Field(
+JOINTS = declare(
     "joints", "group", of=Joint, many="names", at_least=1, forms=(FROM_CSV,), is_required=True,
     example="{J1: {plane: 45/115}}", doc="by name (a wedge two, a plane one), or a [list](#joint-lists)",
 )  # fmt: skip

@@ -68,10 +68,14 @@ def _first_lines() -> Mapping[str, list[str]]:
                     if text not in first_lines.setdefault(code, []):
                         first_lines[code].append(text)
     for field in (field for kind in KINDS for field in every_field(record_of(kind))):
-        if field.is_number and field.code != "E105" and (isfinite(field.least) or isfinite(field.most)):
+        if (
+            field.is_number
+            and field.refusal.code != "E105"
+            and (isfinite(field.limits.least) or isfinite(field.limits.most))
+        ):
             text = f"{field.in_words.format(k='…')} is …, {field.limits_in_words()}"
-            if text not in first_lines.setdefault(field.code, []):
-                first_lines[field.code].append(text)
+            if text not in first_lines.setdefault(field.refusal.code, []):
+                first_lines[field.refusal.code].append(text)
     return first_lines
 
 

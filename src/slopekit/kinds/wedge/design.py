@@ -14,6 +14,7 @@ from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.fields import (
     Field,
+    declare,
     fields_of,
     group,
     more_than_nothing,
@@ -34,7 +35,7 @@ from slopekit.design.sections import given_water, read_common, read_strength, re
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
-_DEPTH_OF_WATER = Field("water", "length", 0.0, code="E118", label="water in the crack")
+_DEPTH_OF_WATER = declare("water", "length", 0.0, code="E118", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
@@ -46,7 +47,7 @@ class Crack:
     """A tension crack: its plane, and its distance from the crest along the trace of plane 1 (m)."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field(
+        declare(
             "water",
             "ratio",
             0.0,
@@ -70,7 +71,7 @@ class Basal:
     """A third joint under the wedge: its plane, and its height (m) on the trace of J1 over the toe."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("strength", "text", left_out="the only one", doc="a name under strength"),
+        declare("strength", "text", left_out="the only one", doc="a name under strength"),
     )
 
     plane: Plane = orientation("plane", label="the basal joint", axis="the basal joint", example="20/180")
