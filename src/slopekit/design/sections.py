@@ -7,7 +7,7 @@ from typing import Any
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import number as shown
 from slopekit.design import words
-from slopekit.design.common import Design
+from slopekit.design.common import BEDROCK, Design
 from slopekit.design.fields import fields_of, structure_of
 from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
 from slopekit.design.reading.nodes import Node, Place
@@ -30,8 +30,9 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     title = reader.at("title")
     attributes = reader.fields(Design, only=(
         "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within",
-        "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock",
+        "modulus_kpa", "poisson", "elastic_edge_m",
     ))  # fmt: skip
+    reader.field(BEDROCK, reader.at(BEDROCK.path))
     attributes |= read_weight(reader, attributes["gravity_m_s2"])
     own = fields_of(reader.record)
     if "seismic" in own:

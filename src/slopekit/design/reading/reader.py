@@ -286,7 +286,7 @@ class Reader:
         return record(
             **given, left_out=tuple(self.left_out), read_as=tuple(self.read_as), defaults=tuple(self.defaults),
             variables=tuple(variables),
-            assumed=tuple(pair for variable in variables for pair in variable.assumed()), correlation=correlation,
+            correlation=correlation,
         )  # fmt: skip
 
     # -- what scatters together ---------------------------------------------------------------------------------------
