@@ -363,7 +363,7 @@ def test_offers(scattered) -> None:
     assert set(offers(plain(result_of("paper-footing")))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
-    assert len(set(EVERY)) == len(EVERY) == 21
+    assert len(set(EVERY)) == len(EVERY) == 20
 
 
 def test_whole_documents_have_what_charts_need(scattered, tmp_path) -> None:

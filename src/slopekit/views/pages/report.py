@@ -306,14 +306,12 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
                   if _entries(sheet, label) and (label != "COLUMNS" or not has_methods)],
         "inputs": list(input_tables(inputs, "BOLTS" in sheet)), "force_notes": force_notes(document),
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
-        "movement": [one for one in (tables.motion_table(document),) if one is not None],
-        "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),
+        "evidence": list(tables.check_tables(document)),
         "left_out": [str(one) for one in document["model"]["left_out"]],
         "not_modelled": NOT_MODELLED.replace(*_BENDS) if document.get("elastic") else NOT_MODELLED,
         "defaults": _entries(sheet, "NOT GIVEN") or [str(one) for one in document["defaults"]],
         "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()]
         if not any(one["code"] == "W320" for one in document["warnings"]) else [],  # a notice says it
-        "times": tables.time_table(document),
     }  # fmt: skip
 
 
