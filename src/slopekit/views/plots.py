@@ -165,10 +165,7 @@ def offers(document: Document) -> dict[str, str]:
     return pictures | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
 
 
-def draw(
-    document: Document, what: str, path: Path, *, test: str | None = None, step: int = 1, name: str = "",
-    instead: Callable[[Path], Path | None] = lambda _: None,
-) -> None:  # fmt: skip
+def draw(document: Document, what: str, path: Path, *, test: str | None = None, step: int = 1, name: str = "") -> None:
     """Draw a picture of a document to a file.
 
     Parameters
@@ -177,7 +174,6 @@ def draw(
     test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
     step : the mechanism of a scene, 1 the first
     name : what the document is called, for messages
-    instead : of the file of a chart that was written, another to write the same chart to, which is not drawn again
 
     Raises
     ------
@@ -199,8 +195,6 @@ def draw(
             is_test = what == "stereonet" and _is_kinematic(document)
             _chart(what, document).draw(figure, document, *((test,) if is_test else ()))
             save(figure, path)
-            if (other := instead(path)) is not None:
-                save(figure, other)
     except MISREAD as error:
         if not is_of_document(error):  # the fault is ours, and shall be seen
             raise
@@ -234,15 +228,13 @@ def check(document: Document, what: str, path: Path, name: str, test: str | None
         raise DesignError([Fault("E141", message, str(path), f"Known: {', '.join(formats)}.")])
     if not isinstance(step, Real) or not (math.isfinite(step) and step == int(step)):
         raise DesignError([Fault("E106", f"--step is {step!r}, a whole number is needed", "--step")])
-    stereonet = ("--test",) if _is_kinematic(document) else ()
-    belong = scene.options if scene is not None else stereonet if what == "stereonet" else ()
-    used = {"--test": test is not None, "--step": step != 1}
-    for option, is_used in used.items():
-        if is_used and option not in belong:
-            whose = [word for word, one in SCENES.items() if option in one.options]
-            of = f" It is of {' and '.join(whose)}." if whose else ""
-            message = f"{option} says nothing of this {what}"
-            raise DesignError([Fault("E313", message, option, f"Leave it out.{of}")])
+    alien = [
+        *(["--test"] if test is not None and not (what == "stereonet" and _is_kinematic(document)) else []),
+        *(["--step"] if step != 1 and what != "mechanism" else []),
+    ]
+    if alien:
+        message = f"{alien[0]} says nothing of this {what}"
+        raise DesignError([Fault("E313", message, alien[0], "--test is of kinematic stereonets, --step of mechanism.")])
     if test is not None and test not in TESTS:
         advice = f"Known: {', '.join(TESTS)}."
         raise DesignError([Fault("E313", f"{test} is not a test", f"--test {test}", advice)])

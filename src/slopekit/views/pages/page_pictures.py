@@ -75,21 +75,15 @@ def picture_of(document: Mapping[str, Any], what: str, test: str | None = None) 
         As `slopekit.views.plots.draw`.
     """
     with tempfile.TemporaryDirectory() as folder:
-        written = [Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"]
-        draw(document, what, written[0], test=test, instead=lambda path: _lighter(path, written))
-        image, suffix = written[-1].read_bytes(), written[-1].suffix
-    image = light_png(image) if suffix == ".png" else image
-    return f"data:{_TYPES[suffix]};base64,{base64.b64encode(image).decode()}"
-
-
-def _lighter(drawing: Path, written: list[Path]) -> Path | None:
-    """Make an SVG lighter; where it stays large the PNG that takes its place, which is written next."""
-    image = light_svg(drawing.read_bytes().decode("utf-8")).encode("utf-8")
-    if len(image) <= _LARGEST_SVG:
-        drawing.write_bytes(image)
-        return None
-    written.append(drawing.with_suffix(".png"))
-    return written[-1]
+        drawing = Path(folder) / f"{what}.svg"
+        if what not in _SCENES:
+            draw(document, what, drawing, test=test)
+            image = light_svg(drawing.read_text(encoding="utf-8")).encode("utf-8")
+        if what in _SCENES or len(image) > _LARGEST_SVG:
+            drawing = drawing.with_suffix(".png")
+            draw(document, what, drawing, test=test)
+            image = light_png(drawing.read_bytes())
+    return f"data:{_TYPES[drawing.suffix]};base64,{base64.b64encode(image).decode()}"
 
 
 def light_svg(text: str) -> str:
