@@ -11,6 +11,7 @@ from slopekit.design.common import BEDROCK, Design
 from slopekit.design.fields import fields_of, structure_of
 from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
 from slopekit.design.reading.nodes import Node, Place
+from slopekit.design.reading.overrides import spread
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import is_distribution, without_name
 
@@ -78,23 +79,18 @@ def read_seismic(reader: Reader) -> Seismic:
     node = reader.at("loads.seismic")
     if node is None or node.value is None:
         return Seismic()
-    value = reader.value(node)
-    seismic = None
-    if isinstance(value, dict):
-        at = {key: str(below.place) for key, below in node.items()}
-        k, toward = value.get("k"), value.get("toward")
-        if k is None:
-            advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
-            reader.fault("E143", "loads.seismic.k is missing", node, advice)
-        seismic = None if k is None else reader.kept(words.seismic, k, at.get("k", str(node.place)))
-        trend = None if toward is None else reader.kept(words.trend, toward, "seismic", "E122", at["toward"])
-        if seismic is not None and toward is not None:
-            seismic = None if trend is None else replace(seismic, trend_deg=trend)
-    elif value is not None:
-        seismic = reader.kept(words.seismic, value, str(node.place))
-    if seismic is not None and seismic.coefficient and seismic.trend_deg is None:
+    own = fields_of(Seismic)
+    given = spread(replace(node, path="loads.seismic"))  # a call has another
+    k = given.get("k") if given.is_mapping and not is_distribution(node) else node
+    if k is None:
+        advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
+        reader.fault("E143", "loads.seismic.k is missing", node, advice)
+    coefficient = None if k is None else reader.field(own["coefficient"], k)
+    toward = given.get("toward")
+    trend = reader.field(own["trend_deg"], toward)
+    if coefficient and toward is None:
         reader.defaults.append("seismic.trend")
-    return seismic or Seismic()
+    return Seismic() if coefficient is None or (toward is not None and trend is None) else Seismic(coefficient, trend)
 
 
 def read_factors(reader: Reader) -> tuple[float, ...]:
