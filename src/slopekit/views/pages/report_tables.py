@@ -11,7 +11,6 @@ Document = Mapping[str, Any]
 
 _DIGITS, _DECIMALS = 9, 3  # signs of a number that nobody has rounded, of them behind the point
 _LARGE = 1e5  # from here on five digits are fewer than those before the point
-_MOST_MECHANISMS = 3  # whose interfaces are listed
 
 
 def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[InputTable | Verbatim | str]:
