@@ -93,7 +93,15 @@ class Seismic:
     """Pseudo-static coefficient, and the trend it acts toward (None: the way the block would slide)."""
 
     coefficient: float = number(
-        "k", "ratio", default=0.0, least=0.0, most=2.0, code="E122", label="seismic coefficient", doc="parts of gravity"
+        "k",
+        "ratio",
+        default=0.0,
+        least=0.0,
+        most=2.0,
+        code="E122",
+        label="seismic coefficient",
+        says="it lies between {least} and {most} (parts of gravity)",
+        doc="parts of gravity",
     )
     trend_deg: float | None = number(
         "toward", "angle", default=None, least=0.0, most=360.0, turns=True, code="E122", scatters=False,
