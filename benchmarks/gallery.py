@@ -107,8 +107,6 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
                 ("slopekit sweep templates/wedge.yaml --tornado -o each --quiet", _plot("each", "tornado"))),
         Picture("backbreak", "How much of the crest is lost along the bench, by height and face angle.",
                 (_BENCHES, _plot("benches", "backbreak"))),
-        Picture("face-angle", "The face angle that is left along the bench.",
-                (_BENCHES, _plot("benches", "face-angle"))),
         Picture("reliability", "Which heights and face angles keep their berm.",
                 (_BENCHES, _plot("benches", "reliability"))),
         Picture("motion", "Acceleration, velocity and displacement in the record that moves the block most.",

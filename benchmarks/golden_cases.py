@@ -184,8 +184,8 @@ def _undrawn() -> Iterator[list[str]]:
     drawn: list[str] = []
     before = plots.draw
 
-    def named(document: Mapping[str, Any], what: str, path: Path | None, *_: Any) -> None:
-        drawn.append(f"{what}: {'a window' if path is None else path.name}")
+    def named(document: Mapping[str, Any], what: str, path: Path, **_: Any) -> None:
+        drawn.append(f"{what}: {path.name}")
 
     plots.draw = named
     try:

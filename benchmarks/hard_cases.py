@@ -14,9 +14,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from benchmarks.charts import in_short, sweep_chart
+from benchmarks.charts import Curve, in_short, sweep_chart
 from slopekit import __version__
-from slopekit.views.charts.charts import Curve
 from tests.hard_cases.catalogue import SWEEPS
 from tests.hard_cases.jumps import JUMPS, Jump, Located, located
 from tests.hard_cases.sweeps import NO_DRIVE, Point, Sweep, verdict, walk

@@ -10,7 +10,7 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
-from benchmarks.charts import speed_error_chart
+from benchmarks.charts import FLOOR, Curve, speed_error_chart
 from benchmarks.speed_error import (
     CLOSED,
     COMMAND,
@@ -24,7 +24,6 @@ from benchmarks.speed_error import (
     wedge,
     with_command,
 )
-from slopekit.views.charts.charts import FLOOR, Curve
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
 _JSON = _DOCS / "speed.json"

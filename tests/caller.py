@@ -95,7 +95,6 @@ written.files[0].name, written.bolts
 picture = sk.plot(result, "scene", "scene.png")
 picture.path.with_suffix(".svg").exists()
 assert_type(sk.plot(result), dict[str, str])
-sk.plot(result, "scene", show=True)
 page = sk.report([result, swept], "report.html", pictures=False, project={"client": "X"})
 assert_type(page, Path)
 assert_type(page.name, str)

@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, overload
+from typing import TYPE_CHECKING, Annotated, Any, overload
 
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.options import DESIGN, DESK, Option, Workplace, documented
@@ -314,22 +314,9 @@ def plot(
     what: str,
     path: str | os.PathLike[str] | None = None,
     *,
-    show: Literal[False] = False,
     test: str | None = None,
     step: int = 1,
 ) -> "Drawing": ...
-
-
-@overload
-def plot(
-    source: Any,
-    what: str,
-    path: None = None,
-    *,
-    show: Literal[True],
-    test: str | None = None,
-    step: int = 1,
-) -> None: ...
 
 
 def plot(
@@ -337,10 +324,9 @@ def plot(
     what: str | None = None,
     path: str | os.PathLike[str] | None = None,
     *,
-    show: bool = False,
     test: str | None = None,
     step: int = 1,
-) -> "Drawing | dict[str, str] | None":
+) -> "Drawing | dict[str, str]":
     """Draw a picture of a result or a study (extra: plot). Without `what` it lists the pictures that this one can give.
 
     Parameters
@@ -350,14 +336,13 @@ def plot(
         histogram, curve, contour, tornado, speed-error or reduction [nothing is drawn: the words that it can
         give]
     path : the file: .png, .svg or .pdf; scenes .png, .glb or .gltf [beside the JSON, or in this folder: NAME-WHAT.png]
-    show : a window in place of a file
     test : of the stereonet of a kinematic study; step : of mechanism
 
     Returns
     -------
-    Drawing, dict or None
-        The path written, which shows itself in a notebook, None where a window was shown; without `what` the pictures
-        by their word, and what they show.
+    Drawing or dict
+        The path written, which shows itself in a notebook; without `what` the pictures by their word, and what they
+        show.
 
     Raises
     ------
@@ -373,27 +358,22 @@ def plot(
 
     ``sk.plot(wedge, "exploded", "wedge.png")`` then draws one.
     """
+    from slopekit.exchange.documents import by_case, document_of
     from slopekit.views import plots
     from slopekit.views.notebook import Drawing
 
-    folder, name = Path(), ""
-    if isinstance(source, str | os.PathLike):
-        file = plots.document_file(Path(source))
-        document, folder, name = plots.read_document(file), file.parent, file.stem
-    else:
-        given = source.to_dict() if hasattr(source, "to_dict") else source
-        document = plots.checked_document(given, type(source).__name__)
-        name = str(document.get("study") or document.get("kind") or "result")
+    document, file = document_of(source)
+    name = str(document.get("study") or document.get("kind") or "result") if file is None else file.stem
     if what is None:
         return plots.offers(document)
+    folder = Path() if file is None else file.parent
     target = folder / f"{name}-{what}.png" if path is None else Path(path)
     if document.get("study") == "cases":
         message = "these are load cases: a picture is of one of them"
-        advice = f"Give its result, .cases[{next(iter(plots.by_case(document)))!r}]."
+        advice = f"Give its result, .cases[{next(iter(by_case(document)))!r}]."
         raise DesignError([Fault("E313", message, what, advice)])
-    options = plots.PlotOptions(show, test, step)
-    plots.draw(document, what, None if show else target, options, name)
-    return None if show else Drawing(target)
+    plots.draw(document, what, target, test=test, step=step, name=name)
+    return Drawing(target)
 
 
 def report(
@@ -446,13 +426,8 @@ def report(
 
 def _document(source: Any) -> Mapping[str, Any]:
     """The JSON of anything that has one."""
-    from slopekit.views.plots import document_file, read_document
+    from slopekit.exchange.documents import document_of
 
-    if isinstance(source, Mapping):
-        return source
-    if callable(own := getattr(source, "to_dict", None)):
-        document: Mapping[str, Any] = own()
-        return document
-    if not isinstance(source, str | os.PathLike):
+    if not isinstance(source, str | os.PathLike | Mapping) and not hasattr(source, "to_dict"):
         raise wrong_kind("report", "results", "results, studies, or paths of their JSON", source)
-    return read_document(document_file(Path(source)))
+    return document_of(source)[0]

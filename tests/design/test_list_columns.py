@@ -11,7 +11,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane, parse_plane
-from slopekit.design.survey import Survey, read_joints
+from slopekit.design.survey import JointList, read_joints
 
 #: Dip and dip direction of 15 joints in three sets: five of them have directions up to 90, as dips have.
 ROWS = [
@@ -42,7 +42,7 @@ def written(folder: Path, content: str) -> Path:
     return path
 
 
-def planes(survey: Survey) -> list[Plane]:
+def planes(survey: JointList) -> list[Plane]:
     return [joint.plane for joint in survey.joints]
 
 
@@ -153,7 +153,7 @@ def test_a_header_behind_a_mark_is_a_header(content, tmp_path) -> None:
 def test_a_frame_with_a_header_behind_a_mark() -> None:
     """As pandas reads a file whose header begins so."""
     found = sk.kinematic(Frame(**{"# dip_direction": [55, 52], "dip": [60, 67]}), face="75/180")
-    assert planes(Survey(found.joints.joints)) == [Plane(60.0, 55.0), Plane(67.0, 52.0)]
+    assert planes(JointList("", found.joints.joints)) == [Plane(60.0, 55.0), Plane(67.0, 52.0)]
 
 
 # -- bad rows -----------------------------------------------------------------------------------------------------

@@ -73,7 +73,7 @@ CASES = [
 
 @pytest.mark.parametrize(("code", "change", "says", "advice"), CASES, ids=lambda value: str(value)[:40])
 def test_each_fault_once_with_its_remedy(code, change, says, advice) -> None:
-    faults = check_structure(document_from({**GOOD, **change}).root, WEDGE, "wedge", {"plane": PLANE})
+    faults = check_structure(document_from({**GOOD, **change}).root, WEDGE, "wedge", lambda: {"plane": PLANE})
     assert [fault.code for fault in faults] == [code]
     assert says in faults[0].message
     assert advice in faults[0].advice

@@ -10,13 +10,13 @@ import slopekit as sk
 from slopekit.app.surveys import read_joints_text
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, Plane
-from slopekit.design.survey import Survey, read_frame, read_joints
+from slopekit.design.survey import JointList, read_frame, read_joints
 from slopekit.design.survey.oriented_core import plane_on_core
 
 FIRST, SECOND = Plane(45.0, 115.0), Plane(60.5, 245.0)
 
 
-def survey_of(folder: Path, text: str, name: str = "joints.csv", sizes: bool = False) -> Survey:
+def survey_of(folder: Path, text: str, name: str = "joints.csv", sizes: bool = False) -> JointList:
     path = folder / name
     path.write_bytes(text.encode())
     return read_joints(path, sizes=sizes)

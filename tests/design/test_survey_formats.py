@@ -16,7 +16,7 @@ import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane, parse_plane, parse_quadrants
 from slopekit.design.joint_lists import joint_list
-from slopekit.design.survey import Survey, read_joints
+from slopekit.design.survey import JointList, read_joints
 
 HERE = Path(__file__).parent / "joint_lists"
 NO_QUADRANTS = ("N25E/45NE", "N95E/45SE", "N25E/95SE", "N25E/45", "E25N/45S", "45/115", "NE/45SE", "")
@@ -31,7 +31,7 @@ def mplstereonet():
         return pytest.importorskip("mplstereonet")
 
 
-def planes(survey: Survey) -> list[Plane]:
+def planes(survey: JointList) -> list[Plane]:
     return [joint.plane for joint in survey.joints]
 
 
@@ -412,7 +412,7 @@ COLUMNS: dict[str, list[object]] = {
 
 def test_a_frame_is_a_joint_list() -> None:
     found = joint_list(Frame(COLUMNS))
-    assert planes(Survey(found.joints)) == [FIRST, SECOND]
+    assert planes(JointList("", found.joints)) == [FIRST, SECOND]
     assert [(joint.quantity, joint.friction_angle_deg) for joint in found.joints] == [(2.0, None), (1.0, 28.5)]
     assert found.left_out == ("column remark",)
     with pytest.raises(DesignError) as caught:

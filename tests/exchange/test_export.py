@@ -53,8 +53,8 @@ def test_advice_lists_and_guesses(result, tmp_path) -> None:
 @pytest.mark.parametrize(
     ("content", "code", "says"),
     [
-        ("kind: wedge\n", "E340", "it is no JSON"),
-        ("[1]", "E340", "no keys"),
+        ("kind: wedge\n", "E340", "is not JSON"),
+        ("[1]", "E340", "it has no key slopekit"),
         ('{"a": 1}', "E340", "no key slopekit"),
         ('{"slopekit": "0", "errors": []}', "E340", "the faults of a run"),
         ('{"slopekit": "0", "study": "sweep", "points": []}', "E350", "the result of sweep, it holds no blocks"),

@@ -2,10 +2,7 @@
 
 import json
 import math
-import py_compile
 import re
-import shutil
-import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
@@ -14,7 +11,6 @@ import pytest
 import slopekit as sk
 from slopekit import kinds
 from slopekit.core.errors import DesignError
-from slopekit.design import registry
 from slopekit.design.registry import KINDS
 from tests.support import forget_kinds
 
@@ -37,59 +33,12 @@ def _slab(tmp_path):
     forget_kinds()
 
 
-def forget_folder() -> None:
-    for known in (registry._files, registry._is_shipped, registry._of_byte_code):
-        known.cache_clear()
-
-
-@pytest.mark.parametrize("packed", [True, False], ids=["zip", "byte code"])
-def test_kinds_are_found_where_no_file_of_text_is(tmp_path, monkeypatch, packed) -> None:
-    """A zip, or a package of byte code alone as bundlers make: by what the code binds."""
-    forget_kinds()
-    folder = tmp_path / "kinds"
-    folder.mkdir()
-    for name in ("footing", "plane", "words"):
-        source = Path(kinds.__file__).with_name(f"{name}.py")
-        if packed:
-            shutil.copy(source, folder)
-        else:
-            py_compile.compile(str(source), str(folder / f"{name}.pyc"))
-    if packed:
-        folder = Path(shutil.make_archive(str(tmp_path / "packed"), "zip", tmp_path, "kinds")) / "kinds"
-    monkeypatch.setattr(registry, "_FOLDER", folder)
-    forget_folder()
-    try:
-        assert (list(KINDS), len(KINDS), "words" in KINDS) == (["plane", "footing"], 2, False)
-        assert KINDS["plane"] == "slopekit.kinds.plane"
-    finally:
-        monkeypatch.undo()
-        forget_folder()
-
-
-def test_a_file_in_the_folder_of_kinds_is_a_kind(tmp_path, monkeypatch) -> None:
-    """What ships needs no line elsewhere: it is found by `KIND = ...`, told after the others, and a helper is none."""
-    forget_kinds()
-    code = (tmp_path / "slab.py").read_text(encoding="utf-8").replace("register(\n", "KIND = (\n")
-    folder = tmp_path / "kinds"
-    (folder / "berm").mkdir(parents=True)
-    (folder / "slab.py").write_text(code, encoding="utf-8")
-    (folder / "helper.py").write_text("KINDS = 1\n", encoding="utf-8")
-    (folder / "berm/__init__.py").write_text('"""Soon."""\n\nKIND = None\n', encoding="utf-8")
-    (folder / "notes").mkdir()
-    (folder / ".#slab.py").symlink_to("nobody")  # of an editor
-    (folder / "slab copy.py").write_text(code, encoding="utf-8")
-    monkeypatch.setattr(registry, "_FOLDER", folder)
-    monkeypatch.setattr(kinds, "__path__", [*kinds.__path__, str(folder)])
-    forget_folder()
-    try:
-        assert (list(KINDS), "helper" in KINDS, "notes" in KINDS) == (["berm", "slab"], False, False)
-        assert sk.run(SLAB).fos.limit == pytest.approx(exact(), rel=1e-9)
-    finally:
-        monkeypatch.undo()
-        vars(kinds).pop("slab", None)
-        sys.modules.pop("slopekit.kinds.slab", None)
-        forget_folder()
-    assert list(KINDS) == ["wedge", "plane", "footing", "surface", "topple", "bench", "blocks"]
+def test_every_kind_that_ships_is_told() -> None:
+    folder = Path(kinds.__file__).parent
+    files = {path.stem: path for path in folder.glob("*.py")}
+    files |= {path.parent.name: path for path in folder.glob("*/__init__.py")}
+    have = {name for name, path in files.items() if "\nKIND = " in path.read_text(encoding="utf-8")}
+    assert have == {name for name, kind in KINDS.items() if isinstance(kind, str)}
 
 
 def exact(dip=35.0, c=12.0, phi=30.0) -> float:

@@ -1,7 +1,7 @@
 """Strength laws in design files: keys, units, limits, faults, `--set`, sweeps and scatter."""
 
 from dataclasses import dataclass, field, fields
-from math import inf, radians, tan
+from math import inf
 from typing import ClassVar
 
 import numpy as np
@@ -143,8 +143,8 @@ def test_the_limits_for_studies_are_those_of_the_laws() -> None:
         if said["key"] in KEYS:
             field = field_at(WedgeDesign, f"strength.any.{said['key']}")
             ends = said.get("least", said.get("above")), said.get("most", said.get("below", inf))
-            assert (field.measures, field.least, field.most) == (said["unit"], *ends)
-            assert (field.above, field.below) == ("above" in said, "below" in said)
+            assert (field.measures, field.limits.least, field.limits.most) == (said["unit"], *ends)
+            assert (field.limits.above, field.limits.below) == ("above" in said, "below" in said)
 
 
 @dataclass(frozen=True)
@@ -171,9 +171,9 @@ def test_a_key_of_two_laws_has_the_limits_and_the_unit_of_the_law_that_is_named(
     with pytest.raises(DesignError, match="E281"):
         sk.prob(sk.load(power, set={"strength.joint.b": {"dist": "normal", "mean": 0.9, "sd": 0.3}}), 20, confirm=0)
     merged = keys_of_laws([PowerCurve, Rooted])
-    assert (merged["b"].least, merged["b"].most, merged["b"].axis) == (0.0, 1000.0, "")
-    assert keys_of_laws([Rooted, PowerCurve])["b"].most == 1000.0
-    assert keys_of_laws([PowerCurve])["b"].most == 1.0
+    assert (merged["b"].limits.least, merged["b"].limits.most, merged["b"].texts.axis) == (0.0, 1000.0, "")
+    assert keys_of_laws([Rooted, PowerCurve])["b"].limits.most == 1000.0
+    assert keys_of_laws([PowerCurve])["b"].limits.most == 1.0
 
 
 def test_what_scatters_is_read_anew() -> None:
@@ -201,19 +201,3 @@ def test_studies_ask_the_law() -> None:
     assert [root.value for root in solved.closed_form.roots] == pytest.approx([8.0], rel=1e-9)
     drawn = sk.prob(design, n=30, seed=3, confirm=2, fos=found[1])
     assert 0.2 < drawn.all_samples.share < 0.8  # F rises with JRC, which lies below 8 in half of the samples
-
-
-def test_a_joint_list_counts_before_the_design_beside_waves_too(tmp_path) -> None:
-    """c and φ of the list, the waves of the design: τ = c + σ (tan φ + tan φ_w), as the key reference says."""
-    path = tmp_path / "joints.csv"
-    path.write_text("name,dip,dip_direction,c,phi\nA,45,115,11,31\nB,45,245,12,32\n", encoding="utf-8")
-    design = sk.load(
-        {
-            "slopekit": 1, "kind": "wedge", "joints": {"csv": str(path)},
-            "strength": {"joint": {"c": 90, "phi": 50, "waviness": 4}},
-        }
-    )  # fmt: skip
-    for strength, c, phi in zip(design.strengths, (11.0, 12.0), (31.0, 32.0), strict=True):
-        steep = tan(radians(phi)) + tan(radians(4.0))
-        assert strength.named_law.resistance(np.array([0.0, 10.0])) == pytest.approx([c, c + 10.0 * steep], rel=1e-12)
-    assert f"c of the design for A: {path} has its own" in design.left_out

@@ -2,10 +2,9 @@
 
 import pytest
 
-from benchmarks.charts import speed_error_chart, sweep_chart
+from benchmarks import charts
+from benchmarks.charts import Curve, speed_error_chart, sweep_chart
 from slopekit.core.errors import DesignError
-from slopekit.views.charts import charts
-from slopekit.views.charts.charts import Curve
 
 pytest.importorskip("matplotlib")
 from matplotlib.figure import Figure

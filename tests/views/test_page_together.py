@@ -12,7 +12,7 @@ import pytest
 import slopekit as sk
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import path_of
-from slopekit.views.pages import page_pictures, report
+from slopekit.views.pages import page_pictures
 from slopekit.views.pages.page_together import inputs_table, same_design
 from slopekit.views.pages.report import report_of
 from tests.bolted import WEDGE, bolt
@@ -124,17 +124,6 @@ def test_the_histogram_is_drawn_and_not_listed_too(monkeypatch) -> None:
     assert "The stereonet of this design is that of 1 Result." in made.html
     assert ">HISTOGRAM<" not in made.html.upper()
     assert ">HISTOGRAM<" in page(1).upper()
-
-
-def test_a_scene_too_heavy_for_the_page_is_said(monkeypatch) -> None:
-    run = documents()[0]
-    both = report_of([run, run], with_pictures=False)
-    assert re.findall(r'id="(view-data[^"]*)"', both.html) == ["view-data", "view-data-2"]
-    monkeypatch.setattr(report, "_HEAVIEST_VIEWS", 1000)
-    made = report_of([run, run], with_pictures=False)
-    assert re.findall(r'id="(view-data[^"]*)"', made.html) == ["view-data"]
-    assert [one.code for one in made.notices] == ["W372"]
-    assert "2 Result cannot be turned here" in made.html
 
 
 def test_light_pictures_look_the_same() -> None:

@@ -141,7 +141,7 @@ def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Itera
         logarithmic = is_logarithmic(key) and low > 0.0
         yield {
             "path": path, "label": words_of(type(design), path), "doc": _doc(field),
-            "example": "" if field is None else field.example, "type": "count" if key.whole else "number",
+            "example": "" if field is None else field.texts.example, "type": "count" if key.whole else "number",
             "unit": key.with_unit or key.unit, "value": value, "text": shown(key, written),
             "low": low, "high": high, "step": 1.0 if key.whole else _step(low, high, key.kind),
             "log": logarithmic, "words": [], "given": key.given, "is_default": not key.given,
@@ -232,8 +232,8 @@ def _scatter(of: Distribution | Fisher | None) -> dict[str, Any] | None:
 def _doc(field: Field | None) -> str:
     if field is None:
         return ""
-    parts = [field.doc, f"left out: {field.left_out}" if field.left_out else ""]
-    if math.isfinite(field.least) and field.is_number:
+    parts = [field.texts.doc, f"left out: {field.texts.left_out}" if field.texts.left_out else ""]
+    if math.isfinite(field.limits.least) and field.is_number:
         parts.append(field.limits_in_words())
     return "; ".join(part for part in parts if part)
 
@@ -265,7 +265,7 @@ def written(design: Design, key: Key | None, path: str, value: float) -> str:
         except DesignError:
             pass
     field = field_in(type(design), design.source.root, path.removesuffix(".mean"))
-    slip = field is not None and field.check is in_degrees and in_degrees(value, path, "", str) is not None
+    slip = field is not None and field.refusal.check is in_degrees and in_degrees(value, path, "", str) is not None
     return f"{_plain(value)} deg" if slip else _plain(value)
 
 
@@ -296,8 +296,9 @@ def _words(design: Design, opened: Design) -> Iterator[Control]:
         default = field.default if isinstance(field.default, str) else None
         instead = None if value is not None else _instead(design, path)
         yield {
-            "path": path, "label": field.axis or path.rpartition(".")[2].replace("_", " "), "doc": field.doc,
-            "example": field.example, "type": "words" if told else "text", "unit": "",
+            "path": path, "label": field.texts.axis or path.rpartition(".")[2].replace("_", " "),
+            "doc": field.texts.doc,
+            "example": field.texts.example, "type": "words" if told else "text", "unit": "",
             "value": value if value is not None else None if instead else default, "instead": instead,
             "text": value or "", "low": None, "high": None,
             "step": None, "log": False, "words": list(told), "given": value is not None, "is_default": value is None,

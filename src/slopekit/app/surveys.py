@@ -110,12 +110,11 @@ def dropped(
         Every fault of the list, and of what its pairs need.
     """
     try:
-        survey = read_joints_text(name, text, skip_bad, columns)
+        joints = read_joints_text(name, text, skip_bad, columns)
     except DesignError as error:
         return _question(name, text, columns, error)
-    joints = JointList(name, survey.joints, survey.left_out, survey.read_as)
-    notices = [{"code": "W366", "text": f"not used of {name}: {one}", "path": None} for one in survey.left_out]
-    notices += [{"code": "W373", "text": f"read of {name}: {one}", "path": None} for one in survey.read_as]
+    notices = [{"code": "W366", "text": f"not used of {name}: {one}", "path": None} for one in joints.left_out]
+    notices += [{"code": "W373", "text": f"read of {name}: {one}", "path": None} for one in joints.read_as]
     said: dict[str, Any] = {
         "name": name,
         "planes": [
@@ -124,7 +123,7 @@ def dropped(
                 "set": joint.set_name or None,
             } for joint in joints.joints
         ],
-        "sets": list(_sets(joints)), "pairs": [], "left_out": list(survey.left_out), "notices": notices, "faults": [],
+        "sets": list(_sets(joints)), "pairs": [], "left_out": list(joints.left_out), "notices": notices, "faults": [],
     }  # fmt: skip
     face = getattr(design, "face", None)
     if not isinstance(face, Plane) or len(joints) < 2:

@@ -37,7 +37,6 @@ def plot(
     case: Annotated[str | None, CASE] = None,
     output: Annotated[str | None, typer.Option("-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, "
                                                "scenes .png .glb .gltf.")] = None,
-    show: Annotated[bool, typer.Option("--show", help="Open a window, write nothing.")] = False,
     test: Annotated[str | None, typer.Option(help=_TEST)] = None,
     step: Annotated[str, typer.Option(help="mechanism: which one, 1 the first.")] = "1",
 ) -> None:  # fmt: skip
@@ -46,16 +45,17 @@ def plot(
     Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet elevation
     histogram curve contour tornado speed-error reduction motion six. Without WHAT: those that the file can give.
     """
+    from slopekit.exchange.documents import by_case, document_file, read_document
     from slopekit.views import plots
 
-    path = plots.document_file(Path(result))
-    documents = plots.by_case(plots.read_document(path), case, path.name)
+    path = document_file(Path(result))
+    documents = by_case(read_document(path), case, path.name)
     if what is None:
         given = {word: shows for one in documents.values() for word, shows in plots.offers(one).items()}
         cases = ", ".join(documents)
         typer.echo(_listed(path, given, f"{path.name}, load cases {cases}," if cases else path.name))
         return
-    options = plots.PlotOptions(show=show, test=test, step=whole_number(step, "--step"))
+    number = whole_number(step, "--step")
     wanted = {name: one for name, one in documents.items() if len(documents) == 1 or what in plots.offers(one)}
     for name, document in (wanted or documents).items():
         own = f"-{name}" if name and (case is None or output is None) else ""
@@ -64,13 +64,11 @@ def plot(
             given_path = Path(output)
             beside = given_path.with_name(f"{given_path.stem}{own}{given_path.suffix}")
             target = given_path / target.name if given_path.is_dir() else beside
-        plots.check(document, what, target, options, path.name)
-        if not show:
-            folder_of(target.parent)
+        plots.check(document, what, target, path.name, test, number)
+        folder_of(target.parent)
         with watched(what):
-            plots.draw(document, what, None if show else target, options, path.name)
-        if not show:
-            typer.echo(f"wrote {target}")
+            plots.draw(document, what, target, test=test, step=number, name=path.name)
+        typer.echo(f"wrote {target}")
     if wanted and len(wanted) < len(documents):
         typer.echo(f"no {what} of {', '.join(name for name in documents if name not in wanted)}", err=True)
 
@@ -156,8 +154,8 @@ def report(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing on success.")] = False,
 ) -> None:
     """One self-contained page of results and studies: answers, checks, pictures, a view to turn (extra: report)."""
+    from slopekit.exchange.documents import document_file, read_document
     from slopekit.views.pages.report import require_jinja, write_report
-    from slopekit.views.plots import document_file, read_document
 
     sources = [document_file(Path(result)) for result in results]
     target = sources[0].parent / "report.html" if output is None else Path(output)

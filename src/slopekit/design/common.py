@@ -8,7 +8,7 @@ from slopekit.core.codec import digest
 from slopekit.core.orientation import Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, group, number, text
+from slopekit.design.fields import Field, declare, group, number, text
 from slopekit.design.parts import (
     Action,
     Bolt,
@@ -70,34 +70,28 @@ def _slips_of_density(
 _OF_STUDIES = ("variables", "correlation", "source", "cases")
 _OF_PAGES = ("project",)
 _BESIDE = ("partial",)
-_OF_READING = ("crack_searched", "defaults", "assumed", "left_out", "read_as")
+_OF_READING = ("crack_searched", "defaults", "left_out", "read_as")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Design:
-    """A complete and checked design: what every kind has.
+#: Rock under elastic blocks does not give: the one word that its key takes.
+BEDROCK = declare(
+    "analysis.elastic.bedrock", "text", words=("rigid",), code="E288", left_out="rigid", example="rigid",
+    doc="rock under elastic blocks does not give",
+)  # fmt: skip
 
-    Attributes
-    ----------
-    factors : strength reduction factors at which the displacements and failed pairs are wanted (the paper's Table 3)
-    assumed : inputs that were given as distributions, with the value a deterministic run takes
-    defaults : names of the inputs that were left out
-    left_out : what of the files that the design names is not used, in words
-    read_as : what of them was read in another way than it stands there, in words
-    variables : what scatters: numbers and orientations that were given as distributions
-    correlation : pairs of them with their rank correlation
-    source : the document it was read from, which studies read again with other values; None where it was not
-    cases : its load cases, each a design of its own
-    """
 
+class DesignKeys:
+    """What a kind says of the keys of its designs beside those that are its fields."""
+
+    __slots__ = ()
     #: Whether water may be said as a part of full.
     FILLS: ClassVar[bool] = False
     #: Beside the attributes: keys that are read into several, top keys that must be there, and those that are not;
     #: what a design takes where they are left out, which the sheet says.
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("slopekit", "text", is_required=True, example="1", doc="version of the language"),
-        Field("kind", "text", is_required=True, example="wedge", doc="what the design is"),
-        Field(
+        declare("slopekit", "text", is_required=True, example="1", doc="version of the language"),
+        declare("kind", "text", is_required=True, example="wedge", doc="what the design is"),
+        declare(
             "strength",
             "group",
             of=Strength,
@@ -106,7 +100,7 @@ class Design:
             example="{joint: {c: 50 kPa, phi: 20}}",
             left_out="required (a wedge: the paper's)",
         ),
-        Field(
+        declare(
             "correlation",
             "ratio",
             -1.0,
@@ -116,7 +110,8 @@ class Design:
             role="scatter",
             example="{J1.phi/J2.phi: 0.8}",
         ),
-        Field("cases", "group", of=CaseKeys, many="names", at_least=1, left_out="the design alone",
+        BEDROCK,
+        declare("cases", "group", of=CaseKeys, many="names", at_least=1, left_out="the design alone",
               example="{quake: {set: {loads.seismic.k: 0.1}}}", doc="[load cases](cases.md) by name"),
     )  # fmt: skip
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
@@ -129,7 +124,24 @@ class Design:
     INTO: ClassVar[Mapping[str, str]] = {}
     #: Attributes that inputs and their hash leave out where they are None: younger than the hashes that users keep.
     #: Those of bases count too, and other records have theirs.
-    UNSAID: ClassVar[tuple[str, ...]] = ("partial", "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock")
+    UNSAID: ClassVar[tuple[str, ...]] = ("partial", "modulus_kpa", "poisson", "elastic_edge_m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Design(DesignKeys):
+    """A complete and checked design: what every kind has.
+
+    Attributes
+    ----------
+    factors : strength reduction factors at which the displacements and failed pairs are wanted (the paper's Table 3)
+    defaults : names of the inputs that were left out
+    left_out : what of the files that the design names is not used, in words
+    read_as : what of them was read in another way than it stands there, in words
+    variables : what scatters: numbers and orientations that were given as distributions
+    correlation : pairs of them with their rank correlation
+    source : the document it was read from, which studies read again with other values; None where it was not
+    cases : its load cases, each a design of its own
+    """
 
     title: str = text("title", default="", doc="text")
     project: Project = group("project", Project, default=Project(), left_out="nothing", doc="on pages only")
@@ -161,10 +173,6 @@ class Design:
         "analysis.elastic.edge", "length", default=None, above=0.0, code="E284", words=("auto",), example="auto",
         role="setting", scatters=False, label="edge", left_out="auto", advice="The longest edge of a finite element.",
         doc="longest edge of an element at contacts, for --elastic; `auto`: an eighth of the longest of the block",
-    )  # fmt: skip
-    elastic_bedrock: str | None = text(
-        "analysis.elastic.bedrock", default=None, words=("rigid",), code="E288", left_out="rigid",
-        example="rigid", doc="rock under elastic blocks does not give",
     )  # fmt: skip
     water_unit_weight_kn_m3: float = number(
         "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,
@@ -206,7 +214,6 @@ class Design:
         "analysis.partial_factors", PartialFactors, default=None, forms=(Leaf(example="DA1-C2"),), left_out="none",
         doc="[partial factors](cases.md#partial-factors): `DA1-C1`, `DA1-C2`, `DA2`, `DA3`, a file, or its keys",
     )  # fmt: skip
-    assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)
     left_out: tuple[str, ...] = field(default=(), compare=False)
     read_as: tuple[str, ...] = field(default=(), compare=False)
@@ -214,6 +221,11 @@ class Design:
     correlation: tuple[Pair, ...] = field(default=(), compare=False)
     source: "Document | None" = field(default=None, compare=False, repr=False)
     cases: "tuple[LoadCase, ...]" = field(default=(), compare=False, repr=False)
+
+    @property
+    def assumed(self) -> tuple[tuple[str, str], ...]:
+        """Inputs that were given as distributions, with the value that a deterministic run takes."""
+        return tuple(pair for variable in self.variables for pair in variable.assumed())
 
     @property
     def is_cut_for_loads(self) -> bool:

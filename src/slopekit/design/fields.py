@@ -50,66 +50,110 @@ Check = Callable[[float, str, str, Callable[[str], str]], tuple[str, str, str] |
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
-    """One value of a design.
+class Limits:
+    """Which numbers a value takes: from `least` to `most`, themselves not where `above`, `below`.
 
-    Attributes
-    ----------
-    path : dotted, within its record; * is a name of the user's or the number of a list item
-    measures : a kind of `slopekit.core.units.quantity`, or plane, line, point, text, group
-    least, most : limits, which themselves are not taken where `above`, `below`
-    whole : whether it counts something, `is_odd` in odd numbers; words : that may stand for it (`middle`)
-    is_required, default : whether it has to be given, else what it is; `may_lack`: other values may stand for it
-    code, says, advice, check : of the fault where it is none of its values
-    example, label : as it is written; in words for messages
-    axis : in words for axes and reports, where that is another; of an orientation what it is one of
-    doc, left_out : what it is, and what is taken where it is left out, for the key reference
-    scatters : whether a distribution may stand there; role : for studies
-    turns : whether beyond its limits it is the same plane or line, written otherwise
-    of, many, at_least, at_most, forms, without : a group: its record, how it repeats, other ways to write it, keys it
-        lacks; `each`: a number for all, or one for each as a list or by name
-    is_attribute : of its record; else it is read into others; `is_refused`: known so that the reader can say why not
-    coordinates : how deep its lists of coordinates are: 1 of a point, 2 of a polygon
-    or_measures : what else it measures where its unit says so
-    taken : attribute that says what is taken where its own is None
+    `whole` says that it counts something, `is_odd` in odd numbers; `turns`, that beyond its limits it is the same plane
+    or line, written otherwise.
     """
 
-    path: str
-    measures: str = "ratio"
     least: float = -inf
     most: float = inf
     above: bool = False
     below: bool = False
     whole: bool = False
     is_odd: bool = False
-    words: tuple[str, ...] = ()
-    is_required: bool = False
-    may_lack: bool = False
-    default: Any = None
+    turns: bool = False
+
+    def takes(self, value: float) -> bool:
+        """Whether a number lies between them."""
+        low = value > self.least if self.above else value >= self.least
+        high = value < self.most if self.below else value <= self.most
+        return low and high and (not self.whole or (value == int(value) and (value % 2 == 1 or not self.is_odd)))
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """The fault of what is no value of a key; `check` : judges a number in the words of its own subject."""
+
     code: str = "E105"
     says: str = ""
     advice: str = ""
     check: Check | None = None
-    example: str = ""
-    label: str = ""
-    axis: str = ""
-    doc: str = ""
-    left_out: str = ""
-    scatters: bool = True
-    role: Role = "quantity"
-    turns: bool = False
-    of: type | None = None
-    many: Many = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """How a value is written beside a number, a text or a group of keys.
+
+    Attributes
+    ----------
+    at_least, at_most : entries of a list; forms, without : of a group: other ways to write it, keys that it lacks
+    each : a number for all, or one for each as a list or by name
+    coordinates : how deep its lists of coordinates are: 1 of a point, 2 of a polygon
+    or_measures : what else it measures where its unit says so
+    """
+
     at_least: int = 0
     at_most: int | None = None
     forms: tuple[Spec, ...] = ()
     without: tuple[str, ...] = ()
     each: bool = False
-    is_attribute: bool = False
-    is_refused: bool = False
     coordinates: int = 0
     or_measures: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class KeyTexts:
+    """What is said of a key.
+
+    Attributes
+    ----------
+    example, label : as it is written; in words for messages
+    axis : in words for axes and reports, where that is another; of an orientation what it is one of
+    doc, left_out : what it is, and what is taken where it is left out, for the key reference
+    taken : attribute that says what is taken where its own is None
+    """
+
+    example: str = ""
+    label: str = ""
+    axis: str = ""
+    doc: str = ""
+    left_out: str = ""
     taken: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One value of a design, as `declare` makes it.
+
+    Attributes
+    ----------
+    path : dotted, within its record; * is a name of the user's or the number of a list item
+    measures : a kind of `slopekit.core.units.quantity`, or plane, line, point, text, group
+    words : that may stand for a number (`middle`)
+    is_required, default : whether it has to be given, else what it is; `may_lack`: other values may stand for it
+    scatters : whether a distribution may stand there; role : for studies
+    of, many : a group: its record, how it repeats
+    is_attribute : of its record; else it is read into others; `is_refused`: known so that the reader can say why not
+    """
+
+    path: str
+    measures: str = "ratio"
+    words: tuple[str, ...] = ()
+    is_required: bool = False
+    may_lack: bool = False
+    default: Any = None
+    scatters: bool = True
+    role: Role = "quantity"
+    of: type | None = None
+    many: Many = ""
+    is_attribute: bool = False
+    is_refused: bool = False
+    limits: Limits = Limits()
+    refusal: Refusal = Refusal()
+    shape: Shape = Shape()
+    texts: KeyTexts = KeyTexts()
 
     @property
     def key(self) -> str:
@@ -129,36 +173,30 @@ class Field:
     @property
     def in_words(self) -> str:
         """What it is, for messages."""
-        return self.label or self.key
+        return self.texts.label or self.key
 
     @property
     def period(self) -> float | None:
         """After which it is the same again; None of all but directions."""
-        return 360.0 if self.turns and self.most == 360.0 else None
+        return 360.0 if self.limits.turns and self.limits.most == 360.0 else None
 
     def limits_in_words(self) -> str:
         """What a value has to be.
 
-        >>> Field("fill", least=0.0, most=1.0).limits_in_words()
+        >>> declare("fill", least=0.0, most=1.0).limits_in_words()
         'it lies between 0 and 1'
-        >>> Field("height", "length", 0.0, above=True).limits_in_words()
+        >>> declare("height", "length", 0.0, above=True).limits_in_words()
         'it must be more than 0'
         """
-        low, high = shown(self.least), shown(self.most)
-        if self.says:
-            return self.says.format(least=low, most=high)
-        if self.whole:
-            what = "an odd" if self.is_odd else "a whole"
-            return f"it must be {what} number from {int(self.least)} to {int(self.most)}"
-        if not isfinite(self.most):
-            return f"it must be more than {low}" if self.above else "it is never negative"
+        low, high = shown(self.limits.least), shown(self.limits.most)
+        if self.refusal.says:
+            return self.refusal.says.format(least=low, most=high)
+        if self.limits.whole:
+            what = "an odd" if self.limits.is_odd else "a whole"
+            return f"it must be {what} number from {int(self.limits.least)} to {int(self.limits.most)}"
+        if not isfinite(self.limits.most):
+            return f"it must be more than {low}" if self.limits.above else "it is never negative"
         return f"it lies between {low} and {high}"
-
-    def takes(self, value: float) -> bool:
-        """Whether a number is one of its values."""
-        low = value > self.least if self.above else value >= self.least
-        high = value < self.most if self.below else value <= self.most
-        return low and high and (not self.whole or (value == int(value) and (value % 2 == 1 or not self.is_odd)))
 
     def checked(
         self, value: float, name: str, where: str, written: str = "", called: Callable[[str], str] = str
@@ -176,35 +214,65 @@ class Field:
         DesignError
             The field's code, or that of its `check`.
         """
-        wrong = None if self.check is None else self.check(value, name, written, called)
+        wrong = None if self.refusal.check is None else self.refusal.check(value, name, written, called)
         if wrong is not None:
             code, message, advice = wrong
             raise DesignError([Fault(code, message, where, advice)])
-        if not self.takes(value):
-            unit = "" if self.above and not isfinite(self.most) else self.unit
+        if not self.limits.takes(value):
+            unit = "" if self.limits.above and not isfinite(self.limits.most) else self.unit
             size = shown(value) + (unit if unit in ("", "°") else f" {unit}")
-            raise DesignError([Fault(self.code, f"{name} is {size}, {self.limits_in_words()}", where, self.advice)])
+            raise DesignError(
+                [Fault(self.refusal.code, f"{name} is {size}, {self.limits_in_words()}", where, self.refusal.advice)]
+            )
         return value
 
     @property
     def sought(self) -> tuple[float, float]:
         """Between what a study looks for it: what it may be, and what slopes have."""
         far = _MOST.get(self.measures, inf)
-        low = self.least if isfinite(self.least) else -far
-        if (self.above or low > 0.0) and not self.turns:
+        low = self.limits.least if isfinite(self.limits.least) else -far
+        if (self.limits.above or low > 0.0) and not self.limits.turns:
             low = max(low, _LEAST.get(self.measures, 0.0))
-        high = self.most - _JUST_BELOW if self.below and self.measures == "angle" else self.most
+        high = self.limits.most - _JUST_BELOW if self.limits.below and self.measures == "angle" else self.limits.most
         return low, min(high, far)
 
+
+#: The groups of a field's attributes.
+_GROUPS: Mapping[str, Any] = {"limits": Limits, "refusal": Refusal, "shape": Shape, "texts": KeyTexts}
+_GROUP_OF = {name: group for group, record in _GROUPS.items() for name in get_annotations(record)}
 
 # -- declaring --------------------------------------------------------------------------------------------------------
 
 
+def _grouped(said: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+    """What is said of a field: its own attributes, and those of its groups by the group."""
+    parts: dict[str, dict[str, Any]] = {}
+    for name in [name for name in said if name in _GROUP_OF]:
+        parts.setdefault(_GROUP_OF[name], {})[name] = said[name]
+    return {name: value for name, value in said.items() if name not in _GROUP_OF}, parts
+
+
+def declare(path: str, measures: str = "ratio", least: float = -inf, most: float = inf, **said: Any) -> Field:
+    """A field, of its attributes and those of its groups alike.
+
+    >>> declare("fill", "ratio", 0.0, 1.0, code="E118").limits.most
+    1.0
+    """
+    own, parts = _grouped({"least": least, "most": most} | said)
+    return Field(path, measures, **own, **{group: _GROUPS[group](**part) for group, part in parts.items()})
+
+
+def changed(field: Field, **said: Any) -> Field:
+    """A field with other attributes, or with others of its groups."""
+    own, parts = _grouped(said)
+    return replace(field, **own, **{group: replace(getattr(field, group), **part) for group, part in parts.items()})
+
+
 def _declared(path: str, measures: str, default: Any, *, may_lack: bool = False, **more: Any) -> Any:
     if default is MISSING:
-        made = Field(path, measures, is_attribute=True, is_required=not may_lack, may_lack=may_lack, **more)
+        made = declare(path, measures, is_attribute=True, is_required=not may_lack, may_lack=may_lack, **more)
         return field(metadata={_KEY: made})
-    made = Field(path, measures, is_attribute=True, default=default, may_lack=may_lack, **more)
+    made = declare(path, measures, is_attribute=True, default=default, may_lack=may_lack, **more)
     return field(default=default, metadata={_KEY: made})
 
 
@@ -279,8 +347,8 @@ def fields_of(record: Any) -> Mapping[str, Field]:
 
 def _angle(above: Field, key: str) -> Field:
     low, high = {"dip": (0.0, 90.0), "plunge": (-90.0, 90.0)}.get(key, (0.0, 360.0))
-    of = f" of {above.axis}" if above.axis else ""
-    return replace(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="",
+    of = f" of {above.texts.axis}" if above.texts.axis else ""
+    return changed(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="",
                    axis=f"{key.replace('_', ' ')}{of}")  # fmt: skip
 
 
@@ -293,15 +361,15 @@ def every_field(record: Any, path: str = "") -> Iterator[Field]:
         if one.measures in ANGLES:
             angles = ANGLES[one.measures]
             yield from (_angle(own, key) for key in angles)
-        if one.is_number and (one.many or one.each):
+        if one.is_number and (one.many or one.shape.each):
             yield replace(own, path=f"{own.path}.*")
-        if one.coordinates:
-            measures = one.measures if one.is_number else next(iter(one.or_measures), "length")
-            below = own.path + ".*" * one.coordinates
-            yield replace(own, path=below, measures=measures, role="coordinate", coordinates=0, scatters=False)
+        if one.shape.coordinates:
+            measures = one.measures if one.is_number else next(iter(one.shape.or_measures), "length")
+            below = own.path + ".*" * one.shape.coordinates
+            yield changed(own, path=below, measures=measures, role="coordinate", coordinates=0, scatters=False)
         if one.of is not None:
             below = own.path + {"": "", "list": ".*", "names": ".*", "pairs": ".*"}[one.many]
-            yield from (part for part in every_field(one.of, below) if part.key not in one.without)
+            yield from (part for part in every_field(one.of, below) if part.key not in one.shape.without)
 
 
 @_remembered
@@ -382,15 +450,19 @@ def words_of(record: Any, path: str) -> str:
         numbers.insert(0, int(parts.pop()) + 1)
         names.pop()
     what = next(name for name in reversed(names) if name != "*").replace("_", " ")
-    said = declared.axis or declared.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
+    said = declared.texts.axis or declared.texts.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
     first = names.index("*") if "*" in names else 0
     if first:
         own, item = parts[first], _LISTED.get(parts[first - 1])
         own = f"{item} {int(own) + 1}" if item and own.isdigit() else own
         said += f"{', ' if ' of ' in said or said.count(' ') > _SHORT else ' of '}{own}"
-    elif len(parts) > 1 and not (declared.axis or declared.label) and (declared.role == "quantity" or numbers):
+    elif (
+        len(parts) > 1
+        and not (declared.texts.axis or declared.texts.label)
+        and (declared.role == "quantity" or numbers)
+    ):
         said += f" of the {parts[-2].replace('_', ' ')}"
-    if not numbers or "{k}" in declared.label:
+    if not numbers or "{k}" in declared.texts.label:
         return said
     each = ("point", "coordinate") if declared.role == "coordinate" else ("number", "number")
     return said + "".join(f", {one} {k}" for one, k in zip(each[-len(numbers) :], numbers, strict=True))
@@ -473,8 +545,8 @@ def _section(keys: Mapping[str, Any], required: Sequence[str] | None = None) -> 
         one, made[key] = below
         if one.is_required:
             needed.append(key)
-        if one.example and (one.is_required or required is None):
-            examples.append((one.is_required, f"{key}: {one.example}"))
+        if one.texts.example and (one.is_required or required is None):
+            examples.append((one.is_required, f"{key}: {one.texts.example}"))
     shown_ones = [text for is_needed, text in examples if is_needed] or [text for _, text in examples[:1]]
     example = f"{{{', '.join(shown_ones)}}}" if shown_ones else ""
     return KeyGroup(made, tuple(needed if required is None else required), example)
@@ -485,46 +557,48 @@ def _spec(one: Field) -> Spec:
     if one.measures in ANGLES:
         made = orientation_spec(one)
     elif one.measures == "point":
-        made = ListOf(Leaf(), 3, 3, example=one.example)
+        made = ListOf(Leaf(), 3, 3, example=one.texts.example)
     elif one.is_number:
-        made = Leaf(number=one.scatters, example=one.example)
-        if one.each:
+        made = Leaf(number=one.scatters, example=one.texts.example)
+        if one.shape.each:
             made = AnyOf((made, ListOf(made, 1), Named(made, 1)))
         elif one.many == "list":
-            made = ListOf(replace(made, example=""), one.at_least, one.at_most, example=one.example)
+            made = ListOf(replace(made, example=""), one.shape.at_least, one.shape.at_most, example=one.texts.example)
         elif one.many:
-            made = Named(replace(made, example=""), one.at_least, pairs=one.many == "pairs", example=one.example)
+            made = Named(
+                replace(made, example=""), one.shape.at_least, pairs=one.many == "pairs", example=one.texts.example
+            )
         elif one.of is not None:
             made = AnyOf((made, structure_of(one.of)))
-        elif one.forms:
-            made = AnyOf((made, *one.forms))
+        elif one.shape.forms:
+            made = AnyOf((made, *one.shape.forms))
     elif one.of is not None:
-        own = structure_of(one.of, without=one.without)
-        made = replace(own, example=one.example) if one.example and not one.many else own
-        if one.forms and one.many != "names" and one.many != "pairs":
-            made = AnyOf((*one.forms, made), example=one.example)
+        own = structure_of(one.of, without=one.shape.without)
+        made = replace(own, example=one.texts.example) if one.texts.example and not one.many else own
+        if one.shape.forms and one.many != "names" and one.many != "pairs":
+            made = AnyOf((*one.shape.forms, made), example=one.texts.example)
         if one.many == "list":
-            made = ListOf(made, one.at_least, example=one.example)
+            made = ListOf(made, one.shape.at_least, example=one.texts.example)
         elif one.many:
-            made = Named(made, one.at_least, pairs=one.many == "pairs", example=one.example)
-            made = AnyOf((made, *one.forms), example=one.example) if one.forms else made
-    elif one.forms:
-        made = one.forms[0] if len(one.forms) == 1 else AnyOf(one.forms, example=one.example)
+            made = Named(made, one.shape.at_least, pairs=one.many == "pairs", example=one.texts.example)
+            made = AnyOf((made, *one.shape.forms), example=one.texts.example) if one.shape.forms else made
+    elif one.shape.forms:
+        made = one.shape.forms[0] if len(one.shape.forms) == 1 else AnyOf(one.shape.forms, example=one.texts.example)
     else:
-        made = Leaf(example=one.example)
+        made = Leaf(example=one.texts.example)
     return made
 
 
 def orientation_spec(one: Field) -> AnyOf:
     """Two angles with a slash, a pair, a distribution, or the two angles by name, each a number or a distribution."""
     of: OrientationKind = "plane" if one.measures == "plane" else "line"
-    first, _, second = one.example.partition("/")
+    first, _, second = one.texts.example.partition("/")
     examples = (first, second) if of == "plane" else (second, first)
     angles: Mapping[str, Spec] = {
         key: Leaf(number=True, example=value) for key, value in zip(ANGLES[of], examples, strict=True)
     }
-    words = Leaf(orientation=True, example=one.example)
-    return AnyOf((words, KeyGroup(angles, required=ANGLES[of])), example=one.example)
+    words = Leaf(orientation=True, example=one.texts.example)
+    return AnyOf((words, KeyGroup(angles, required=ANGLES[of])), example=one.texts.example)
 
 
 # -- checks that several fields share ---------------------------------------------------------------------------------

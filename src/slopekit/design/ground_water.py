@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import field
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Plane, parse_plane
@@ -33,27 +33,7 @@ class TablePlane:
         return f"{self.plane}@{shown(self.level_m)}m"
 
 
-class GroundWater(Protocol):
-    """What a design says of ground water, whatever its kind."""
-
-    @property
-    def table_points_m(self) -> tuple[tuple[float, float], ...] | None:
-        """Places and elevations of a table through points."""
-
-    @property
-    def table_plane(self) -> TablePlane | None:
-        """A table that is a plane."""
-
-    @property
-    def pond_m(self) -> float | None:
-        """The elevation of open water."""
-
-    @property
-    def water_unit_weight_kn_m3(self) -> float:
-        """γ_w."""
-
-
-def ground_in_words(design: GroundWater, along: str = "", at: str = "at the origin") -> Iterator[str]:
+def ground_in_words(design: Any, along: str = "", at: str = "at the origin") -> Iterator[str]:
     """Water table, pond and surcharge as the sheet prints them; `at`: where a table that is a plane is as high."""
     depth, load = getattr(design, "table_depth_m", None), getattr(design, "surcharge_kpa", None)
     if depth is not None:

@@ -3,77 +3,19 @@
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults
-from slopekit.core.orientation import Plane, normals, parse_face, parse_plane
-from slopekit.core.records import dataclass
-from slopekit.design.survey import MeasuredJoint, Survey, read_frame, read_joints
+from slopekit.core.orientation import Plane, parse_face, parse_plane
+from slopekit.design.survey import JointList as JointList
+from slopekit.design.survey import MeasuredJoint, read_frame, read_joints
 from slopekit.design.survey.columns import checked_convention
 from slopekit.design.survey.tables import is_frame
 
 MOST_JOINTS = 3000  # 4.5 million pairs
-
-
-@dataclass(frozen=True, slots=True)
-class JointList:
-    """Joints with where they come from.
-
-    Attributes
-    ----------
-    name : of the file, or `joints`; left_out : rows and columns that are not used, in words
-    read_as : what was read in another way than it stands there, in words
-    """
-
-    name: str
-    joints: tuple[MeasuredJoint, ...]
-    left_out: tuple[str, ...] = ()
-    read_as: tuple[str, ...] = ()
-
-    def __len__(self) -> int:
-        return len(self.joints)
-
-    @property
-    def dips_deg(self) -> Floats:
-        """(n,) dips."""
-        return np.array([joint.plane.dip_deg for joint in self.joints])
-
-    @property
-    def dip_directions_deg(self) -> Floats:
-        """(n,) dip directions."""
-        return np.array([joint.plane.dip_direction_deg for joint in self.joints])
-
-    @property
-    def quantities(self) -> Floats:
-        """(n,) how often each counts."""
-        return np.array([joint.quantity for joint in self.joints])
-
-    @property
-    def has_quantities(self) -> bool:
-        """Whether any joint counts for more, or less, than one."""
-        return any(joint.quantity != 1.0 for joint in self.joints)
-
-    def normals(self) -> Floats:
-        """(n, 3) upward unit normals."""
-        return normals(self.dips_deg, self.dip_directions_deg)
-
-    def pairs(self) -> tuple[np.ndarray[Any, np.dtype[np.intp]], np.ndarray[Any, np.dtype[np.intp]]]:
-        """The first and second joint of every pair, in the order of the list."""
-        return np.triu_indices(len(self), 1)
-
-    def rows(self) -> list[tuple[str, str, float, float]]:
-        """Name, set, dip and dip direction of each joint, for hashes."""
-        return [
-            (joint.name, joint.set_name, joint.plane.dip_deg, joint.plane.dip_direction_deg) for joint in self.joints
-        ]
-
-    def sets(self) -> tuple[str, ...]:
-        """The sets that are named, sorted."""
-        return tuple(sorted({joint.set_name for joint in self.joints if joint.set_name}))
 
 
 def joint_list(
@@ -102,11 +44,9 @@ def joint_list(
     if convention is not None:
         checked_convention(convention, option)
     if isinstance(source, str | os.PathLike):
-        survey: Survey = read_joints(source, convention, skip_bad, option, sizes, columns)
-        joints = JointList(Path(source).name, survey.joints, survey.left_out, survey.read_as)
+        joints = read_joints(source, convention, skip_bad, option, sizes, columns)
     elif is_frame(source):
-        survey = read_frame(source, convention, skip_bad, option, sizes, columns)
-        joints = JointList("joints", survey.joints, survey.left_out, survey.read_as)
+        joints = read_frame(source, convention, skip_bad, option, sizes, columns)
     else:
         joints = JointList("joints", _from_python(source))
     if len(joints) < at_least:

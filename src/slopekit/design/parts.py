@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
+from slopekit.design.fields import Field, declare, group, in_degrees, number, orientation, point, text
 from slopekit.design.reading.structure import Anything, Leaf, ListOf, Named
 
 if TYPE_CHECKING:
@@ -93,7 +93,15 @@ class Seismic:
     """Pseudo-static coefficient, and the trend it acts toward (None: the way the block would slide)."""
 
     coefficient: float = number(
-        "k", "ratio", default=0.0, least=0.0, most=2.0, code="E122", label="seismic coefficient", doc="parts of gravity"
+        "k",
+        "ratio",
+        default=0.0,
+        least=0.0,
+        most=2.0,
+        code="E122",
+        label="seismic coefficient",
+        says="it lies between {least} and {most} (parts of gravity)",
+        doc="parts of gravity",
     )
     trend_deg: float | None = number(
         "toward", "angle", default=None, least=0.0, most=360.0, turns=True, code="E122", scatters=False,
@@ -109,7 +117,7 @@ class Force:
     `block` names the block of an assembly.
     """
 
-    ALSO: ClassVar[tuple[Field, ...]] = (Field("toward", "line", example="000/10", doc="trend/plunge"),)
+    ALSO: ClassVar[tuple[Field, ...]] = (declare("toward", "line", example="000/10", doc="trend/plunge"),)
     ACTIONS: ClassVar[Mapping[str, Action]] = {"components_kn": "force"}
 
     components_kn: tuple[float, float, float] = number(
@@ -169,7 +177,7 @@ def bolts_without(*keys: str) -> Any:
 class HyperbolaParameters:
     """Clough and Duncan's hyperbola (eq. 31), the paper's parameters where none are given."""
 
-    ALSO: ClassVar[tuple[Field, ...]] = (Field("law", "text", example="clough-duncan", left_out="clough-duncan"),)
+    ALSO: ClassVar[tuple[Field, ...]] = (declare("law", "text", example="clough-duncan", left_out="clough-duncan"),)
 
     modulus_number: float = number("k1", "ratio", default=4800.0, above=0.0, code="E127", role="setting")
     exponent: float = number("n", "ratio", default=0.56, least=0.0, most=2.0, code="E127", role="setting")
@@ -233,10 +241,10 @@ class Strength:
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("stiffness", "group", of=Stiffness),
-        Field("residual", "group", of=Residual, left_out="none",
+        declare("stiffness", "group", of=Stiffness),
+        declare("residual", "group", of=Residual, left_out="none",
               doc="strength after slip: both factors are given"),
-        Field("law", "text", example="barton-bandis", left_out="mohr-coulomb",
+        declare("law", "text", example="barton-bandis", left_out="mohr-coulomb",
               doc="`mohr-coulomb`, or one of [curved strength](#curved-strength), whose keys then stand for c and phi"),
     )  # fmt: skip
 
@@ -332,7 +340,7 @@ class MeshFile:
 
 def axis_key(path: str) -> Field:
     """The key beside that of a mesh file, which says the axis that points up there."""
-    return Field(path, "text", words=("y", "z"), code="E172", label=path, example="y", left_out="y of GLB, else z",
+    return declare(path, "text", words=("y", "z"), code="E172", label=path, example="y", left_out="y of GLB, else z",
                  doc="which axis of the mesh file points up")  # fmt: skip
 
 
@@ -361,8 +369,8 @@ class PartialFactors:
     """Factors on actions, strengths and resistance; `called` and `source` say whose, `table` what they made."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("set", "text", example="DA1-C2", left_out="all 1", doc="a set whose other factors are taken"),
-        Field("forces", "text", example="variable", left_out="permanent",
+        declare("set", "text", example="DA1-C2", left_out="all 1", doc="a set whose other factors are taken"),
+        declare("forces", "text", example="variable", left_out="permanent",
               doc="what `loads.forces`, and the load of a footing, are: `permanent` or `variable`"),
     )  # fmt: skip
 
@@ -389,9 +397,9 @@ class CaseKeys:
     """What a load case says: which keys of the design it sets, by their paths, and what is accepted."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
+        declare("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
               left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
-        Field("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
+        declare("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
               example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
     )  # fmt: skip
 

@@ -1,16 +1,17 @@
 """What designs of every kind share, read from their documents: weight, loads, strengths, stiffness, water."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import number as shown
 from slopekit.design import words
-from slopekit.design.common import Design
+from slopekit.design.common import BEDROCK, Design
 from slopekit.design.fields import fields_of, structure_of
 from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
 from slopekit.design.reading.nodes import Node, Place
+from slopekit.design.reading.overrides import spread
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import is_distribution, without_name
 
@@ -30,8 +31,9 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     title = reader.at("title")
     attributes = reader.fields(Design, only=(
         "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within",
-        "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock",
+        "modulus_kpa", "poisson", "elastic_edge_m",
     ))  # fmt: skip
+    reader.field(BEDROCK, reader.at(BEDROCK.path))
     attributes |= read_weight(reader, attributes["gravity_m_s2"])
     own = fields_of(reader.record)
     if "seismic" in own:
@@ -77,23 +79,18 @@ def read_seismic(reader: Reader) -> Seismic:
     node = reader.at("loads.seismic")
     if node is None or node.value is None:
         return Seismic()
-    value = reader.value(node)
-    seismic = None
-    if isinstance(value, dict):
-        at = {key: str(below.place) for key, below in node.items()}
-        k, toward = value.get("k"), value.get("toward")
-        if k is None:
-            advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
-            reader.fault("E143", "loads.seismic.k is missing", node, advice)
-        seismic = None if k is None else reader.kept(words.seismic, k, at.get("k", str(node.place)))
-        trend = None if toward is None else reader.kept(words.trend, toward, "seismic", "E122", at["toward"])
-        if seismic is not None and toward is not None:
-            seismic = None if trend is None else replace(seismic, trend_deg=trend)
-    elif value is not None:
-        seismic = reader.kept(words.seismic, value, str(node.place))
-    if seismic is not None and seismic.coefficient and seismic.trend_deg is None:
+    own = fields_of(Seismic)
+    given = spread(replace(node, path="loads.seismic"))  # a call has another
+    k = given.get("k") if given.is_mapping and not is_distribution(node) else node
+    if k is None:
+        advice = "Add k: 0.1, a fraction of gravity, or leave loads.seismic out."
+        reader.fault("E143", "loads.seismic.k is missing", node, advice)
+    coefficient = None if k is None else reader.field(own["coefficient"], k)
+    toward = given.get("toward")
+    trend = reader.field(own["trend_deg"], toward)
+    if coefficient and toward is None:
         reader.defaults.append("seismic.trend")
-    return seismic or Seismic()
+    return Seismic() if coefficient is None or (toward is not None and trend is None) else Seismic(coefficient, trend)
 
 
 def read_factors(reader: Reader) -> tuple[float, ...]:
@@ -113,20 +110,17 @@ def read_strength(
     node: Node | None,
     owner: str,
     standard: Mapping[str, float] | None = None,
-    listed: Mapping[str, float | None] | None = None,
-    beside: Node | None = None,
 ) -> Strength | None:
     """One strength: E143 without c or φ, E115 a dilation above φ.
 
     Parameters
     ----------
     owner : its name; standard : what it takes by key where it says nothing
-    listed : what a joint list says in its place, from the file `beside`
     """
-    if (node is None or not node.is_mapping) and not listed and not standard:
+    if (node is None or not node.is_mapping) and not standard:
         return None
     if node is not None and node.is_mapping and node.get("residual") is not None:
-        peak = read_strength(reader, _without(node, "residual"), owner, standard, listed, beside)
+        peak = read_strength(reader, _without(node, "residual"), owner, standard)
         return with_residual(reader, node, owner, peak)
     own = node if node is not None and node.is_mapping and _is_curved(node) else None
     if own is not None:
@@ -138,14 +132,11 @@ def read_strength(
     attributes = reader.fields(Strength, node or _NOTHING, owner)
     for name, field in fields_of(Strength).items():
         given = node is not None and node.get(field.path) is not None
-        if listed is not None and field.path in listed:
-            attributes[name] = listed[field.path]
-        elif not given and standard is not None and field.path in standard:
+        if not given and standard is not None and field.path in standard:
             attributes[name] = standard[field.path]
-        elif not given and field.may_lack and not (listed and beside is not None and node is None):
-            at = node or beside
+        elif not given and field.may_lack:
             path = f"{node.path}.{field.path}" if node is not None else f"{field.path} of {owner}"
-            reader.fault("E143", f"{path} is missing", at, f"Add {field.path}.")
+            reader.fault("E143", f"{path} is missing", node, f"Add {field.path}.")
     friction, dilation = attributes["friction_angle_deg"], attributes["dilation_deg"]
     below = node.get("dilation") if node is not None else None
     if friction is not None and dilation is not None and below is not None and dilation > friction:
@@ -196,14 +187,14 @@ def _curved_strength(reader: Reader, node: Node, owner: str) -> Strength | None:
     return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
 
 
-def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
+def standard_strength(reader: Reader, nodes: Iterable[Node]) -> dict[str, float]:
     """What c and φ are, by key, where none of the strengths says so: a wedge takes the paper's."""
     given = [node for node in nodes if node.get("law") is None or node.get("c") is not None]
     if not given and list(nodes):
         return {}
     defaults = {
         key: value for key, value in reader.record.DEFAULTS.items()
-        if key in ("c", "phi") and key not in beside and all(node.get(key) is None for node in given)
+        if key in ("c", "phi") and all(node.get(key) is None for node in given)
     }  # fmt: skip
     reader.defaults += defaults
     return defaults

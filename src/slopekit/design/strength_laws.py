@@ -10,7 +10,7 @@ from typing import Any
 
 from slopekit.core.errors import did_you_mean
 from slopekit.core.orientation import number
-from slopekit.design.fields import Field, fields_of
+from slopekit.design.fields import Field, changed, declare, fields_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -31,7 +31,7 @@ def fields_of_law(law: Any) -> Mapping[str, Field]:
         if not said:
             continue
         low, high = said.get("least", said.get("above", -inf)), said.get("most", said.get("below", inf))
-        declared[part.name] = Field(
+        declared[part.name] = declare(
             said["key"], said["unit"], low, high, above="above" in said, below="below" in said,
             is_required=part.default is MISSING, default=None if part.default is MISSING else part.default,
             code=_CODES.get(said["unit"], "E127"), example=said["example"], doc=said["doc"], is_attribute=True,
@@ -51,11 +51,11 @@ def keys_of_laws(laws: Iterable[Any]) -> Mapping[str, Field]:
         for own in fields_of_law(law).values():
             if own.path in ("c", "phi"):
                 continue
-            field, other = replace(own, is_required=False, left_out=""), keys.get(own.path)
+            field, other = changed(own, is_required=False, left_out=""), keys.get(own.path)
             if other is not None and replace(other, default=None) != replace(field, default=None):
-                low, high = min(field.least, other.least), max(field.most, other.most)
-                doc = f"{other.doc}; {law.name}: {own.doc}"
-                field = replace(other, least=low, most=high, above=False, below=False, axis="", doc=doc, check=None)
+                low, high = min(field.limits.least, other.limits.least), max(field.limits.most, other.limits.most)
+                doc = f"{other.texts.doc}; {law.name}: {own.texts.doc}"
+                field = changed(other, least=low, most=high, above=False, below=False, axis="", doc=doc, check=None)
             keys[own.path] = field
     return keys
 
@@ -90,7 +90,7 @@ def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
             reader.fault("E142", f"{key} is not a key of the law {name}", below, f"It takes {', '.join(known)}.")
     for key, field in known.items():
         if field.is_required and node.get(key) is None:
-            advice = f"Add {key}: {field.example} ({field.doc})."
+            advice = f"Add {key}: {field.texts.example} ({field.texts.doc})."
             reader.fault("E143", f"{node.path}.{key} is missing", node, advice)
     values = {part: reader.field(field, node.get(field.path), owner) for part, field in declared.items()}
     given = {part: field.is_required or node.get(field.path) is not None for part, field in declared.items()}

@@ -7,7 +7,7 @@ from typing import Any
 from slopekit.core.errors import DesignError, Fault, did_you_mean
 from slopekit.core.orientation import Line, number
 from slopekit.core.units import quantity
-from slopekit.design.parts import Bolt, Force, Rule, Seismic, Water
+from slopekit.design.parts import Bolt, Force, Rule, Water
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
@@ -88,15 +88,6 @@ def pressures(parts: Sequence[Any], where: str, has_crack: bool, has_basal: bool
     if len(values) == 1:
         values *= 3 if has_basal else 2
     return Water("pressures", 0.0, tuple(values)) if any(values) else Water()
-
-
-def seismic(value: object, where: str) -> Seismic:
-    text, _, toward = value.partition("@") if isinstance(value, str) else (value, "", "")
-    coefficient = quantity(text, "ratio", "seismic coefficient", where)
-    if not 0.0 <= coefficient <= 2.0:
-        message = f"seismic coefficient is {number(coefficient)}, it lies between 0 and 2 (parts of gravity)"
-        raise DesignError([Fault("E122", message, where)])
-    return Seismic(coefficient, trend(toward, "seismic", "E122", where) if toward else None)
 
 
 def trend(value: object, name: str, code: str, where: str) -> float:

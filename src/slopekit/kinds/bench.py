@@ -11,7 +11,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane, coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
-from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
+from slopekit.design.fields import count, declare, fields_of, group, number, orientation, point, text
 from slopekit.design.ground_water import read_ground_water, surcharge, table_depth
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
@@ -127,7 +127,7 @@ class BenchDesign(AssemblyDesign):
         "sets", JointSetInput, many="names", at_least=1, example="{S1: {plane: 45/170, spacing: 2 m}}"
     )
     water: Water = water_by(
-        Field("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
+        declare("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
     )
     table_depth_m: float | None = table_depth()
     surcharge_kpa: float | None = surcharge()

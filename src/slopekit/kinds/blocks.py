@@ -13,7 +13,7 @@ from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, Faults, GeometryError, Notice
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
-from slopekit.design.fields import Field, fields_of, group, number, text
+from slopekit.design.fields import Field, declare, fields_of, group, number, text
 from slopekit.design.ground_water import read_ground_water
 from slopekit.design.parts import Action, MeshFile, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
@@ -52,7 +52,7 @@ _NAMED = 5  # blocks that a notice names
 _MOST_INTERFACES = 3
 
 
-_COORDINATE = Field("polygon", "length")
+_COORDINATE = declare("polygon", "length")
 _KEYS = ("polygon", "mesh", "up", "unit_weight", "fixed")
 _TRUTH = {"true": True, "false": False}
 _UNTRUTHS = ("no", "off", "n", "0")  # YAML 1.1, said to be a fault; what it means is clear
@@ -123,7 +123,7 @@ class BlocksDesign(NamedDesign):
         forms=(Named(Leaf(example="joint"), pairs=True, example="{default: joint, B1/B2: smooth}"),),
     )  # fmt: skip
     water: Water = water_by(
-        Field("pressures", "pressure", 0.0, many="pairs", axis="water pressure", example="{B1/B2: 5 kPa}")
+        declare("pressures", "pressure", 0.0, many="pairs", axis="water pressure", example="{B1/B2: 5 kPa}")
     )
     pressures_kpa: tuple[tuple[str, str, float], ...] = ()
     contact_tolerance_m: float | None = number(

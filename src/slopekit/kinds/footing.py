@@ -12,7 +12,7 @@ from slopekit.core import sheet
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, count, group, number
+from slopekit.design.fields import Field, count, declare, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
@@ -64,7 +64,7 @@ class FootingDesign(Design):
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("weak_plane.strength", "text", left_out="the only one", doc="a name under strength"),
+        declare("weak_plane.strength", "text", left_out="the only one", doc="a name under strength"),
     )
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
     UNSAID: ClassVar[tuple[str, ...]] = ("uplift",)

@@ -20,7 +20,7 @@ from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
-from slopekit.design.fields import Field, count, number
+from slopekit.design.fields import Field, count, declare, number
 from slopekit.design.ground_water import read_ground_water
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
@@ -71,8 +71,8 @@ class ToppleDesign(NamedDesign):
     ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("columns.base", "text", left_out="the only one", doc="strength of the bases"),
-        Field("columns.sides", "text", left_out="the only one", doc="strength between the columns"),
+        declare("columns.base", "text", left_out="the only one", doc="strength of the bases"),
+        declare("columns.sides", "text", left_out="the only one", doc="strength between the columns"),
     )  # fmt: skip
 
     dip_deg: float = number(
@@ -114,8 +114,8 @@ class ToppleDesign(NamedDesign):
     base: str
     sides: str
     water: Water = water_by(
-        Field("pressures.base", "pressure", 0.0, axis="water pressure on the bases"),
-        Field("pressures.sides", "pressure", 0.0, axis="water pressure on the sides"),
+        declare("pressures.base", "pressure", 0.0, axis="water pressure on the bases"),
+        declare("pressures.sides", "pressure", 0.0, axis="water pressure on the sides"),
     )
     pressures_kpa: Point2 = (0.0, 0.0)
 

@@ -6,6 +6,7 @@ where they act, a closed form the mean pressure of each joint and the sum of the
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
-from slopekit.design.ground_water import TABLE, GroundWater, SlopeDesign
+from slopekit.design.ground_water import TABLE, SlopeDesign
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
 from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.closed_forms import Arguments
@@ -60,7 +61,7 @@ class LocalSlope:
 
 
 def pressure_below(
-    design: GroundWater, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
+    design: Any, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
     in_section: bool = False,
 ) -> Pressure:  # fmt: skip
     """The pressure below the table and the pond of a design.

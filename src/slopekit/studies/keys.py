@@ -18,7 +18,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.synonyms import nearest
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.fields import UNITS, Field, Role, field_at, field_in, fields_of
+from slopekit.design.fields import UNITS, Field, Role, changed, declare, field_at, field_in, fields_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.canonical import canonical_path
 from slopekit.design.reading.files import with_values
@@ -29,7 +29,7 @@ from slopekit.design.scatter.distributions import Distribution, Fisher, read_dis
 
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")
 _MOST_LISTED = 12
-_FISHER_K = Field("k", "ratio", 0.1, 1e6, role="scatter")
+_FISHER_K = declare("k", "ratio", 0.1, 1e6, role="scatter")
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,7 +230,7 @@ def _absent(design: Design) -> Iterator[_Absent]:
     yield "rock.unit_weight", weight, ()
     yield "rock.density", None if weight is None else weight / design.gravity_m_s2 * 1e3, ()
     for name, field in fields_of(type(design)).items():
-        value = getattr(design, field.taken or name) if field.is_attribute else None
+        value = getattr(design, field.texts.taken or name) if field.is_attribute else None
         if field.path == "loads.seismic":
             yield "loads.seismic.k", design.seismic.coefficient, ()
         elif field.path == "loads.surcharge":
@@ -304,8 +304,8 @@ def _field(design: Design, path: str, text: str = "") -> Field | None:
     unit = unit_of(text)
     if field is None or unit in ("", "%"):
         return field
-    other = next((other for other in field.or_measures if is_unit_of(unit, other)), None)
-    return field if other is None else replace(field, measures=other, most=math.inf)
+    other = next((other for other in field.shape.or_measures if is_unit_of(unit, other)), None)
+    return field if other is None else changed(field, measures=other, most=math.inf)
 
 
 def _root(design: Design) -> Node | None:
@@ -317,7 +317,7 @@ def _key(
 ) -> Key:
     assert field is not None
     low, high = field.sought
-    return Key(path, field.measures, value, low, high, field.role, field.whole, field.period, given, None, out)
+    return Key(path, field.measures, value, low, high, field.role, field.limits.whole, field.period, given, None, out)
 
 
 def _number(text: str, kind: str) -> float | None:
@@ -350,7 +350,7 @@ def _what(node: Node | None, below: Sequence[str]) -> str:
 def _as_number(design: Design, node: Node | None) -> str:
     """Return the advice for a text that stands where a number may: `50 %` or `full` where metres are meant too."""
     field = _field(design, node.path) if node is not None and node.text is not None else None
-    units = [UNITS[measure] for measure in (field.measures, *field.or_measures)] if field is not None else []
+    units = [UNITS[measure] for measure in (field.measures, *field.shape.or_measures)] if field is not None else []
     if not units or not all(units):
         return ""
     return f"Write it in {' or '.join(units)} in the design, then a study can change it."

@@ -16,7 +16,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, field_in
+from slopekit.design.fields import Field, declare, field_in
 from slopekit.design.scatter.distributions import Distribution, Variable
 
 #: The largest share that is left to a study, which counts such samples as impossible.
@@ -139,10 +139,10 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
     shares = []
     root = None if design.source is None else design.source.root
     for variable in design.variables:
-        own, limits = variable.distribution, field_in(type(design), root, variable.path) or Field(variable.path)
+        own, limits = variable.distribution, field_in(type(design), root, variable.path) or declare(variable.path)
         ends = (0.0, 0.0)
-        if isinstance(own, Distribution) and not limits.turns:
-            ends = tails(own, limits.least, limits.most)
+        if isinstance(own, Distribution) and not limits.limits.turns:
+            ends = tails(own, limits.limits.least, limits.limits.most)
         shares.append(Beyond(variable, limits, *ends))
     faults = [_fault(one) for one in shares if one.share > MOST_BEYOND]
     if faults:
@@ -155,8 +155,8 @@ def _fault(one: Beyond) -> Fault:
     assert isinstance(own, Distribution)
     ends, cures = [], []
     for key, side, share, limit in (
-        ("min", "below", one.below, one.limits.least),
-        ("max", "above", one.above, one.limits.most),
+        ("min", "below", one.below, one.limits.limits.least),
+        ("max", "above", one.above, one.limits.limits.most),
     ):
         if share > _NEVER:
             ends.append(f"{share * 100:.3g} % of {one.variable.path} lies {side} {number(limit)}")

@@ -8,46 +8,16 @@ from difflib import get_close_matches
 from importlib import import_module
 from numbers import Real
 from pathlib import Path
-from typing import Any
 
 from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-from slopekit.design.reading.nodes import cut
-from slopekit.views.charts.drawing import (
-    FORMATS,
-    FOS,
-    Damaged,
-    kept,
-    misfit,
-    need_of_drawing,
-    new_figure,
-    no_window,
-    plain_numbers,
-    save,
-)
+from slopekit.exchange.documents import Document
+from slopekit.views.charts.drawing import FORMATS, new_figure, plain_numbers, save
 from slopekit.views.charts.kinematic_charts import TESTS
 from slopekit.views.solid.scenes import SCENES
 
-Document = Mapping[str, Any]
 SCENE_FORMATS = (".png", ".glb", ".gltf")
-_MOST_BYTES = 1_000_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class PlotOptions:
-    """How to draw.
-
-    Attributes
-    ----------
-    show : a window in place of a file
-    test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
-    step : the mechanism of a scene, 1 the first
-    """
-
-    show: bool = False
-    test: str | None = None
-    step: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +28,7 @@ class Chart:
     ----------
     shows : what is seen; wants : which file has the data
     drawn_by : module and function of `views.charts`, of a figure and a document
-    given_by : whether a document has the data; what form they must have then the drawing says, see `needs`
+    given_by : whether a document has the data
     """
 
     shows: str
@@ -102,11 +72,11 @@ def _oriented(document: Document) -> bool:
     if document.get("study", "prob") != "prob" and document.get("kind") != "combos":
         return False  # other studies change their design
     try:
-        return orientations_of(kept(document)) is not None
-    except (Damaged, DesignError):
+        return orientations_of(document) is not None
+    except DesignError:
         return False
     except MISREAD as error:
-        if _damage(document, "stereonet", error):
+        if is_of_document(error):
             return False
         raise
 
@@ -138,11 +108,6 @@ CHARTS: Mapping[str, Chart] = {
     "backbreak": Chart(
         "how much of the crest is lost along the bench, by height and face angle",
         "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
-    ),
-    "face-angle": Chart(
-        "the face angle that is left along the bench, by height and face angle",
-        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_face_angle",
-        _of_benches,
     ),
     "reliability": Chart(
         "which heights and face angles keep their berm",
@@ -182,9 +147,6 @@ _OF_SURVEYS: Mapping[str, Chart] = {
         ("sets", "set_charts.draw_sets"),
     )
 }
-_SCENE: Mapping[str, Any] = {
-    "inputs": dict, "fos": FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
-}  # fmt: skip
 EVERY = (*SCENES, *CHARTS)
 
 
@@ -203,79 +165,49 @@ def offers(document: Document) -> dict[str, str]:
     return pictures | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
 
 
-def draw(
-    document: Document, what: str, path: Path | None, options: PlotOptions | None = None, name: str = "",
-    instead: Callable[[Path], Path | None] = lambda _: None,
-) -> None:  # fmt: skip
-    """Draw a picture of a document to a file, or in a window.
+def draw(document: Document, what: str, path: Path, *, test: str | None = None, step: int = 1, name: str = "") -> None:
+    """Draw a picture of a document to a file.
 
     Parameters
     ----------
     what : one of `EVERY`
-    path : None only with `options.show`
+    test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
+    step : the mechanism of a scene, 1 the first
     name : what the document is called, for messages
-    instead : of the file of a chart that was written, another to write the same chart to, which is not drawn again
 
     Raises
     ------
     DesignError
         E106 an option that is no number, E140 without the extra, E197 no such picture, E273 nothing to draw,
-        E340 the document is damaged, E141 not a format, E140 no window, E313 an option of other pictures, E129 not
-        writable. What goes wrong in drawing a whole document is ours, and goes through.
+        E340 the document is damaged, E141 not a format, E313 an option of other pictures, E129 not writable.
     """
-    options = options or PlotOptions()
-    named, name = bool(name), name or "the document"
-    check(document, what, path, options, name)
-    document = kept(document)
+    called = name or "the document"
+    check(document, what, path, called, test, step)
     try:
         if what in SCENES:
             from slopekit.views.solid import scenes
 
-            scenes.draw(document, what, path, show=options.show, step=options.step)
+            scenes.draw(document, what, path, step)
             return
-        figure = new_figure(path or name)
+        figure = new_figure(path)
         with plain_numbers(), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
             is_test = what == "stereonet" and _is_kinematic(document)
-            _chart(what, document).draw(figure, document, *((options.test,) if is_test else ()))
-            if path is not None and not options.show:
-                save(figure, path)
-                if (other := instead(path)) is not None:
-                    save(figure, other)
+            _chart(what, document).draw(figure, document, *((test,) if is_test else ()))
+            save(figure, path)
     except MISREAD as error:
-        said = _damage(document, what, error)
-        if not said:  # the document is whole: the fault is ours, and shall be seen
+        if not is_of_document(error):  # the fault is ours, and shall be seen
             raise
-        message = f"{name} cannot be drawn as {what} ({said})"
+        said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
+        message = f"{called} cannot be drawn as {what} ({said})"
         advice = "Was it changed, or written by an older slopekit? Make it again."
         raise DesignError([Fault("E340", message, "", advice)]) from error
     except DesignError as error:  # where it stands is the document
-        where = name if named else ""
-        faults = [Fault(fault.code, fault.message, fault.where or where, fault.advice) for fault in error.faults]
+        faults = [Fault(fault.code, fault.message, fault.where or name, fault.advice) for fault in error.faults]
         raise DesignError(faults) from error
-    if options.show:
-        _window(figure)
 
 
-def _damage(document: Document, what: str, error: Exception) -> str:
-    """What is wrong with a document that could not be drawn, "" where it has all that the picture needs."""
-
-    if isinstance(error, Damaged):
-        return str(error)
-    said = misfit(document, need_of(what, str(document.get("kind"))))
-    if not said and what in SCENES:
-        from slopekit.views.solid.stage import Stage
-
-        try:
-            Stage.of(document)
-        except MISREAD as reading:
-            if not is_of_document(reading):
-                return ""
-            return f"its scene: {type(reading).__name__}: {reading}"
-    return said
-
-
-def check(document: Document, what: str, path: Path | None, options: PlotOptions, name: str) -> None:
+def check(document: Document, what: str, path: Path, name: str, test: str | None = None, step: int = 1) -> None:
     """Refuse what cannot be drawn before anything is loaded: E106, E197, E273, E141, E313."""
     given = offers(document)
     can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."
@@ -291,150 +223,18 @@ def check(document: Document, what: str, path: Path | None, options: PlotOptions
             wants = "result.json of many blocks: bench, blocks, topple"
         raise DesignError([Fault("E273", f"{name} has no data for {what}", "", f"{can} {what} wants {wants}")])
     formats = SCENE_FORMATS if what in SCENES else FORMATS
-    if path is not None and not options.show and path.suffix.lower() not in formats:
+    if path.suffix.lower() not in formats:
         message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"
         raise DesignError([Fault("E141", message, str(path), f"Known: {', '.join(formats)}.")])
-    if not isinstance(options.step, Real) or not (math.isfinite(options.step) and options.step == int(options.step)):
-        raise DesignError([Fault("E106", f"--step is {options.step!r}, a whole number is needed", "--step")])
-    stereonet = ("--test",) if _is_kinematic(document) else ()
-    belong = scene.options if scene is not None else stereonet if what == "stereonet" else ()
-    used = {"--test": options.test is not None, "--step": options.step != 1}
-    for option, is_used in used.items():
-        if is_used and option not in belong:
-            whose = [word for word, one in SCENES.items() if option in one.options]
-            of = f" It is of {' and '.join(whose)}." if whose else ""
-            message = f"{option} says nothing of this {what}"
-            raise DesignError([Fault("E313", message, option, f"Leave it out.{of}")])
-    if options.test is not None and options.test not in TESTS:
+    if not isinstance(step, Real) or not (math.isfinite(step) and step == int(step)):
+        raise DesignError([Fault("E106", f"--step is {step!r}, a whole number is needed", "--step")])
+    alien = [
+        *(["--test"] if test is not None and not (what == "stereonet" and _is_kinematic(document)) else []),
+        *(["--step"] if step != 1 and what != "mechanism" else []),
+    ]
+    if alien:
+        message = f"{alien[0]} says nothing of this {what}"
+        raise DesignError([Fault("E313", message, alien[0], "--test is of kinematic stereonets, --step of mechanism.")])
+    if test is not None and test not in TESTS:
         advice = f"Known: {', '.join(TESTS)}."
-        raise DesignError([Fault("E313", f"{options.test} is not a test", f"--test {options.test}", advice)])
-
-
-def _window(figure: Any) -> None:
-    """Show a figure until its window is closed."""
-    import matplotlib.pyplot as plt
-
-    try:
-        shown = plt.figure()
-    except ImportError as error:  # a display, but no toolkit that draws on it
-        no_window(str(error))
-    if plt.get_backend().lower() == "agg":
-        plt.close(shown)
-        no_window("there is no display, or no toolkit for it (PyQt, Tk)")
-    shown.canvas.manager.canvas.figure = figure
-    figure.set_canvas(shown.canvas.manager.canvas)
-    plt.show()
-
-
-# -- documents --------------------------------------------------------------------------------------------------------
-
-
-def read_document(path: Path) -> Document:
-    """The JSON of a file.
-
-    Raises
-    ------
-    DesignError
-        E147 to E149 for the file, E340 no JSON of slopekit's.
-    """
-    import json
-
-    from slopekit.design.reading.on_disk import read_bytes
-
-    content = read_bytes(path, _MOST_BYTES)
-
-    def finite(text: str) -> float:
-        value = float(text)
-        if not math.isfinite(value):
-            raise ValueError(f"{text} is no number of JSON")
-        return value
-
-    try:
-        document = json.loads(content.decode("utf-8-sig"), parse_float=finite, parse_constant=finite)
-    except (ValueError, RecursionError) as error:  # UnicodeDecodeError among them
-        raise DesignError([_no_json(path, content, error)]) from None
-    return checked_document(document, path.name)
-
-
-def _no_json(path: Path, content: bytes, error: Exception) -> Fault:
-    """E340, with what the file is in place of JSON."""
-    text, ending = content.decode("utf-8-sig", "replace").strip(), path.suffix.lower()
-    said = f"{path.name} is not JSON: {error}"
-    advice = "slopekit run design.yaml -o DIR writes result.json; --json > file.json will do too."
-    if not text:
-        said = f"{path.name} is empty"
-    elif isinstance(error, UnicodeDecodeError):
-        said = f"{path.name} is not JSON: it is no text"
-    elif ending in (".yaml", ".yml"):
-        advice = f"It looks like a design: slopekit run {path} -o DIR writes result.json, which can be drawn."
-    elif text[0] in "{[":
-        pos, why = getattr(error, "pos", None), str(error)
-        if pos is not None and (pos >= len(text) or why.startswith("Unterminated string")):
-            said, advice = f"{path.name} ends in the middle: was it written to the end?", "Make it again."
-    elif ending == ".csv" or "," in text.split("\n", 1)[0]:
-        said = f"{path.name} is a table (CSV), not JSON"
-        advice = f"Give the JSON that was written beside it. {advice}"
-    return Fault("E340", said, str(path), advice)
-
-
-def document_file(path: Path) -> Path:
-    """The file that a path means: of a folder its result.json, or the only JSON of slopekit that it holds.
-
-    Raises
-    ------
-    DesignError
-        E148 where a folder holds none, or more than one.
-    """
-    try:
-        if not path.is_dir():
-            return path
-        if (path / "result.json").is_file():
-            return path / "result.json"
-        held = sorted(file for file in path.iterdir() if file.suffix.lower() == ".json" and file.is_file())
-        own = [file for file in held if b'"slopekit"' in _begin(file)]
-    except OSError as error:
-        message = f"{cut(str(path))} cannot be read: {(error.strerror or 'the system refuses').lower()}"
-        raise DesignError([Fault("E148", message, cut(str(path)))]) from None
-    if len(own) == 1:
-        return own[0]
-    names = [file.name for file in own or held]
-    more = f" and {len(names) - 6} more" if len(names) > 6 else ""
-    advice = f"It holds {', '.join(names[:6])}{more}." if names else "It holds no JSON."
-    raise DesignError([Fault("E148", f"{path} is a folder, a file is needed", str(path), advice)])
-
-
-def _begin(file: Path) -> bytes:
-    with file.open("rb") as opened:
-        return opened.read(4096)
-
-
-def checked_document(document: Any, name: str) -> Document:
-    """A document if slopekit has written it, else E340."""
-    if not isinstance(document, Mapping) or "slopekit" not in document:
-        message = f"{name} is not of slopekit: it has no key slopekit"
-        raise DesignError([Fault("E340", message, name, "Give a file that slopekit wrote with -o or --json.")])
-    if "errors" in document and "kind" not in document:
-        codes = [str(fault.get("code")) for fault in document["errors"] if isinstance(fault, Mapping)]
-        message = f"{name} holds the faults of a run that failed ({', '.join(codes)}), no result"
-        raise DesignError([Fault("E340", message, name, "Repair its input, and run it again.")])
-    if not isinstance(document.get("kind", ""), str) or ("version" in document and "kind" not in document):
-        raise DesignError([Fault("E340", f"{name} is no result of slopekit", name)])
-    return document
-
-
-def by_case(document: Document, case: str | None = None, name: str = "") -> dict[str, Document]:
-    """The documents of the load cases of a document by their names; {"": itself} without any, see `of_cases`."""
-    from slopekit.studies.cases import of_cases  # most documents have none
-
-    if document.get("study") != "cases" and case is None:
-        return {"": document}
-    return {
-        own: checked_document(below, f"{name}, case {own}") for own, below in of_cases(document, case, name).items()
-    }
-
-
-def need_of(what: str, kind: str = "") -> Mapping[str, Any]:
-    """The form of a document that can give a picture; of scenes what stands beside the scene."""
-    if what in SCENES:
-        return _SCENE
-    return need_of_drawing((_OF_SURVEYS[kind] if what == "stereonet" and kind in _OF_SURVEYS else CHARTS[what]).draw)
+        raise DesignError([Fault("E313", f"{test} is not a test", f"--test {test}", advice)])

@@ -4,8 +4,9 @@ Every value keeps its place, so that each fault names its line and column, whate
 """
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, TypeAlias
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
@@ -140,9 +141,11 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     """
     root = document.root
     kind = kind_named(_kind(root))
-    faults = check_structure(root, structure_of(kind.record, kind.record.REQUIRED), kind.name, _Others(kind.name))
+    faults = check_structure(
+        root, structure_of(kind.record, kind.record.REQUIRED), kind.name, partial(_others, kind.name)
+    )
     faults += _version(root)
-    wanted, partial = _partial(document, faults)
+    wanted, factors = _partial(document, faults)
     unsound = {fault.where for fault in faults}
     try:
         design: Design = kind.read(Reader(document, kind.record, faults, other_values))
@@ -150,10 +153,10 @@ def design_of(document: Document, other_values: bool = False) -> Design:
         # what the structure has said of a place is not said again by the reader
         faults += [fault for fault in error.faults if fault.where not in unsound]
         raise DesignError(dict.fromkeys(faults or error.faults)) from None
-    if wanted is not None and partial is not None:
+    if wanted is not None and factors is not None:
         from slopekit.design.partial_factors import factored
 
-        design = factored(design, kind, partial, str(wanted.place))
+        design = factored(design, kind, factors, str(wanted.place))
     return replace(design, source=document)
 
 
@@ -199,7 +202,7 @@ def with_values(design: Design, values: Mapping[str, object]) -> Design:
 def _with_unit(design: Design, path: str, value: object) -> object:
     root = None if design.source is None else design.source.root
     field = field_in(type(design), root, path) if isinstance(value, float) else None
-    return f"{value!r} deg" if field is not None and field.check is in_degrees else value
+    return f"{value!r} deg" if field is not None and field.refusal.check is in_degrees else value
 
 
 def _kind(root: Node) -> str:
@@ -224,18 +227,7 @@ def _version(root: Node) -> list[Fault]:
     return [Fault("E174", message, str(node.place), f"Write slopekit: {VERSION}.")]
 
 
-class _Others(Mapping[str, KeyGroup]):
-    """The structures of the other kinds, made only where a key does not fit."""
-
-    def __init__(self, kind: str) -> None:
-        self.kind = kind
-
-    def __getitem__(self, kind: str) -> KeyGroup:
-        record = record_of(kind)
-        return structure_of(record, record.REQUIRED)
-
-    def __iter__(self) -> Iterator[str]:
-        return (kind for kind in KINDS if kind != self.kind)
-
-    def __len__(self) -> int:
-        return len(KINDS) - 1
+def _others(kind: str) -> dict[str, KeyGroup]:
+    """The structures of the other kinds, asked for only where a key does not fit."""
+    records = {other: record_of(other) for other in KINDS if other != kind}
+    return {other: structure_of(record, record.REQUIRED) for other, record in records.items()}

@@ -154,7 +154,7 @@ class Reader:
         shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
         attributes = {}
         for name, field in fields_of(record).items():
-            if field.measures == "group" or field.of is not None or field.each or (wanted and name not in wanted):
+            if field.measures == "group" or field.of is not None or field.shape.each or (wanted and name not in wanted):
                 continue
             if not field.is_attribute or field.many == "names" or shared.get(name) is field:
                 continue
@@ -184,7 +184,7 @@ class Reader:
         if field.measures == "plane":
             return self.plane(node, owner or field.in_words)
         if field.measures == "line":
-            return self.kept(words.line_of_words, value, owner or field.in_words, field.code, str(node.place))
+            return self.kept(words.line_of_words, value, owner or field.in_words, field.refusal.code, str(node.place))
         if field.measures == "point":
             return self.kept(words.point, value, field.in_words, str(node.place))
         return self.word(field, node)
@@ -199,8 +199,8 @@ class Reader:
         written, name = node.text, name or field.in_words
         if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
             bare_number = float(written)  # most numbers of ten thousand blocks are this
-            if abs(bare_number) <= LARGEST and field.takes(bare_number) and field.check is None:
-                return int(bare_number) if field.whole else bare_number
+            if abs(bare_number) <= LARGEST and field.limits.takes(bare_number) and field.refusal.check is None:
+                return int(bare_number) if field.limits.whole else bare_number
         value = self.value(node)
         if value is None:
             return None
@@ -218,7 +218,7 @@ class Reader:
 
         found_one = self.kept(read)
         self._found[id(node)] = False if found_one is None else found_one
-        return int(found_one) if field.whole and found_one is not None else found_one
+        return int(found_one) if field.limits.whole and found_one is not None else found_one
 
     def plane(self, node: Node, name: str) -> Plane | None:
         """An orientation as a plane."""
@@ -234,7 +234,10 @@ class Reader:
         if written.lower() not in field.words:
             known = " or ".join(field.words)
             self.fault(
-                field.code, f"{field.in_words} is {written!r}, it is {known}", node, did_you_mean(written, field.words)
+                field.refusal.code,
+                f"{field.in_words} is {written!r}, it is {known}",
+                node,
+                did_you_mean(written, field.words),
             )
             return None
         return written.lower()
@@ -283,7 +286,7 @@ class Reader:
         return record(
             **given, left_out=tuple(self.left_out), read_as=tuple(self.read_as), defaults=tuple(self.defaults),
             variables=tuple(variables),
-            assumed=tuple(pair for variable in variables for pair in variable.assumed()), correlation=correlation,
+            correlation=correlation,
         )  # fmt: skip
 
     # -- what scatters together ---------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any, Literal, TypeAlias
@@ -78,7 +78,9 @@ class Anything:
     example: str = ""
 
 
-def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, KeyGroup] | None = None) -> list[Fault]:
+def check_structure(
+    root: Node, spec: KeyGroup, kind: str, others: Callable[[], Mapping[str, KeyGroup]] = dict
+) -> list[Fault]:
     """Every key of a design that is unknown, missing or of the wrong shape.
 
     Parameters
@@ -86,7 +88,7 @@ def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, 
     root : the whole design
     spec : what a design of this kind may have
     kind : its name, for the messages
-    others : the specs of the other kinds, to say where a key would belong
+    others : makes the specs of the other kinds, to say where a key would belong
 
     Returns
     -------
@@ -101,7 +103,7 @@ def check_structure(root: Node, spec: KeyGroup, kind: str, others: Mapping[str, 
          design: hieght = 5
          Did you mean height?
     """
-    checker = _Checker(spec, kind, others or {})
+    checker = _Checker(spec, kind, others)
     checker.check(root, spec)
     faults = list(dict.fromkeys(checker.faults))
     if len(checker.faults) >= _MOST_FAULTS:
@@ -131,7 +133,7 @@ _SOUND: Kept[Any] = Kept()
 
 
 class _Checker:
-    def __init__(self, spec: KeyGroup, kind: str, others: Mapping[str, KeyGroup]) -> None:
+    def __init__(self, spec: KeyGroup, kind: str, others: Callable[[], Mapping[str, KeyGroup]]) -> None:
         self.spec, self.kind, self.others = spec, kind, others
         self.faults: list[Fault] = []
         self.places: dict[str, list[str]] = {}
@@ -273,7 +275,7 @@ class _Checker:
         if places and not sure and not (near and len(key) == 1):  # one letter is more likely a slip than a law's a or b
             return f"{key} belongs under {' or '.join(places[:3])}." if all(places) else f"{key} belongs at the top."
         # the other kinds are loaded only here
-        if not (above.path or sure) and (kinds := [kind for kind, other in self.others.items() if key in other.keys]):
+        if not (above.path or sure) and (kinds := [kind for kind, other in self.others().items() if key in other.keys]):
             return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."
         if near:
             return f"Did you mean {near[0]}?"

@@ -10,7 +10,7 @@ from slopekit.core.orientation import number
 from slopekit.design.common import Pair
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.structure import ANGLES
-from slopekit.design.scatter.copula import EIGENVALUE_TOLERANCE, nearest_ranks, smallest_eigenvalue
+from slopekit.design.scatter.copula import EIGENVALUE_TOLERANCE, smallest_eigenvalue
 from slopekit.design.scatter.distributions import Fisher, Variable, number_of
 
 #: What a name stands for: a coordinate, or a whole orientation.
@@ -124,7 +124,7 @@ def _unknown_name(name: str, names: Mapping[str, Named], where: str) -> Fault:
 
 
 def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> Iterator[Fault]:
-    """E183 for each group of values whose coefficients cannot stand together, with the nearest that can.
+    """E183 for each group of values whose coefficients cannot stand together.
 
     Parameters
     ----------
@@ -134,49 +134,32 @@ def contradictions(pairs: Sequence[Pair], keys: Sequence[str], where: str) -> It
     >>> given = [("a", "b", 0.9), ("b", "c", 0.9), ("a", "c", -0.9)]
     >>> print(*contradictions(given, ["a/b", "b/c", "a/c"], ""))
     E183 the correlations of a, b, c contradict each other: their matrix has the eigenvalue -0.816, none may be negative
-         The nearest that can be: correlation: {a/b: 0.482, b/c: 0.482, a/c: -0.482}
+         Bring them nearer to 0. Pairs that are not given count as 0.
     """
-    for group in _groups(pairs):
-        names = list(dict.fromkeys(name for k in group for name in pairs[k][:2]))
-        place = {name: i for i, name in enumerate(names)}
-        at = [(place[pairs[k][0]], place[pairs[k][1]]) for k in group]
-        matrix, is_given = np.eye(len(names)), np.eye(len(names), dtype=bool)
-        for k, (i, j) in zip(group, at, strict=True):
-            matrix[i, j] = matrix[j, i] = pairs[k][2]
-            is_given[i, j] = is_given[j, i] = True
-        smallest = smallest_eigenvalue(matrix)
-        if smallest >= -EIGENVALUE_TOLERANCE:
-            continue
-        nearest = nearest_ranks(matrix, is_given)
-        coefficients = _as_written(
-            [(keys[k], pairs[k], float(nearest[i, j])) for k, (i, j) in zip(group, at, strict=True)]
-        )
-        shown = ", ".join(_written(names, pairs, keys))
-        message = f"the correlations of {shown} contradict each other: their matrix has the eigenvalue {smallest:.3g}"
-        message += ", none may be negative"
-        rest = "" if is_given.all() else " Pairs that are not given count as 0: give those too."
-        yield Fault("E183", message, where, f"The nearest that can be: correlation: {{{coefficients}}}{rest}")
+    from scipy.sparse.csgraph import connected_components
+
+    names = _names_as_written(pairs, keys)
+    place = {name: k for k, name in enumerate(names)}
+    ranks = np.eye(len(names))
+    for a, b, value in pairs:
+        ranks[place[a], place[b]] = ranks[place[b], place[a]] = value
+    count, group = connected_components(ranks != 0.0)
+    for members in (np.flatnonzero(group == k) for k in range(count)):
+        smallest = smallest_eigenvalue(ranks[np.ix_(members, members)])
+        if smallest < -EIGENVALUE_TOLERANCE:
+            shown = ", ".join(list(names.values())[k] for k in members)
+            message = f"the correlations of {shown} contradict each other: their matrix has the eigenvalue "
+            message += f"{smallest:.3g}, none may be negative"
+            yield Fault("E183", message, where, "Bring them nearer to 0. Pairs that are not given count as 0.")
 
 
-def _groups(pairs: Sequence[Pair]) -> list[list[int]]:
-    """The pairs that hang together, by their index."""
-    groups: list[tuple[set[str], list[int]]] = []
-    for k, (a, b, _) in enumerate(pairs):
-        joined: tuple[set[str], list[int]] = ({a, b}, [k])
-        for names, indices in [group for group in groups if {a, b} & group[0]]:
-            joined = (joined[0] | names, indices + joined[1])
-            groups.remove((names, indices))
-        groups.append(joined)
-    return [sorted(indices) for _, indices in groups]
-
-
-def _written(names: Sequence[str], pairs: Sequence[Pair], keys: Sequence[str]) -> list[str]:
-    """The names as the user wrote them; of an orientation written as a whole the angle too."""
+def _names_as_written(pairs: Sequence[Pair], keys: Sequence[str]) -> dict[str, str]:
+    """The coordinates as the user wrote them; of an orientation written as a whole the angle too."""
     spelled: dict[str, str] = {}
     for (a, b, _), key in zip(pairs, keys, strict=True):
         for coordinate, part in zip((a, b), key.split("/"), strict=True):
             spelled.setdefault(coordinate, _with_angle(part.strip(), coordinate))
-    return [spelled[name] for name in names]
+    return spelled
 
 
 def _with_angle(name: str, coordinate: str) -> str:
@@ -188,16 +171,3 @@ def _with_angle(name: str, coordinate: str) -> str:
     above, _, angle = coordinate.rpartition(".")
     is_whole = angle in sum(ANGLES.values(), ()) and name.rpartition(".")[2] == above.rpartition(".")[2]
     return f"{name}.{angle}" if is_whole else name
-
-
-def _as_written(coefficients: Sequence[tuple[str, Pair, float]]) -> str:
-    """Coefficients under the keys of the file; two orientations under their angles where these differ."""
-    values: dict[str, set[float]] = {}
-    for key, _, value in coefficients:
-        values.setdefault(key, set()).add(value)
-    entries = {}
-    for key, (a, b, _), value in coefficients:
-        one, other = (part.strip() for part in key.split("/"))
-        shown = key if len(values[key]) == 1 else f"{_with_angle(one, a)}/{_with_angle(other, b)}"
-        entries[shown] = number(value)
-    return ", ".join(f"{key}: {value}" for key, value in entries.items())

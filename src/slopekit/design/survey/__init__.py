@@ -4,6 +4,7 @@
 above the header, `reading` makes joints of the rows.
 """
 
-from slopekit.design.survey.reading import MeasuredJoint, Survey, read_frame, read_joints, read_joints_text
+from slopekit.design.survey.joint_list import JointList, MeasuredJoint
+from slopekit.design.survey.reading import read_frame, read_joints, read_joints_text
 
-__all__ = ["MeasuredJoint", "Survey", "read_frame", "read_joints", "read_joints_text"]
+__all__ = ["JointList", "MeasuredJoint", "read_frame", "read_joints", "read_joints_text"]

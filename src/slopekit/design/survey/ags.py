@@ -7,45 +7,30 @@ edition 4.1.1.
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from slopekit.core.degrees import decimal_degrees
 from slopekit.core.errors import DesignError, Fault
+from slopekit.design.survey.tables import SurveyTable, Text, text_or_grid
 from slopekit.design.survey.units_row import headings_with_units
 
 _DIP, _DIP_DIRECTION = "DISC_DIP", "DISC_DIR"
-_DESCRIPTORS = ("HEADING", "UNIT", "TYPE", "DATA")
+_DESCRIPTORS = ("GROUP", "HEADING", "UNIT", "TYPE")
 _GROUP_NAME = re.compile(r"[A-Z][A-Z0-9]{3}")
 _FLAT = re.compile(r"0+(\.0*)?")
 _FEW = 8  # lines that are listed one by one
 
 
-class AgsTable:
-    """The group DISC as a `SurveyTable`: the row of its headings with their units, then its data."""
+def table_of(name: str, content: bytes) -> SurveyTable:
+    """The table in a file, known by how its content begins.
 
-    noun, delimiter, comments = "line", ",", ()
-
-    def __init__(self, name: str, lines: Sequence[str]) -> None:
-        self.name, self.lines = name, lines
-        self.rows: list[int] = []
-        self.headings: list[str] = []
-        self.left_out: list[str] = []
-        self.read_as: list[str] = []
-        self.cells_by_row: dict[int, list[str]] = {}
-
-    def start(self, row: int, blanks: bool = False) -> None:
-        """There is always a comma between the cells."""
-
-    def cells(self, row: int) -> list[str]:
-        return self.cells_by_row[row]
-
-    def shown(self, row: int) -> str:
-        return self.lines[row - 1]
-
-    def add(self, row: int, cells: list[str]) -> None:
-        """Append a row below the others."""
-        self.rows.append(row)
-        self.cells_by_row[row] = cells
+    Raises
+    ------
+    DesignError
+        E140 a workbook without openpyxl, E159 neither a text nor a workbook, E191 AGS without discontinuities.
+    """
+    table = text_or_grid(name, content)
+    return ags_table(name, table.lines) if isinstance(table, Text) and is_ags(table.lines) else table
 
 
 def is_ags(lines: Sequence[str]) -> bool:
@@ -55,8 +40,8 @@ def is_ags(lines: Sequence[str]) -> bool:
     return begins and (first.startswith('"**') or _group_of(_cells(first)) is not None)
 
 
-def ags_table(name: str, lines: Sequence[str]) -> AgsTable:
-    """The rows of the group DISC of a file.
+def ags_table(name: str, lines: Sequence[str]) -> SurveyTable:
+    """The rows of the group DISC of a file: its headings with their units, then its data.
 
     Rows without a dip or a dip direction are left out and listed: in core that is not oriented none is measured. A row
     that has lost its word DATA is taken for data.
@@ -66,60 +51,57 @@ def ags_table(name: str, lines: Sequence[str]) -> AgsTable:
     DesignError
         E191 a file of AGS 3, no group DISC, two of them whose headings differ.
     """
-    table, groups, group, bare = AgsTable(name, lines), dict[str, int](), "", 0
+    groups: dict[str, dict[int, list[str]]] = {}
+    group: dict[int, list[str]] = {}
     for row, cells in _rows(lines):
         if cells[0].startswith("**"):
             _refuse(name, f"{name} is a file of AGS 3", row, "Save it as AGS 4.")
         named = _group_of(cells)
         if named is not None:
-            group = named
-            groups.setdefault(group, row)
-        elif group == "DISC":
-            bare += cells[0] not in _DESCRIPTORS
-            _add(table, row, cells)
-    if not table.rows:
+            group = groups.setdefault(named, {})
+        group[row] = cells
+    disc = groups.get("DISC", {})
+    heads = [row for row, cells in disc.items() if cells[0] == "HEADING"]
+    if not heads:
         advice = f"Discontinuities stand in its group DISC; this file has {', '.join(groups)}."
         _refuse(name, f"{name} has no column for dip and dip direction", 1, advice)
+    headings = disc[heads[0]][1:]
+    for row in heads:
+        if disc[row][1:] != headings:
+            _refuse(name, f"{name} has two groups DISC whose headings differ", row, "Leave one of them out.")
+    units = next((cells[1:] for cells in disc.values() if cells[0] == "UNIT"), [])
+    data = {
+        row: cells[1:] if cells[0] == "DATA" else cells
+        for row, cells in disc.items()
+        if row > heads[0] and cells[0] not in _DESCRIPTORS
+    }
+    unoriented = _unoriented(headings, data)
+    oriented = {row: cells for row, cells in data.items() if row not in unoriented}
     others = [other for other in groups if other != "DISC"]
-    table.left_out += [f"group{'s' if len(others) > 1 else ''} {', '.join(others)}"] if others else []
-    table.read_as += [f"{bare} rows of DISC without the word DATA are taken for data"] if bare else []
-    _leave_out_unoriented(table)
-    return table
+    left_out = [f"group{'s' if len(others) > 1 else ''} {', '.join(others)}"] if others else []
+    if unoriented:
+        shown = ", ".join(map(str, unoriented[:_FEW])) + (", ..." if len(unoriented) > _FEW else "")
+        many = "s" if len(unoriented) > 1 else ""
+        left_out.append(f"{len(unoriented)} row{many} without dip or dip direction (line{many} {shown})")
+    bare = sum(disc[row][0] != "DATA" for row in data)
+    read_as = [f"{bare} rows of DISC without the word DATA are taken for data"] if bare else []
+    with_units = headings_with_units(headings, units) or headings
+    return SurveyTable(name, {heads[0]: with_units} | oriented, lines, left_out, read_as)
 
 
-def _add(table: AgsTable, row: int, cells: list[str]) -> None:
-    """Add a row of DISC: its headings, which its units go into, and its data."""
-    kind = cells[0]
-    if kind == "HEADING" and not table.rows:
-        table.headings = cells[1:]
-        table.add(row, cells[1:])
-    elif kind == "HEADING" and cells[1:] != table.headings:
-        _refuse(table.name, f"{table.name} has two groups DISC whose headings differ", row, "Leave one of them out.")
-    elif kind == "UNIT" and len(table.rows) == 1:
-        table.cells_by_row[table.rows[0]] = headings_with_units(table.headings, cells[1:]) or table.headings
-    elif table.rows and kind not in ("HEADING", "UNIT", "TYPE"):
-        table.add(row, cells[1:] if kind == "DATA" else cells)
-
-
-def _leave_out_unoriented(table: AgsTable) -> None:
-    """Take out rows without an orientation; a flat joint has none to say but its dip."""
-    headings = table.headings
+def _unoriented(headings: Sequence[str], data: Mapping[int, list[str]]) -> list[int]:
+    """The rows without an orientation; a flat joint, which has none to say but its dip, gets the direction 0."""
     if _DIP not in headings or _DIP_DIRECTION not in headings:
-        return
+        return []
     dip, direction = headings.index(_DIP), headings.index(_DIP_DIRECTION)
-    unoriented: dict[int, None] = {}
-    for row in table.rows[1:]:
-        cells = table.cells(row)
+    unoriented = []
+    for row, cells in data.items():
         cells += [""] * (len(headings) - len(cells))
         if not cells[direction] and _FLAT.fullmatch(cells[dip]):
             cells[direction] = "0"
         elif not cells[dip] or not cells[direction]:
-            unoriented[row] = None
-    table.rows = [row for row in table.rows if row not in unoriented]
-    if unoriented:
-        lines = ", ".join(map(str, list(unoriented)[:_FEW])) + (", ..." if len(unoriented) > _FEW else "")
-        many = "s" if len(unoriented) > 1 else ""
-        table.left_out.append(f"{len(unoriented)} row{many} without dip or dip direction (line{many} {lines})")
+            unoriented.append(row)
+    return unoriented
 
 
 def _rows(lines: Sequence[str]) -> Iterator[tuple[int, list[str]]]:

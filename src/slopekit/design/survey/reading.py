@@ -4,7 +4,6 @@ import os
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal
@@ -18,10 +17,10 @@ from slopekit.core.orientation import (
     plane_by_side,
     plane_without_side,
 )
-from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.reading.nodes import fail
 from slopekit.design.reading.on_disk import read_bytes
+from slopekit.design.survey.ags import table_of
 from slopekit.design.survey.bad_rows import BadRow, grouped_faults, skipped_rows
 from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVertical, beyond_vertical
 from slopekit.design.survey.columns import (
@@ -43,11 +42,12 @@ from slopekit.design.survey.columns import (
     spelled,
     way_of,
 )
+from slopekit.design.survey.joint_list import JointList, MeasuredJoint
 from slopekit.design.survey.ordering import columns_advice, named_in_order, swapped_columns
 from slopekit.design.survey.oriented_core import CoreLog, core_columns
 from slopekit.design.survey.planes import DIP_FIRST, PlaneReader, dip_and_azimuth, is_horizontal
 from slopekit.design.survey.preamble import Preamble, preamble_of
-from slopekit.design.survey.tables import SurveyTable, frame_table, table_of
+from slopekit.design.survey.tables import SurveyTable, frame_table
 from slopekit.design.survey.units_row import headings_with_units
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
@@ -61,41 +61,6 @@ _FEW = 4  # columns that are listed one by one
 _NAME_THE_COLUMNS = "Name the columns in the first line: name,dip,dip_direction."
 
 
-@dataclass(frozen=True, slots=True)
-class MeasuredJoint:
-    """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
-
-    quantity : how many like it were measured, or its weight against the bias of a scanline
-    spacing_m, position_m, trace_m : to the next of its set, along the scanline, of its trace, where they were asked for
-    ends : of its trace that were seen, 0 to 2
-    """
-
-    name: str
-    plane: Plane
-    line: int
-    cohesion_kpa: float | None = None
-    friction_angle_deg: float | None = None
-    set_name: str = ""
-    quantity: float = 1.0
-    spacing_m: float | None = None
-    position_m: float | None = None
-    trace_m: float | None = None
-    ends: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Survey:
-    """The joints of a list, in words what of it was left out, and what was read in another way than it stands there.
-
-    shared_names : that stand more than once in the list, so that they name no joint
-    """
-
-    joints: tuple[MeasuredJoint, ...]
-    left_out: tuple[str, ...] = field(default=())
-    read_as: tuple[str, ...] = field(default=())
-    shared_names: frozenset[str] = field(default=frozenset())
-
-
 def read_joints(
     path: str | os.PathLike[str],
     convention: str | None = None,
@@ -103,7 +68,7 @@ def read_joints(
     option: str = "convention:",
     sizes: bool = False,
     columns: str | Sequence[str] | None = None,
-) -> Survey:
+) -> JointList:
     """Read a joint list.
 
     Comma, semicolon, tab or blanks between the columns; decimal commas with all but the comma, or in quotes; lines that
@@ -137,7 +102,7 @@ def read_joints(
 
 def read_joints_text(
     name: str, text: str, skip_bad: bool = False, columns: str | Sequence[str] | None = None
-) -> Survey:
+) -> JointList:
     """Read the text of a joint list as `read_joints` reads a file of that name."""
     return _Reader(table_of(name, text.encode()), None, skip_bad, "--convention", False, columns).survey()
 
@@ -149,7 +114,7 @@ def read_frame(
     option: str = "convention =",
     sizes: bool = False,
     columns: str | Sequence[str] | None = None,
-) -> Survey:
+) -> JointList:
     """Read a frame of pandas or polars as `read_joints` reads a file; its columns are named likewise."""
     return _Reader(frame_table(frame), convention, skip_bad, option, sizes, columns).survey()
 
@@ -185,7 +150,7 @@ class _Reader:
         self.next_number: dict[str, int] = {}
         self.repeated = self.rows_read = 0
 
-    def survey(self) -> Survey:
+    def survey(self) -> JointList:
         if self.given is not None:
             self.convention = checked_convention(self.given, self.name)
         if not self.table.rows:
@@ -218,7 +183,7 @@ class _Reader:
             names, them = ("names that stand", "them") if many else ("name that stands", "it")
             self.read_as.append(f"{self.repeated} {names} more than once got a number behind {them}")
         shared = frozenset(name for name, times in self.shared_names.items() if times > 1)
-        return Survey(tuple(joints), tuple(self.left_out), tuple(self.read_as), shared)
+        return JointList(self.name, tuple(joints), tuple(self.left_out), tuple(self.read_as), shared)
 
     def bad_rows(self, bad: Sequence[BadRow], names: Sequence[str], good: int, beyond: BeyondVertical) -> None:
         """Leave bad rows out where that is allowed and they are few; else keep their faults, by kind."""
@@ -516,7 +481,6 @@ class _Reader:
         if alike and "set" not in self.columns and 2 * alike > self.shared_names.total():
             self.columns["set"] = self.columns.pop("name")
             self.read_as.append(f"column {column.heading} is taken as the set: its names stand more than once")
-        self.may_repeat = alike > 0
 
     def along_holes(self, rows: list[int]) -> list[int]:
         """The rows of joints, without survey stations; depths in several holes are no positions along one line."""

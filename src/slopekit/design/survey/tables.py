@@ -6,14 +6,13 @@ import warnings
 from bisect import bisect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import BytesIO
-from typing import Any, Protocol
+from typing import Any
 from zipfile import BadZipFile
 from zlib import error as ZlibError
 
 from slopekit.core.degrees import decimal_degrees
 from slopekit.core.orientation import number
 from slopekit.design.reading.nodes import fail
-from slopekit.design.survey.ags import ags_table, is_ags
 from slopekit.design.survey.columns import key_of, size_of, way_of
 
 _LONGEST = 3  # words of a name: dip direction (deg) counts two
@@ -65,8 +64,8 @@ _COMMENTS = ("#", "*")
 _BLANKS = re.compile(r"\s{2,}|\t")
 
 
-class SurveyTable(Protocol):
-    """Rows by their number.
+class SurveyTable:
+    """Rows of cells by their number: of a workbook, a frame, AGS; `Text` finds its cells itself.
 
     Attributes
     ----------
@@ -76,42 +75,40 @@ class SurveyTable(Protocol):
     read_as : what is read in another way than it stands there
     """
 
-    @property
-    def name(self) -> str: ...
-    @property
-    def noun(self) -> str: ...
-    @property
-    def rows(self) -> Sequence[int]: ...
-    @property
-    def comments(self) -> Sequence[int]: ...
-    @property
-    def delimiter(self) -> str: ...
-    @property
-    def left_out(self) -> Sequence[str]: ...
-    @property
-    def read_as(self) -> Sequence[str]: ...
+    noun, delimiter = "line", ","
+
+    def __init__(
+        self, name: str, by_row: Mapping[int, list[str]], lines: Sequence[str] = (),
+        left_out: Sequence[str] = (), read_as: Sequence[str] = (),
+    ) -> None:  # fmt: skip
+        self.name, self.by_row, self.lines, self.left_out, self.read_as = name, by_row, lines, left_out, read_as
+        self.rows = [row for row, cells in by_row.items() if not _begin(cells).startswith(_COMMENTS)]
+        self.comments = [row for row in by_row if not self.rows or row < self.rows[0]]
 
     def start(self, row: int, blanks: bool = False) -> None:
         """Take a row for the first: it says what stands between the cells; `blanks` : a single blank may."""
 
     def cells(self, row: int) -> list[str]:
         """The cells of a row, stripped."""
+        return self.by_row[row]
 
     def shown(self, row: int) -> str:
         """The row as the user has it."""
+        return self.lines[row - 1] if self.lines else "; ".join(self.cells(row)).rstrip("; ")
 
 
-class Text:
+def _begin(cells: Sequence[str]) -> str:
+    return next((cell for cell in cells if cell), "")
+
+
+class Text(SurveyTable):
     """Lines with a semicolon, a tab, a comma or blanks between the cells; # and * begin comments."""
 
-    noun, left_out, read_as = "line", (), ()
-
     def __init__(self, name: str, content: bytes) -> None:
-        self.name, self.delimiter, self.width = name, ",", 0
+        lines = re.split(r"\r\n|\n|\r", _decoded(content, name))
+        super().__init__(name, {k: [line.lstrip()] for k, line in enumerate(lines, 1) if line.strip()}, lines)
+        self.width = 0
         self.headings: dict[int, list[str]] = {}  # of a header whose columns are separated by single blanks
-        self.lines = re.split(r"\r\n|\n|\r", _decoded(content, name))
-        filled = [k for k, line in enumerate(self.lines, 1) if line.strip()]
-        self.rows, self.comments = _rows_and_comments(filled, lambda k: self.lines[k - 1].lstrip())
 
     def start(self, row: int, blanks: bool = False) -> None:
         text = decimal_degrees(self.lines[row - 1])
@@ -141,48 +138,27 @@ class Text:
             fields = text.split(self.delimiter)
         return [decimal_degrees(cell.strip()) for cell in fields]
 
-    def shown(self, row: int) -> str:
-        return self.lines[row - 1]
 
-
-class Grid:
+class Grid(SurveyTable):
     """Rows of values: of a sheet of a workbook, or of a frame, whose columns' names are its row 0."""
 
-    noun, delimiter, read_as = "row", "\t", ()
+    noun, delimiter = "row", "\t"
 
     def __init__(self, name: str, values: Iterable[Sequence[Any]], first: int, left_out: Sequence[str] = ()) -> None:
-        self.name, self.left_out, self.first = name, left_out, first
-        self.values = [[_text(value) for value in row] for row in values]
-        filled = [k for k, row in enumerate(self.values, first) if any(row)]
-        self.rows, self.comments = _rows_and_comments(filled, lambda k: next(cell for cell in self.cells(k) if cell))
-
-    def start(self, row: int, blanks: bool = False) -> None:
-        """There is nothing between cells that are values."""
-
-    def cells(self, row: int) -> list[str]:
-        return self.values[row - self.first]
-
-    def shown(self, row: int) -> str:
-        return "; ".join(self.cells(row)).rstrip("; ")
+        texts = ([_text(value) for value in row] for row in values)
+        super().__init__(name, {k: row for k, row in enumerate(texts, first) if any(row)}, (), left_out)
 
 
-def _rows_and_comments(filled: Sequence[int], begins: Callable[[int], str]) -> tuple[list[int], list[int]]:
-    """The rows that are no comments, and the comments above the first of them."""
-    rows = [k for k in filled if not begins(k).startswith(_COMMENTS)]
-    return rows, [k for k in filled if not rows or k < rows[0]]
-
-
-def table_of(name: str, content: bytes) -> SurveyTable:
+def text_or_grid(name: str, content: bytes) -> SurveyTable:
     """The table in a file, known by how its content begins.
 
     Raises
     ------
     DesignError
-        E140 a workbook without openpyxl, E159 neither a text nor a workbook, E191 AGS without discontinuities.
+        E140 a workbook without openpyxl, E159 neither a text nor a workbook.
     """
     made: Callable[[str, bytes], SurveyTable] = Text
-    table = next((read for mark, read in _KNOWN_BY.items() if content.startswith(mark)), made)(name, content)
-    return ags_table(name, table.lines) if isinstance(table, Text) and is_ags(table.lines) else table
+    return next((read for mark, read in _KNOWN_BY.items() if content.startswith(mark)), made)(name, content)
 
 
 def frame_table(frame: Any) -> SurveyTable:

@@ -8,7 +8,7 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design import words
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, count, fields_of, group
+from slopekit.design.fields import Field, count, declare, fields_of, group
 from slopekit.design.fields import number as number_field
 from slopekit.design.ground_water import TABLE, TablePlane, ground_in_words, pond, table_plane, table_points
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
@@ -23,14 +23,14 @@ _MOST_NAMED = 6  # surcharges that the sheet prints
 _SECTION_TRENDS = (90.0, 270.0)
 _TREND_TOLERANCE = 1e-6
 _OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of toward: 270/00
-_PRESSURE = Field("pressures", "pressure", 0.0, code="E118")
+_PRESSURE = declare("pressures", "pressure", 0.0, code="E118")
 
 
 def water_by(*pressures: Field) -> Any:
     """Water of blocks, by its pressures; mode and fill are known so that the reader can say why they are not taken."""
     also = (
-        Field("mode", "text", example="dry", is_refused=True),
-        Field("fill", "ratio", 0.0, 1.0, is_refused=True),
+        declare("mode", "text", example="dry", is_refused=True),
+        declare("fill", "ratio", 0.0, 1.0, is_refused=True),
         *pressures,
     )
     keys = type("WaterOfBlocks", (_Keys,), {"ALSO": also})

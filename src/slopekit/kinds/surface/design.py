@@ -8,7 +8,7 @@ from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, fields_of, group, number, text
+from slopekit.design.fields import Field, declare, fields_of, group, number, text
 from slopekit.design.ground_water import (
     TABLE,
     TablePlane,
@@ -42,7 +42,7 @@ class Slip:
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field(
+        declare(
             "radius",
             "length",
             0.0,
@@ -52,7 +52,7 @@ class Slip:
             left_out="required by sphere, cylinder",
             doc="of a sphere or a cylinder",
         ),
-        Field(
+        declare(
             "length",
             "length",
             0.0,

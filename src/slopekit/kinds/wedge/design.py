@@ -14,6 +14,7 @@ from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.fields import (
     Field,
+    declare,
     fields_of,
     group,
     more_than_nothing,
@@ -34,7 +35,7 @@ from slopekit.design.sections import given_water, read_common, read_strength, re
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
-_DEPTH_OF_WATER = Field("water", "length", 0.0, code="E118", label="water in the crack")
+_DEPTH_OF_WATER = declare("water", "length", 0.0, code="E118", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
@@ -46,7 +47,7 @@ class Crack:
     """A tension crack: its plane, and its distance from the crest along the trace of plane 1 (m)."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field(
+        declare(
             "water",
             "ratio",
             0.0,
@@ -70,7 +71,7 @@ class Basal:
     """A third joint under the wedge: its plane, and its height (m) on the trace of J1 over the toe."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("strength", "text", left_out="the only one", doc="a name under strength"),
+        declare("strength", "text", left_out="the only one", doc="a name under strength"),
     )
 
     plane: Plane = orientation("plane", label="the basal joint", axis="the basal joint", example="20/180")
@@ -268,13 +269,13 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
     elif not node.is_mapping:
         message = f"basal is {node.text}, it is a group of keys"
         reader.fault("E447", message, node, "Write basal: {plane: 20/180, height: 5 m}.")
-        return None, [GivenJoint("basal", None, None, node, {})]
+        return None, [GivenJoint("basal", None, None, node)]
     own = reader.fields(Basal, node)
     for key in ("plane", "height"):
         given = node.get(key)
         if given is None or given.value is None:
             reader.fault("E447", f"basal.{key} is missing", node, "Write basal: {plane: 20/180, height: 5 m}.")
-    joint = GivenJoint("basal", own["plane"], node.get("strength"), node, {})
+    joint = GivenJoint("basal", own["plane"], node.get("strength"), node)
     return (None if None in own.values() else Basal(**own)), [joint]
 
 

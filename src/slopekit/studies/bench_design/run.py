@@ -169,8 +169,8 @@ class BenchDesigns(StudyOutcome):
 
     @property
     def charts(self) -> tuple[str, ...]:
-        """Cumulative curves of backbreak and of the face that is left, and the table of reliability."""
-        return ("reliability", "backbreak", "face-angle")
+        """Cumulative curves of backbreak, and the table of reliability."""
+        return ("reliability", "backbreak")
 
     def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""

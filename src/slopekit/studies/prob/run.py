@@ -550,9 +550,10 @@ def _impossible(design: Design, samples: Samples) -> Bools:
     impossible = np.zeros(len(samples.values), dtype=bool)
     root = None if design.source is None else design.source.root
     for column, path in enumerate(samples.names):
-        limits = field_in(type(design), root, path)
-        if limits is not None and not limits.turns:
-            impossible |= (samples.values[:, column] < limits.least) | (samples.values[:, column] > limits.most)
+        field = field_in(type(design), root, path)
+        if field is not None and not field.limits.turns:
+            drawn = samples.values[:, column]
+            impossible |= (drawn < field.limits.least) | (drawn > field.limits.most)
     return impossible
 
 

@@ -154,7 +154,7 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
         return None
     keys = [key for variable in design.variables for key in variable.columns]
     before = as_laid_out(design)
-    sizes = [key for key in keys if (field := field_at(type(design), key)) is not None and field.coordinates]
+    sizes = [key for key in keys if (field := field_at(type(design), key)) is not None and field.shape.coordinates]
     made = Vectorised(on_arrays, with_values(design, dict.fromkeys(sizes, 1.0)), keys, before)  # sizes are multiplied
     rows, read = [], []
     for row in dict.fromkeys([*range(min(_PROBES, len(values))), *values.argmin(axis=0), *values.argmax(axis=0)]):

@@ -1,4 +1,4 @@
-"""The charts of a study of benches (matplotlib), from its JSON: backbreak, the face left, reliability. Need `plot`."""
+"""The charts of a study of benches (matplotlib), from its JSON: backbreak, reliability. Need `plot`."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,42 +6,22 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.orientation import number
-from slopekit.views.charts.drawing import GREY, NUMBER, RED, TEXT, finish, needs, short
+from slopekit.views.charts.drawing import GREY, RED, finish, short
 
 Document = Mapping[str, Any]
 _MOST_CURVES = 24
 _STYLES = ("-", "--", ":", "-.")
-_BENCHES = {
-    "benches": [{
-        "height_m": float, "face_dip_deg": float, "backbreak_curve_m": [float], "effective_face_curve_deg": [float],
-        "berm_needed_m": float,
-        "reliability": [{"berm_m": float, "inter_ramp_deg": float, "reliability": {"probability": NUMBER}}],
-    }],
-    "inputs": {"reliability": float, "berms_m": ([float], None), "dip_direction_deg": float},
-    "survey": {"name": TEXT, "joints": float}, "input_sha256": str,
-}  # fmt: skip
 
 
-@needs(_BENCHES)
 def draw_backbreak(figure: Any, document: Document) -> None:
     """Backbreak against the share of the length that loses no more, a curve for each bench."""
-    axes = _curves(figure, document, "backbreak_curve_m")
+    axes = _curves(figure, document)
     axes.set_xlabel("backbreak: crest lost, m")
     axes.set_ylabel("length of bench that loses no more, %")
     _wanted(axes, document)
     finish(figure, axes, f"{_title(document)}\nbackbreak along the bench", columns=4, size=10.0)
 
 
-@needs(_BENCHES)
-def draw_face_angle(figure: Any, document: Document) -> None:
-    """The angle of the face that is left against the share of the length that is no steeper, a curve for each bench."""
-    axes = _curves(figure, document, "effective_face_curve_deg", falling=True)
-    axes.set_xlabel("effective face angle: toe to the crest that is left, degrees")
-    axes.set_ylabel("length of bench that is no steeper, %")
-    finish(figure, axes, f"{_title(document)}\neffective face angle", columns=4, size=10.0)
-
-
-@needs(_BENCHES)
 def draw_reliability(figure: Any, document: Document) -> None:
     """Height against face angle, a cell for each bench, coloured by reliability; a panel for each berm."""
     from matplotlib.colors import LinearSegmentedColormap
@@ -91,7 +71,7 @@ def _frame(column: int, row: int) -> Any:
     return Rectangle((column - 0.47, row - 0.47), 0.94, 0.94, fill=False, edgecolor="black", linewidth=1.8)
 
 
-def _curves(figure: Any, document: Document, key: str, falling: bool = False) -> Any:
+def _curves(figure: Any, document: Document) -> Any:
     """A curve for each bench: colour by face angle, line style by height."""
     from matplotlib import colormaps
 
@@ -102,20 +82,17 @@ def _curves(figure: Any, document: Document, key: str, falling: bool = False) ->
     dips = sorted({bench["face_dip_deg"] for bench in benches})
     shades = colormaps["viridis"](np.linspace(0.0, 0.88, len(dips)))
     for bench in benches:
-        values = np.array(bench[key], dtype=float)
+        values = np.array(bench["backbreak_curve_m"], dtype=float)
         share = np.linspace(0.0, 100.0, len(values))
-        if falling:
-            values, share = values[::-1], 100.0 - share[::-1]
         labelled = len(benches) <= _MOST_CURVES
         axes.step(
-            values, share, where="post" if not falling else "pre", linewidth=1.6,
+            values, share, where="post", linewidth=1.6,
             color=shades[dips.index(bench["face_dip_deg"])],
             linestyle=_STYLES[heights.index(bench["height_m"]) % len(_STYLES)],
             label=f"{number(bench['height_m'])} m, {number(bench['face_dip_deg'])}°" if labelled else None,
         )  # fmt: skip
     axes.set_ylim(0.0, 101.0)
-    if not falling:
-        axes.set_xlim(left=0.0)
+    axes.set_xlim(left=0.0)
     return axes
 
 

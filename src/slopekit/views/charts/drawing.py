@@ -1,11 +1,11 @@
 """What all charts share (matplotlib): figures, colours, names in short, files. Needs the extra `plot`."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NoReturn
 
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.whole_files import whole_file
@@ -64,11 +64,6 @@ def save(figure: Any, path: Path) -> None:
     stamps = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
     with writing(path), mpl.rc_context({"svg.hashsalt": "slopekit"}), whole_file(path) as file:
         figure.savefig(file) if stamps is None else figure.savefig(file, metadata=stamps)
-
-
-def no_window(why: str) -> NoReturn:
-    """Raise E140: there is nowhere to show a picture, and why."""
-    raise DesignError([Fault("E140", f"no window can be opened: {why}", "--show", "Write a file: -o out.png.")])
 
 
 def nothing(why: str) -> NoReturn:
@@ -142,95 +137,3 @@ def stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[flo
         elif runs[-1]:
             runs.append([])
     return [run for run in runs if run]
-
-
-# -- documents that were changed --------------------------------------------------------------------------------------
-
-
-class Damaged(KeyError):
-    """A document lacks what a picture needs of it; no other KeyError is the document's."""
-
-    def __str__(self) -> str:
-        return str(self.args[0])
-
-
-class _Kept(dict[str, Any]):
-    """A mapping of a document, whose missing keys are told from those of our own."""
-
-    def __missing__(self, key: str) -> NoReturn:
-        raise Damaged(f"lacks {key!r}")
-
-
-def kept(document: Any) -> Any:
-    """A document whose missing keys raise `Damaged`; lists of numbers stay as they are.
-
-    >>> kept({"fos": {"limit": 1.5}})["fos"]["closed_form"]
-    Traceback (most recent call last):
-    slopekit.views.charts.drawing.Damaged: lacks 'closed_form'
-    """
-    if isinstance(document, Mapping):
-        return _Kept({key: kept(value) for key, value in document.items()})
-    if isinstance(document, list | tuple) and any(map(_holds_mappings, document[:8])):
-        return [kept(part) for part in document]
-    return document
-
-
-def _holds_mappings(part: Any) -> bool:
-    """Whether there may be mappings in it; rows of numbers, of which a scene has millions, are left alone."""
-    if isinstance(part, Mapping):
-        return True
-    return isinstance(part, list | tuple) and any(isinstance(inner, Mapping | list | tuple) for inner in part)
-
-
-#: Forms that many pictures need: a number, a text, or nothing; factors of safety.
-NUMBER, TEXT = (float, None), (str, None)
-FOS = {"limit": NUMBER, "closed_form": NUMBER, "static_bound": NUMBER, "all_pairs_failed": NUMBER}
-Function = TypeVar("Function", bound=Callable[..., None])
-
-
-def needs(form: Mapping[str, Any]) -> Callable[[Function], Function]:
-    """Say of a function that draws a document of which form that must be, see `misfit`."""
-
-    def said(function: Function) -> Function:
-        vars(function)["need"] = form
-        return function
-
-    return said
-
-
-def need_of_drawing(function: Callable[..., None]) -> Mapping[str, Any]:
-    """The form that a function says its document must have."""
-    need: Mapping[str, Any] = vars(function)["need"]
-    return need
-
-
-def misfit(value: Any, need: Any, where: str = "") -> str:
-    """Where a value is not of the form that is needed, and "" where it is.
-
-    Forms are types (with None for what may be null), lists of one form, and mappings of forms; what is missing in a
-    mapping may be, `kept` finds it where it is read.
-
-    >>> misfit({"keys": [{"values": 3}]}, {"keys": [{"values": [float]}]})
-    'keys[0].values is 3'
-    """
-    if isinstance(need, tuple):
-        return "" if any(not misfit(value, one, where) for one in need) else _odd(value, where)
-    if need is None:
-        return "" if value is None else _odd(value, where)
-    if isinstance(need, Mapping):
-        if not isinstance(value, Mapping):
-            return _odd(value, where)
-        parts = [(value[key], form, f"{where}.{key}".lstrip(".")) for key, form in need.items() if key in value]
-    elif isinstance(need, list):
-        if not isinstance(value, list | tuple):
-            return _odd(value, where)
-        parts = [(part, need[0], f"{where}[{k}]") for k, part in enumerate(value)]
-    else:
-        number = need is float and isinstance(value, float | int) and not isinstance(value, bool)
-        return "" if number or (need is not float and isinstance(value, need)) else _odd(value, where)
-    return next((said for part, form, at in parts if (said := misfit(part, form, at))), "")
-
-
-def _odd(value: Any, where: str) -> str:
-    shown = "null" if value is None else repr(value)
-    return f"{where or 'it'} is {shown if len(shown) < 40 else type(value).__name__}"

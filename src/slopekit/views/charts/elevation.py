@@ -17,7 +17,7 @@ from slopekit.kinds.sheets.bolts import (
     schedule,
     without_head,
 )
-from slopekit.views.charts.drawing import DARK, NUMBER, TEXT, finish, needs, nothing, short, title_of
+from slopekit.views.charts.drawing import DARK, finish, nothing, short, title_of
 from slopekit.views.solid.layers import (
     ACTIVE_BOLT,
     BLOCK,
@@ -48,17 +48,8 @@ class _FlatPiece:
     share: float = 1.0
 
 
-@needs({
-    "inputs": {
-        "bolts": [{
-            "force_kn": float, "toward": {"trend_deg": float, "plunge_deg": float}, "acts": str,
-            "head_m": ([float], None), "length_m": NUMBER, "block": TEXT,
-        }],
-        "face": TEXT, "upper": TEXT,
-    },
-})  # fmt: skip
 def draw_elevation(figure: Any, document: Any) -> None:
-    """The face with the heads of the bolts; numbers where there is room, those at the ends of rows first.
+    """The face with the heads of the bolts; numbers where there is room.
 
     Raises
     ------
@@ -99,7 +90,7 @@ def draw_elevation(figure: Any, document: Any) -> None:
     for name, colour in _blocks(stage, faces):
         axes.fill([], [], facecolor=_rgb(colour), edgecolor=DARK, linewidth=0.6, label=short(name))
     finish(figure, axes, "\n".join([title_of(document), head, *(said for said in notes if said)]), 2, 10.5)
-    left = _number(figure, axes, heads, bolts.number, _ends_first(heads, rows))
+    left = _number(figure, axes, heads, bolts.number, np.lexsort((heads[:, 0], rows)).tolist())
     if left:
         said = f"{count - left} of {count} numbers are written: for more there is no room, {FILE} has all"
         axes.annotate(said, (1.0, 0.0), xycoords="axes fraction", xytext=(-4, 4), textcoords="offset points",
@@ -210,14 +201,6 @@ def _in_words(bolts: Sequence[ScheduledBolt], acts: str) -> str:
     ways = {one.toward for one in bolts}
     parts.append(f"toward {next(iter(ways))}" if len(ways) == 1 else f"{len(ways)} directions")
     return ", ".join(parts)
-
-
-def _ends_first(heads: Floats, rows: Ints) -> list[int]:
-    """The heads, those at the ends of rows first, from the lowest row up."""
-    order = np.lexsort((heads[:, 0], rows))
-    last = np.append(np.diff(rows[order]) != 0, True)
-    first = np.append(True, np.diff(rows[order]) != 0)
-    return [*order[first | last].tolist(), *order[~(first | last)].tolist()]
 
 
 def _number(figure: Any, axes: Any, heads: Floats, numbers: Ints, order: Sequence[int]) -> int:

@@ -23,7 +23,7 @@ from slopekit.studies.kinematic.criteria import (
     zones_of_lines,
     zones_of_poles,
 )
-from slopekit.views.charts.drawing import BLUE, GREY, PURPLE, RED, TEXT, needs, short
+from slopekit.views.charts.drawing import BLUE, GREY, PURPLE, RED, short
 from slopekit.views.charts.stereonet import (
     FACE,
     LIGHT,
@@ -102,11 +102,6 @@ class _Survey:
         return of(cells()[0], self.face, self.least if friction is None else friction, *self.limits)
 
 
-@needs({
-    "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": TEXT}],
-    "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
-    "survey": {"name": TEXT}, "input_sha256": str,
-})  # fmt: skip
 def draw_kinematic(figure: Any, document: Document, test: str | None = None) -> None:
     """All tests, or one of `TESTS`."""
     by_test = {"planar": [_planar], "wedge": [_wedge], "flexural": [_flexural], "direct": [_direct]}

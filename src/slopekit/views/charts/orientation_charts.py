@@ -14,7 +14,7 @@ from slopekit.core.orientation import Line, Plane, downward, line_of, number, pa
 from slopekit.core.records import dataclass
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
 from slopekit.studies.kinematic.run import LATERAL_DEG
-from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, TEXT, needs, nothing, short, title_of
+from slopekit.views.charts.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of
 from slopekit.views.charts.stereonet import FACE, LIGHT, MARKERS, NET, SETS, SHADE, Stereonet, arrange, cells
 
 Document = Mapping[str, Any]
@@ -83,15 +83,6 @@ def orientations_of(document: Document) -> Oriented | None:
     return Oriented(joints, slope, friction)
 
 
-@needs({
-    "inputs": {
-        "joints": (Mapping, list, None), "joint": TEXT, "friction_angle_deg": ([float], float, None),
-        "strength": ({"friction_angle_deg": float}, str, None), "strengths": ([[(str, dict)]], None),
-        "sets": ([{"name": str, "plane": str, "strength": TEXT}], None), "face": TEXT, "upper": TEXT,
-        "crack": (dict, None), "friction_deg": ({"least": float, "most": float}, float, None),
-    },
-    "worst": ([{"joints": [str], "planes": [str]}], None), "fos": (dict, float, None),
-})  # fmt: skip
 def draw_orientations(figure: Any, document: Document) -> None:
     """Great circles and poles of joints and slope, lines of intersection, friction cones, the zone of sliding.
 

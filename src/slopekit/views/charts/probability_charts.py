@@ -8,25 +8,14 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
-from slopekit.views.charts.drawing import BLUE, DARK, NUMBER, RED, finish, needs, nothing, title_of
+from slopekit.views.charts.drawing import BLUE, DARK, RED, finish, nothing, title_of
 
 Document = Mapping[str, Any]
 _EQUAL = 1e-9
 _LOW, _HIGH = "#e6a57e", "#a9c9e6"
 _METHODS = {"closed-form": "closed form", "pre-ie": "PRE-IE"}
-_SHARE = {"probability": NUMBER, "low": NUMBER, "high": NUMBER, "of": float, "confidence": float, "limits_by": str}
 
 
-@needs({
-    "target": float, "n": float, "by": str, "outcomes": dict,
-    "histogram": ({
-        "edges": [float], "counts": [float], "below": float, "above": float,
-        "pre_ie_at_random": ([float], None), "pre_ie_samples": NUMBER, "pre_ie_without_factor": NUMBER,
-        "failing_without_factor": NUMBER,
-    }, None),
-    "fos": ({"min": float, "max": float, "samples": float}, None),
-    "probability_of_failure": {"all_samples": _SHARE, "samples_that_form_a_block": _SHARE},
-})  # fmt: skip
 def draw_histogram(figure: Any, document: Document) -> None:
     """Factors of safety as bars and cumulated, the probability of failure with its confidence limits.
 

@@ -8,16 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.views.charts.drawing import BLUE, DARK, GREEN, GREY, NUMBER, ORANGE, RED, dressed, needs, short
+from slopekit.views.charts.drawing import BLUE, DARK, GREEN, GREY, ORANGE, RED, dressed, short
 
 _MORE = 1.15  # of the time until the block is at rest: what is shown of a long quiet end
 
 
-@needs({
-    "motion": {"record": str, "way": str, "t_s": [float], "a_g": [float], "v_m_s": [float], "d_m": [float]},
-    "yield": [{"coefficient": NUMBER, "factor": NUMBER}],
-    "records": [{"as_recorded_m": float, "reversed_m": float}],
-})  # fmt: skip
 def draw_motion(figure: Any, document: Mapping[str, Any]) -> None:
     """Acceleration against k_y, sliding velocity and displacement in the record that moves the block most."""
     motion = document["motion"]
@@ -59,10 +54,6 @@ def _shown(degrees: float) -> str:
     return f"{round(degrees, 3) + 0.0:.3f}"
 
 
-@needs({"six_motion": {
-    "record": str, "way": str, "t_s": [float], **{f"{name}_m": [float] for name, _ in _AXES},
-    **{f"about_{name}_deg": [float] for name, _ in _AXES},
-}})  # fmt: skip
 def draw_six(figure: Any, document: Mapping[str, Any]) -> None:
     """How far the block goes in six degrees of freedom beside the sliding one way, its parts, and how it turns."""
     six = document["six_motion"]

@@ -11,7 +11,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane, normals
 from slopekit.studies.sets.density import density
-from slopekit.views.charts.drawing import NUMBER, RED, TEXT, needs, short
+from slopekit.views.charts.drawing import RED, short
 from slopekit.views.charts.stereonet import NET, Stereonet, arrange, lower, set_marks, unproject
 
 Document = Mapping[str, Any]
@@ -21,15 +21,6 @@ _MANY = 600  # poles beyond which they are small
 _LEAST_DEG = 0.3  # a cone that is seen
 
 
-@needs({
-    "orientations": [{"dip_deg": float, "dip_direction_deg": float, "weight": float, "set": TEXT}],
-    "sets": [{
-        "set": str, "dip_deg": float, "dip_direction_deg": float, "joints": float, "k": NUMBER,
-        "cone_of_mean_deg": NUMBER, "variability_deg": dict,
-    }],
-    "inputs": {"confidence": float, "scanline": (dict, None)},
-    "survey": {"name": TEXT}, "input_sha256": str,
-})  # fmt: skip
 def draw_sets(figure: Any, document: Document) -> None:
     """One net with all of it."""
     rows, inputs = document["orientations"], document["inputs"]

@@ -18,14 +18,10 @@ from slopekit.views.charts.drawing import (
     BOX,
     DARK,
     GREY,
-    NUMBER,
     RED,
-    TEXT,
-    Damaged,
     finish,
     hide_cut,
     logarithmic,
-    needs,
     note,
     nothing,
     short,
@@ -52,18 +48,6 @@ _BRIEF = {
     "slides_up": "up", "not_converged": "no convergence", "slides_on_basal": "basal", "slides_on_J1_and_J2": "J1, J2",
     "slides_on_J1_and_basal": "J1, basal", "slides_on_J2_and_basal": "J2, basal",
 }  # fmt: skip
-_POINT = {
-    "status": TEXT, "limit": NUMBER, "closed_status": TEXT, "closed_form": NUMBER, "moments_govern": (bool, None),
-    "agree": (bool, None), "code": TEXT, "message": TEXT,
-}  # fmt: skip
-_SWEEP = {
-    "methods": str,
-    "keys": [{"key": str, "unit": str, "values": [float], "now": NUMBER}],
-    "points": [_POINT],
-    "levels": [{"fos": float, "what": str}],
-    "critical": [{"method": str, "at": NUMBER, "fos": float}],
-    "changes": [{"between": [float], "statuses": [str]}],
-}
 
 
 @dataclass(frozen=True)
@@ -93,11 +77,10 @@ class _Swept:
         values = [key["values"] for key in self.keys]
         needed = math.prod(map(len, values))
         if len(self.points) != needed:
-            raise Damaged(f"has {len(self.points)} points for {needed} values")
+            raise ValueError(f"{len(self.points)} points for {needed} values")
         return lines_of(self.points, *values)
 
 
-@needs(_SWEEP)
 def draw_curve(figure: Any, document: Document) -> None:
     """Factors against the value of one key; changes of status upright, levels across, points without a number below.
 
@@ -150,7 +133,6 @@ def draw_curve(figure: Any, document: Document) -> None:
     _finish(figure, axes, swept.document, f"factor of safety over {_words(document, key)}")
 
 
-@needs(_SWEEP)
 def draw_contour(figure: Any, document: Document) -> None:
     """The factor over two keys: contours, the levels as thick lines, points without a number as crosses.
 
@@ -246,13 +228,6 @@ def _draw_lines(figure: Any, swept: _Swept) -> None:
 _TornadoBar: TypeAlias = tuple[str, Sequence[str], list[Point], Document]
 
 
-@needs({
-    "methods": str, "rule": str, "base": _POINT,
-    "bars": [{
-        "key": str, "unit": str, "low": float, "high": float, "at_low": _POINT, "at_high": _POINT,
-        "shown": ([str], None), "swing": {"pre_ie": NUMBER, "closed_form": NUMBER},
-    }],
-})  # fmt: skip
 def draw_tornado(figure: Any, document: Document) -> None:
     """A bar for each number from its factor at one end to that at the other, the longest on top."""
     own = point_from_record(document["base"])

@@ -10,7 +10,7 @@ from typing import Any
 
 from slopekit.core.errors import DesignError
 from slopekit.views.charts.kinematic_charts import NETS_OF
-from slopekit.views.plots import PlotOptions, draw, offers
+from slopekit.views.plots import draw, offers
 
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
 _OF_RESULT = (
@@ -41,15 +41,15 @@ def still_pictures(
     names = [what for what in _OF_RESULT if what in offered] if is_result else list(offered)
     if document.get("assembly") is not None:
         names = _of_many(names, document["assembly"])
-    asked = [(what, offered[what], PlotOptions()) for what in names if what not in but]
+    asked = [(what, offered[what], "") for what in names if what not in but]
     if document.get("kind") == "kinematic":  # a net for each test: four in one have no legible letter on a phone
-        asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", PlotOptions(test=test))
+        asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", test)
                  for what, _, _ in asked for test in NETS_OF]  # fmt: skip
     pictures: list[dict[str, Any]] = []
     missing: dict[str, list[str]] = {}
-    for what, caption, options in asked:
+    for what, caption, test in asked:
         try:
-            uri = picture_of(document, what, options)
+            uri = picture_of(document, what, test or None)
             pictures.append({"what": what, "caption": caption, "uri": uri, "is_chart": what not in _SCENES})
         except DesignError as error:
             fault = error.faults[0]
@@ -66,7 +66,7 @@ def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
     return [what for what in names if what not in left]
 
 
-def picture_of(document: Mapping[str, Any], what: str, options: PlotOptions | None = None) -> str:
+def picture_of(document: Mapping[str, Any], what: str, test: str | None = None) -> str:
     """A picture of a document as a data URI.
 
     Raises
@@ -75,21 +75,15 @@ def picture_of(document: Mapping[str, Any], what: str, options: PlotOptions | No
         As `slopekit.views.plots.draw`.
     """
     with tempfile.TemporaryDirectory() as folder:
-        written = [Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"]
-        draw(document, what, written[0], options, instead=lambda path: _lighter(path, written))
-        image, suffix = written[-1].read_bytes(), written[-1].suffix
-    image = light_png(image) if suffix == ".png" else image
-    return f"data:{_TYPES[suffix]};base64,{base64.b64encode(image).decode()}"
-
-
-def _lighter(drawing: Path, written: list[Path]) -> Path | None:
-    """Make an SVG lighter; where it stays large the PNG that takes its place, which is written next."""
-    image = light_svg(drawing.read_bytes().decode("utf-8")).encode("utf-8")
-    if len(image) <= _LARGEST_SVG:
-        drawing.write_bytes(image)
-        return None
-    written.append(drawing.with_suffix(".png"))
-    return written[-1]
+        drawing = Path(folder) / f"{what}.svg"
+        if what not in _SCENES:
+            draw(document, what, drawing, test=test)
+            image = light_svg(drawing.read_text(encoding="utf-8")).encode("utf-8")
+        if what in _SCENES or len(image) > _LARGEST_SVG:
+            drawing = drawing.with_suffix(".png")
+            draw(document, what, drawing, test=test)
+            image = light_png(drawing.read_bytes())
+    return f"data:{_TYPES[drawing.suffix]};base64,{base64.b64encode(image).decode()}"
 
 
 def light_svg(text: str) -> str:

@@ -13,6 +13,7 @@ from slopekit.core.codec import MISREAD, is_of_document
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_file
+from slopekit.exchange.documents import by_case, checked_document
 from slopekit.kinds import words_named
 from slopekit.views.pages import page_together as together
 from slopekit.views.pages import report_tables as tables
@@ -20,7 +21,6 @@ from slopekit.views.pages.page_pictures import still_pictures
 from slopekit.views.pages.report_inputs import InputTable, input_tables, value_text, words
 from slopekit.views.pages.report_tables import parts
 from slopekit.views.pages.report_words import answer, force_notes, meaning
-from slopekit.views.plots import by_case, checked_document
 from slopekit.views.solid.viewer_data import viewer_data
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
@@ -45,7 +45,6 @@ _CAPTIONS = {
 }  # fmt: skip
 #: Where the whole of the verification is.
 _WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
-_HEAVIEST_VIEWS = 400_000  # bytes of all views of a page, the first whatever it weighs
 NOT_MODELLED = (
     "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
 )
@@ -102,14 +101,16 @@ def report_of(
     require_jinja(called[0])
     said = _project(several, project or {})
     notices, missing, articles = list[Notice](), list[str](), list[dict[str, Any]]()
-    views, verified, drawn = _Views(), set[str](), dict[str, str]()
+    views, verified, drawn = list[str](), set[str](), dict[str, str]()
     for k, (document, name, sheet) in enumerate(
         zip(several, called, together.sheets_once(several, short), strict=True), 1
     ):
         own: list[Notice] = []
         context = _article(document, name, sheet)
         if not context["is_study"]:
-            context["view"] = views.take(document, short[k - 1], own)
+            if view := _view(document, own):
+                views.append(view)
+                context["view"] = len(views)
             if str(document["kind"]) in verified:  # the rows of a kind stand once
                 context["verification"] = None
             verified.add(str(document["kind"]))
@@ -133,7 +134,7 @@ def report_of(
         "title": said.get("name") if not is_one and said.get("name") else articles[0]["title"],
         "project": [(PROJECT[key], said[key]) for key in PROJECT if key in said],
         "articles": articles, "own_version": __version__,
-        "views": [text.replace("<", "\\u003c") for text in views.data],
+        "views": [text.replace("<", "\\u003c") for text in views],
         "shared": [(whose, together.folded(some)) for whose, some in shared],
         "inputs_table": None if is_one else _inputs_that_differ(several, short),
         "one_design": together.same_design(several), "of_cases": len(given) == 1 and not is_one,
@@ -168,25 +169,6 @@ def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[
         message = f"their inputs cannot be compared ({type(error).__name__}: {error})"
         advice = "Was one changed, or written by another version? Make it again."
         raise DesignError([Fault("E340", message, ", ".join(names), advice)]) from error
-
-
-class _Views:
-    """The data of the views to turn: of the first result whatever it weighs, of more while the page stays light."""
-
-    def __init__(self) -> None:
-        self.data: list[str] = []
-
-    def take(self, document: Mapping[str, Any], name: str, notices: list[Notice]) -> int:
-        """Add the view of a result; its number from 1, 0 without one."""
-        view = _view(document, notices)
-        if not view:
-            return 0
-        if self.data and sum(map(len, self.data)) + len(view) > _HEAVIEST_VIEWS:
-            said = f"the scene of {name} cannot be turned here: with it the views would weigh more than"
-            notices.append(Notice("W372", f"{said} {_HEAVIEST_VIEWS // 1000} kB; a page of its own has it"))
-            return 0
-        self.data.append(view)
-        return len(self.data)
 
 
 def _elsewhere(document: Mapping[str, Any], drawn: dict[str, str], name: str) -> dict[str, str]:
@@ -306,14 +288,12 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
                   if _entries(sheet, label) and (label != "COLUMNS" or not has_methods)],
         "inputs": list(input_tables(inputs, "BOLTS" in sheet)), "force_notes": force_notes(document),
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
-        "movement": [one for one in (tables.motion_table(document),) if one is not None],
-        "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),
+        "evidence": list(tables.check_tables(document)),
         "left_out": [str(one) for one in document["model"]["left_out"]],
         "not_modelled": NOT_MODELLED.replace(*_BENDS) if document.get("elastic") else NOT_MODELLED,
         "defaults": _entries(sheet, "NOT GIVEN") or [str(one) for one in document["defaults"]],
         "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()]
         if not any(one["code"] == "W320" for one in document["warnings"]) else [],  # a notice says it
-        "times": tables.time_table(document),
     }  # fmt: skip
 
 

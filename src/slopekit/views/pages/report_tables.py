@@ -3,21 +3,14 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
-from slopekit.core.codec import from_json
-from slopekit.core.orientation import line_of, millimetre
-from slopekit.core.sheet import Section, Verbatim, head_of
-from slopekit.findings import GoverningInterface
-from slopekit.kinds.sheets.many_blocks import governing
-from slopekit.kinds.words import line_in_words
+from slopekit.core.orientation import millimetre
+from slopekit.core.sheet import Verbatim, head_of
 from slopekit.views.pages.report_inputs import InputTable
 
 Document = Mapping[str, Any]
 
 _DIGITS, _DECIMALS = 9, 3  # signs of a number that nobody has rounded, of them behind the point
 _LARGE = 1e5  # from here on five digits are fewer than those before the point
-_MOST_MECHANISMS = 3  # whose interfaces are listed
 
 
 def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[InputTable | Verbatim | str]:
@@ -50,34 +43,6 @@ def _cell(shown: str, value: Any) -> str:
     return f"{value:.5g}" if abs(value) < _LARGE else millimetre(value)
 
 
-def motion_table(document: Document) -> InputTable | None:
-    """Movement of one block in the mechanism and at full strength."""
-    rows = []
-    mechanism, one = document["mechanism"], document["at_factor_one"]
-    if mechanism is not None and document["assembly"] is None:
-        rows.append(
-            ("in the mechanism (no size, the direction counts)", _vector(mechanism["displacement"], 4),
-             _toward(mechanism["displacement"]), _vector(mechanism["rotation"], 3) + " per m")
-        )  # fmt: skip
-    if one is not None:
-        whose = f" (block {one['block']}, which moves most)" if one.get("block") else ""
-        rows.append(
-            (f"at full strength on the elastic bed{whose}",
-             _vector([1e3 * v for v in one["displacement_m"]], 4) + " mm", _toward(one["displacement_m"]),
-             _vector(one["rotation_rad"], 3) + " rad")
-        )  # fmt: skip
-    head = ("", "displacement of the centroid (east, north, up)", "toward", "rotation about it")
-    return InputTable("Movement", head, tuple(rows), left=4) if rows else None
-
-
-def later_mechanisms(document: Document) -> Iterator[InputTable | Verbatim | str]:
-    """The interfaces that govern the mechanisms after the first."""
-    for k, one in enumerate((document["assembly"] or {"mechanisms": ()})["mechanisms"][:_MOST_MECHANISMS], 1):
-        if k > 1:
-            section = Section("", governing([from_json(GoverningInterface, own) for own in one["interfaces"]]))
-            yield from parts(section.to_list(), [f"Interfaces that govern mechanism {k}"])
-
-
 def check_tables(document: Document) -> Iterator[InputTable]:
     """Balance of forces and moments, checks of the geometry, the size of the model."""
     rows = []
@@ -106,26 +71,8 @@ def check_tables(document: Document) -> Iterator[InputTable]:
     yield InputTable("Size of the model", ("", "number"), tuple(size))
 
 
-def time_table(document: Document) -> InputTable | None:
-    """Times of the stages; they alone differ from run to run."""
-    rows = tuple((name.replace("_", " "), f"{seconds * 1e3:.1f}") for name, seconds in document["timing_s"].items()
-                 if seconds >= 5e-5)  # fmt: skip
-    return InputTable("Times", ("stage", "ms"), rows, "Wall time; it alone differs from run to run.") if rows else None
-
-
 # -- cells ------------------------------------------------------------------------------------------------------------
 
 
 def _small(value: Any) -> str:
     return "0" if not value else f"{float(value):.2g}"
-
-
-def _vector(values: Any, digits: int) -> str:
-    size = max(abs(float(value)) for value in values)
-    parts = [0.0 if abs(float(value)) < max(1e-9 * size, 1e-13) else float(value) for value in values]
-    return "(" + ", ".join(f"{part:.{digits}g}" for part in parts) + ")"
-
-
-def _toward(values: Any) -> str:
-    vector = np.array([float(value) for value in values])
-    return line_in_words(line_of(vector)) if float(np.abs(vector).max()) > 0.0 else "-"

@@ -14,13 +14,14 @@ from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.whole_files import whole_file
 from slopekit.exchange.solids import save_gltf
-from slopekit.views.charts.drawing import no_window
 from slopekit.views.solid.layers import Bar, Layer, Picture
 from slopekit.views.solid.scene_parts import nice
 
 _WIDTH, _HEIGHT, _DPI = 1130, 800, 100
 _SIDE, _TOP, _BOTTOM = 330, 84, 64  # pixels beside, above and beneath the scene
 _COMPASS, _REACH = 52.0, 40.0  # pixels from the scene's foot to the middle of the compass; of its arrows
+_END_ON = 0.3  # of its length: an axis shorter than that in the picture is named, not drawn
+_BEYOND, _BELOW_COMPASS = 11.0, 16.0  # pixels from an arrow's tip, and from the middle, to a name
 _ABOVE_COMPASS = 24.0  # of the compass's names, above its arrows
 _BAR = 190.0  # high
 _LINE, _LETTERS = 16, 165  # pixels from note to note, letters in one line
@@ -51,35 +52,6 @@ def require_drawing(path: Path) -> None:
     for name in ("pyvista", "matplotlib"):
         if find_spec(name) is None:
             raise DesignError([Fault("E140", f"drawing needs the extra plot ({name})", str(path), _ADVICE)])
-
-
-def show_window(picture: Picture) -> None:
-    """Show a picture in a window that can be turned.
-
-    Raises
-    ------
-    DesignError
-        E140 where pyvista is not installed, or without a display.
-    """
-    import os
-    import sys
-
-    require_drawing(Path())
-    pyvista = _pyvista()
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        no_window("there is no display")
-    plotter = pyvista.Plotter(window_size=[_WIDTH, _HEIGHT], title=picture.title)
-    _fill(plotter, pyvista, picture)
-    camera = Camera.of(picture)
-    camera.set(plotter)
-    plotter.add_text(f"{picture.title}\n{picture.subtitle}", font_size=10, color="black")
-    entries = [[text, [part / 255.0 for part in colour]] for text, colour, _ in picture.legend]
-    if entries:
-        plotter.add_legend(
-            entries, bcolor="white", size=(0.3, 0.035 * len(entries)), loc="lower right", face="rectangle"
-        )
-    plotter.add_axes(xlabel="E", ylabel="N", zlabel="up")
-    plotter.show()
 
 
 def _pyvista() -> Any:
@@ -293,66 +265,31 @@ def _scale(figure: Any, camera: Camera, wide: int, high: int) -> _Box:
 
 
 def _compass(figure: Any, camera: Camera) -> None:
-    """North, east and up as they lie in the picture, at the lower right; no name lies on an arrow or another name."""
+    """North, east and up as they lie in the picture, at the lower right, each name beyond its arrow."""
+    from matplotlib.patches import FancyArrowPatch
+    from matplotlib.transforms import IdentityTransform
+
     middle = (_WIDTH - _SIDE / 2, _BOTTOM + _COMPASS)
     axes = [("N", (0.0, 1.0, 0.0), "#b5281e"), ("up", (0.0, 0.0, 1.0), "#444444"), ("E", (1.0, 0.0, 0.0), "#444444")]
-    seen = [[float(np.array(way) @ part) for part in (camera.right, camera.up, camera.eye)] for _, way, _ in axes]
-    shafts, names = [], []
-    for (name, _, colour), (across, above, toward) in zip(axes, seen, strict=True):
+    for name, way, colour in axes:
+        across, above, toward = (float(np.array(way) @ part) for part in (camera.right, camera.up, camera.eye))
         size = math.hypot(across, above)
-        if size < 0.3:
-            names.append((f"{name} {'toward you' if toward > 0 else 'into the picture'}", middle, (0.0, -1.0), colour))
-            continue
-        tip = (middle[0] + _REACH * across, middle[1] + _REACH * above)
-        figure.add_artist(_arrow(middle, tip, colour))
-        shafts.append((middle, tip))
-        names.append((name, tip, (across / size, above / size), colour))
-    taken: list[_Box] = []
-    for name, at, way, colour in names:
-        half, tall = (6.0 if len(name) == 1 else 9.0 if len(name) == 2 else 3.2 * len(name)), 7.0
-        box = _free(at, way, half, tall, shafts, taken)
-        taken.append(box)
-        figure.text((box[0] + box[2]) / 2 / _WIDTH, (box[1] + box[3]) / 2 / _HEIGHT, name, ha="center", va="center",
-                    fontsize=9.5 if len(name) < 3 else 8, color=colour, weight="bold" if name == "N" else "normal",
-                    gid="compass")  # fmt: skip
-
-
-def _free(
-    at: tuple[float, float], way: tuple[float, float], half: float, tall: float,
-    shafts: list[tuple[tuple[float, float], tuple[float, float]]], taken: list[_Box],
-) -> _Box:  # fmt: skip
-    """A box near a point that covers no arrow and no other: beyond it where that can be, else beside it."""
-    boxes: list[_Box] = []
-    for away in (2.0, 8.0, 16.0, 26.0):
-        for turn in (0.0, 35.0, -35.0, 70.0, -70.0, 110.0, -110.0, 150.0, -150.0, 180.0):
-            cosine, sine = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-            u, v = way[0] * cosine - way[1] * sine, way[0] * sine + way[1] * cosine
-            apart = away + min(half / max(abs(u), 1e-9), tall / max(abs(v), 1e-9))
-            x, y = at[0] + apart * u, at[1] + apart * v
-            boxes.append((x - half, y - tall, x + half, y + tall))
-    clear = (box for box in boxes if not any(_overlap(box, other) for other in taken)
-             and not any(_crosses(one, box) for one in shafts))  # fmt: skip
-    return next(clear, boxes[0])
+        x, y = middle[0], middle[1] - _BELOW_COMPASS
+        if size < _END_ON:
+            name = f"{name} {'toward you' if toward > 0 else 'into the picture'}"
+        else:
+            tip = (middle[0] + _REACH * across, middle[1] + _REACH * above)
+            figure.add_artist(FancyArrowPatch(
+                middle, tip, arrowstyle="-|>", mutation_scale=11, color=colour, lw=1.6, shrinkA=0, shrinkB=0,
+                transform=IdentityTransform(),
+            ))  # fmt: skip
+            x, y = tip[0] + _BEYOND * across / size, tip[1] + _BEYOND * above / size
+        figure.text(x / _WIDTH, y / _HEIGHT, name, ha="center", va="center", fontsize=9.5 if len(name) < 3 else 8,
+                    color=colour, weight="bold" if name == "N" else "normal", gid="compass")  # fmt: skip
 
 
 def _overlap(one: _Box, other: _Box) -> bool:
     return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
-
-
-def _crosses(shaft: tuple[tuple[float, float], tuple[float, float]], box: _Box) -> bool:
-    """Whether an arrow, five pixels to both sides of its shaft, lies on a box."""
-    part = np.linspace(0.0, 1.0, 41)[:, None]
-    points = np.array(shaft[0]) * (1.0 - part) + np.array(shaft[1]) * part
-    low, high = np.array(box[:2]) - 5.0, np.array(box[2:]) + 5.0
-    return bool(((points > low) & (points < high)).all(axis=1).any())
-
-
-def _arrow(begin: tuple[float, float], end: tuple[float, float], colour: str) -> Any:
-    from matplotlib.patches import FancyArrowPatch
-    from matplotlib.transforms import IdentityTransform
-
-    return FancyArrowPatch(begin, end, arrowstyle="-|>", mutation_scale=11, color=colour, lw=1.6, shrinkA=0, shrinkB=0,
-                           transform=IdentityTransform())  # fmt: skip
 
 
 def _write_labels(figure: Any, picture: Picture, camera: Camera, wide: int, high: int, scale: _Box) -> None:

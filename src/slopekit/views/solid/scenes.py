@@ -161,7 +161,7 @@ _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A picture of a result: what it shows, who puts it together, keys that the result must have, options of its own.
+    """A picture of a result: what it shows, who puts it together, keys that the result must have.
 
     `compose` takes the stage and the mechanism (1 is the first); a displacement must stand in the scene itself.
     """
@@ -169,11 +169,10 @@ class Scene:
     shows: str
     compose: Callable[[Stage, int], Picture]
     needs: tuple[str, ...] = ()
-    options: tuple[str, ...] = ()
 
 
-def draw(document: Mapping[str, Any], what: str, path: Path | None, *, show: bool = False, step: int = 1) -> None:
-    """Draw a scene of a result to PNG, GLB or glTF, or in a window.
+def draw(document: Mapping[str, Any], what: str, path: Path, step: int = 1) -> None:
+    """Draw a scene of a result to PNG, GLB or glTF.
 
     Parameters
     ----------
@@ -183,16 +182,11 @@ def draw(document: Mapping[str, Any], what: str, path: Path | None, *, show: boo
     Raises
     ------
     DesignError
-        E140 where pyvista or matplotlib is not installed or there is no display, E273 and E350 where the
-        document holds no such scene.
+        E140 where pyvista or matplotlib is not installed, E273 and E350 where the document holds no such scene.
     """
-    from slopekit.views.solid.rendering import save, show_window
+    from slopekit.views.solid.rendering import save
 
-    picture = compose(document, what, step)
-    if show:
-        show_window(picture)
-    elif path is not None:
-        save(picture, path)
+    save(compose(document, what, step), path)
 
 
 def compose(document: Mapping[str, Any], what: str, step: int = 1) -> Picture:
@@ -492,7 +486,7 @@ SCENES: Mapping[str, Scene] = {
     "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
     "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
     "displacement": Scene("the displacement at full strength, magnified", _displacement),
-    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",), ("--step",)),
+    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",)),
     "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
     "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
 }

@@ -1,0 +1,90 @@
+"""Measured joints, and lists of them with where they come from."""
+
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import Plane, normals
+from slopekit.core.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredJoint:
+    """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
+
+    quantity : how many like it were measured, or its weight against the bias of a scanline
+    spacing_m, position_m, trace_m : to the next of its set, along the scanline, of its trace, where they were asked for
+    ends : of its trace that were seen, 0 to 2
+    """
+
+    name: str
+    plane: Plane
+    line: int
+    cohesion_kpa: float | None = None
+    friction_angle_deg: float | None = None
+    set_name: str = ""
+    quantity: float = 1.0
+    spacing_m: float | None = None
+    position_m: float | None = None
+    trace_m: float | None = None
+    ends: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class JointList:
+    """Joints with where they come from.
+
+    Attributes
+    ----------
+    name : of the file, or `joints`; left_out : rows and columns that are not used, in words
+    read_as : what was read in another way than it stands there, in words
+    shared_names : that stand more than once in the list, so that they name no joint
+    """
+
+    name: str
+    joints: tuple[MeasuredJoint, ...]
+    left_out: tuple[str, ...] = ()
+    read_as: tuple[str, ...] = ()
+    shared_names: frozenset[str] = frozenset()
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    @property
+    def dips_deg(self) -> Floats:
+        """(n,) dips."""
+        return np.array([joint.plane.dip_deg for joint in self.joints])
+
+    @property
+    def dip_directions_deg(self) -> Floats:
+        """(n,) dip directions."""
+        return np.array([joint.plane.dip_direction_deg for joint in self.joints])
+
+    @property
+    def quantities(self) -> Floats:
+        """(n,) how often each counts."""
+        return np.array([joint.quantity for joint in self.joints])
+
+    @property
+    def has_quantities(self) -> bool:
+        """Whether any joint counts for more, or less, than one."""
+        return any(joint.quantity != 1.0 for joint in self.joints)
+
+    def normals(self) -> Floats:
+        """(n, 3) upward unit normals."""
+        return normals(self.dips_deg, self.dip_directions_deg)
+
+    def pairs(self) -> tuple[np.ndarray[Any, np.dtype[np.intp]], np.ndarray[Any, np.dtype[np.intp]]]:
+        """The first and second joint of every pair, in the order of the list."""
+        return np.triu_indices(len(self), 1)
+
+    def rows(self) -> list[tuple[str, str, float, float]]:
+        """Name, set, dip and dip direction of each joint, for hashes."""
+        return [
+            (joint.name, joint.set_name, joint.plane.dip_deg, joint.plane.dip_direction_deg) for joint in self.joints
+        ]
+
+    def sets(self) -> tuple[str, ...]:
+        """The sets that are named, sorted."""
+        return tuple(sorted({joint.set_name for joint in self.joints if joint.set_name}))
