@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 import slopekit as sk
-from slopekit.core.orientation import Line, Plane
+from slopekit.core.orientation import Line
 from slopekit.design.reading.files import load
 from slopekit.design.templates import path_of
 from slopekit.geometry.solids import meshes, sliding_mass
@@ -408,19 +408,32 @@ def _from_list(tmp_path, joints: str, strength: str = "", rows: str = LIST) -> P
     return _written(tmp_path, re.sub(r"strength:\n.*\n.*\n", strength, text))
 
 
-def test_a_joint_list_gives_planes(tmp_path) -> None:
-    picked = load(_from_list(tmp_path, ", pick: [A, C]", "strength: {joint: {c: 7, phi: 28}}\n"))
-    assert (picked.joints, picked.joint_names) == ((Plane(45.0, 105.0), Plane(50.0, 240.0)), ("A", "C"))
-    assert (picked.cohesion_kpa, picked.friction_angle_deg) == ((7.0, 7.0), (28.0, 28.0))
-    assert picked.left_out == (
-        "column remark of joints.csv", "columns c and phi of joints.csv (strengths of a design stand under strength)",
-    )  # fmt: skip
+def test_a_joint_list_gives_planes_and_strengths(tmp_path) -> None:
+    picked = sk.run(_from_list(tmp_path, ", pick: [A, B]", "strength: {joint: {c: 1, phi: 1}}\n"))
+    assert picked.design.cohesion_kpa == (24.0, 48.0)
+    assert picked.design.friction_angle_deg == (30.0, 20.0)
+    assert picked.design.joint_names == ("A", "B")
+    assert picked.fos == sk.run(_written(tmp_path, WEDGE)).fos
+    (said,) = [notice.message for notice in picked.warnings if notice.code == "W366"]
+    assert "column remark of joints.csv" in said
+    assert "phi of the design for B: joints.csv has its own" in said
 
 
-def test_strengths_of_a_joint_list_alone_are_none_of_a_design(tmp_path) -> None:
-    (fault,) = _faults(_from_list(tmp_path, ", pick: [A, B]", "strength: {joint: {c: 1, phi: 1}}\n"),
-                       [("strength", "null")])  # fmt: skip
-    assert (fault.code, fault.where.split("  ")[0]) == ("E143", "wall.yaml:4:15")
+def test_joints_without_a_strength_of_their_own_take_that_of_the_design(tmp_path) -> None:
+    mixed = sk.load(_from_list(tmp_path, ", pick: [A, C]", "strength: {joint: {c: 7, phi: 28, tension: 2}}\n"))
+    assert mixed.cohesion_kpa == (24.0, 7.0)
+    assert mixed.friction_angle_deg == (30.0, 28.0)
+    assert mixed.tension_kpa == (2.0, 2.0)
+
+
+def test_a_strength_that_neither_list_nor_design_gives(tmp_path) -> None:
+    faults = _faults(
+        _from_list(tmp_path, ", pick: [A, C]", "strength: {joint: {c: 7, phi: 28, tension: 2}}\n"),
+        [("strength", "null")],
+    )
+    assert {(fault.code, fault.message) for fault in faults} >= {
+        ("E143", "c of C is missing in joints.csv"), ("E143", "phi of C is missing in joints.csv"),
+    }  # fmt: skip
 
 
 STRENGTH = "strength: {joint: {c: 7, phi: 28}}\n"

@@ -1,7 +1,7 @@
 """Strength laws in design files: keys, units, limits, faults, `--set`, sweeps and scatter."""
 
 from dataclasses import dataclass, field, fields
-from math import inf
+from math import inf, radians, tan
 from typing import ClassVar
 
 import numpy as np
@@ -201,3 +201,19 @@ def test_studies_ask_the_law() -> None:
     assert [root.value for root in solved.closed_form.roots] == pytest.approx([8.0], rel=1e-9)
     drawn = sk.prob(design, n=30, seed=3, confirm=2, fos=found[1])
     assert 0.2 < drawn.all_samples.share < 0.8  # F rises with JRC, which lies below 8 in half of the samples
+
+
+def test_a_joint_list_counts_before_the_design_beside_waves_too(tmp_path) -> None:
+    """c and φ of the list, the waves of the design: τ = c + σ (tan φ + tan φ_w), as the key reference says."""
+    path = tmp_path / "joints.csv"
+    path.write_text("name,dip,dip_direction,c,phi\nA,45,115,11,31\nB,45,245,12,32\n", encoding="utf-8")
+    design = sk.load(
+        {
+            "slopekit": 1, "kind": "wedge", "joints": {"csv": str(path)},
+            "strength": {"joint": {"c": 90, "phi": 50, "waviness": 4}},
+        }
+    )  # fmt: skip
+    for strength, c, phi in zip(design.strengths, (11.0, 12.0), (31.0, 32.0), strict=True):
+        steep = tan(radians(phi)) + tan(radians(4.0))
+        assert strength.named_law.resistance(np.array([0.0, 10.0])) == pytest.approx([c, c + 10.0 * steep], rel=1e-12)
+    assert f"c of the design for A: {path} has its own" in design.left_out

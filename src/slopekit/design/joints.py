@@ -1,6 +1,6 @@
 """The joints of a wedge or a plane failure: from the design itself or from a joint list, with their strengths."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -56,12 +56,14 @@ class GivenJoint:
     ----------
     plane : None where it is wrong, or not given
     strength : node of its `strength` key; at : its own node
+    listed : c and φ of a joint list, where that has such columns: None in a cell that is empty
     """
 
     name: str
     plane: Plane | None
     strength: Node | None
     at: Node
+    listed: Mapping[str, float | None]
 
 
 def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
@@ -88,7 +90,7 @@ def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
     for name, below in entries:
         given = below.get("plane")
         plane = reader.plane(given, name) if given is not None and given.value is not None else None
-        joints.append(GivenJoint(name, plane, below.get("strength"), below))
+        joints.append(GivenJoint(name, plane, below.get("strength"), below, {}))
     return joints
 
 
@@ -134,21 +136,33 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
         reader.fault("E109", message, pick or file, f"Add pick: [{', '.join(names[:count])}].")
         return []
     chosen = [survey.joints[names.index(name)] for name in wanted]
-    if any(joint.cohesion_kpa is not None or joint.friction_angle_deg is not None for joint in chosen):
-        reader.left_out.append(f"columns c and phi of {file.text} (strengths of a design stand under strength)")
-        if reader.at("strength") is None:
-            message = f"strength is missing: columns c and phi of {file.text} are for studies of lists"
-            reader.fault("E143", message, file, "Write strength: {joint: {c: 50 kPa, phi: 20}}.")
-    return [GivenJoint(joint.name, joint.plane, node.get("strength"), file) for joint in chosen]
+    columns = {"c": [joint.cohesion_kpa for joint in chosen], "phi": [joint.friction_angle_deg for joint in chosen]}
+    measured = [key for key, values in columns.items() if any(value is not None for value in values)]
+    return [
+        GivenJoint(joint.name, joint.plane, node.get("strength"), file, {key: columns[key][k] for key in measured})
+        for k, joint in enumerate(chosen)
+    ]
 
 
 def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength | None]:
-    """The strength of each joint, as the design has it."""
+    """The strength of each joint: columns of a joint list where they are filled, else those of the design."""
     names = strength_names(reader, [(joint.name, joint.strength, joint.at) for joint in joints])
-    nodes = [None if name is None else reader.at(f"strength.{name}") for name in names]
-    standard = standard_strength(reader, [own for own in nodes if own is not None])
-    is_given = reader.at("strength") is not None
-    return [
-        None if own is None and is_given else read_strength(reader, own, name or joint.name, standard)
-        for joint, name, own in zip(joints, names, nodes, strict=True)
-    ]
+    of_design = [None if name is None else reader.at(f"strength.{name}") for name in names]
+    measured = {key for joint in joints for key in joint.listed}
+    has_strengths = reader.at("strength") is not None
+    standard = standard_strength(reader, [own for own in of_design if own is not None], beside=measured)
+    strengths: list[Strength | None] = []
+    for joint, name, own in zip(joints, names, of_design, strict=True):
+        if name is None and has_strengths and not joint.listed:
+            strengths.append(None)
+            continue
+        listed = {key: value for key, value in joint.listed.items() if value is not None}
+        for key in joint.listed:
+            given = own is not None and own.get(key) is not None
+            if key in listed and given:
+                reader.left_out.append(f"{key} of the design for {joint.name}: {joint.at.text} has its own")
+            elif key not in listed and not given:
+                advice = f"Fill in the column {key}, or give a strength in the design."
+                reader.fault("E143", f"{key} of {joint.name} is missing in {joint.at.text}", joint.at, advice)
+        strengths.append(read_strength(reader, own, name or joint.name, standard, listed, joint.at))
+    return strengths

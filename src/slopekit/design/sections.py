@@ -1,6 +1,6 @@
 """What designs of every kind share, read from their documents: weight, loads, strengths, stiffness, water."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -110,17 +110,20 @@ def read_strength(
     node: Node | None,
     owner: str,
     standard: Mapping[str, float] | None = None,
+    listed: Mapping[str, float | None] | None = None,
+    beside: Node | None = None,
 ) -> Strength | None:
     """One strength: E143 without c or φ, E115 a dilation above φ.
 
     Parameters
     ----------
     owner : its name; standard : what it takes by key where it says nothing
+    listed : what a joint list says in its place, from the file `beside`
     """
-    if (node is None or not node.is_mapping) and not standard:
+    if (node is None or not node.is_mapping) and not listed and not standard:
         return None
     if node is not None and node.is_mapping and node.get("residual") is not None:
-        peak = read_strength(reader, _without(node, "residual"), owner, standard)
+        peak = read_strength(reader, _without(node, "residual"), owner, standard, listed, beside)
         return with_residual(reader, node, owner, peak)
     own = node if node is not None and node.is_mapping and _is_curved(node) else None
     if own is not None:
@@ -132,11 +135,14 @@ def read_strength(
     attributes = reader.fields(Strength, node or _NOTHING, owner)
     for name, field in fields_of(Strength).items():
         given = node is not None and node.get(field.path) is not None
-        if not given and standard is not None and field.path in standard:
+        if listed is not None and field.path in listed:
+            attributes[name] = listed[field.path]
+        elif not given and standard is not None and field.path in standard:
             attributes[name] = standard[field.path]
-        elif not given and field.may_lack:
+        elif not given and field.may_lack and not (listed and beside is not None and node is None):
+            at = node or beside
             path = f"{node.path}.{field.path}" if node is not None else f"{field.path} of {owner}"
-            reader.fault("E143", f"{path} is missing", node, f"Add {field.path}.")
+            reader.fault("E143", f"{path} is missing", at, f"Add {field.path}.")
     friction, dilation = attributes["friction_angle_deg"], attributes["dilation_deg"]
     below = node.get("dilation") if node is not None else None
     if friction is not None and dilation is not None and below is not None and dilation > friction:
@@ -187,14 +193,14 @@ def _curved_strength(reader: Reader, node: Node, owner: str) -> Strength | None:
     return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
 
 
-def standard_strength(reader: Reader, nodes: Iterable[Node]) -> dict[str, float]:
+def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
     """What c and φ are, by key, where none of the strengths says so: a wedge takes the paper's."""
     given = [node for node in nodes if node.get("law") is None or node.get("c") is not None]
     if not given and list(nodes):
         return {}
     defaults = {
         key: value for key, value in reader.record.DEFAULTS.items()
-        if key in ("c", "phi") and all(node.get(key) is None for node in given)
+        if key in ("c", "phi") and key not in beside and all(node.get(key) is None for node in given)
     }  # fmt: skip
     reader.defaults += defaults
     return defaults

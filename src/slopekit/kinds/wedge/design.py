@@ -269,13 +269,13 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
     elif not node.is_mapping:
         message = f"basal is {node.text}, it is a group of keys"
         reader.fault("E447", message, node, "Write basal: {plane: 20/180, height: 5 m}.")
-        return None, [GivenJoint("basal", None, None, node)]
+        return None, [GivenJoint("basal", None, None, node, {})]
     own = reader.fields(Basal, node)
     for key in ("plane", "height"):
         given = node.get(key)
         if given is None or given.value is None:
             reader.fault("E447", f"basal.{key} is missing", node, "Write basal: {plane: 20/180, height: 5 m}.")
-    joint = GivenJoint("basal", own["plane"], node.get("strength"), node)
+    joint = GivenJoint("basal", own["plane"], node.get("strength"), node, {})
     return (None if None in own.values() else Basal(**own)), [joint]
 
 
