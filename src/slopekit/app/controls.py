@@ -20,8 +20,8 @@ from slopekit.core.units import quantity, unit_of
 from slopekit.design.common import Design
 from slopekit.design.fields import Field, every_field, field_in, in_degrees, words_of
 from slopekit.design.reading.nodes import Document, Node
-from slopekit.design.reading.overrides import ALTERNATIVES, spread
-from slopekit.design.reading.structure import WRITTEN, orientation_kind
+from slopekit.design.reading.overrides import ALTERNATIVES
+from slopekit.design.reading.structure import WRITTEN, orientation_kind, spread
 from slopekit.design.scatter.distributions import Distribution, Fisher
 from slopekit.studies.keys import Key, keys_of
 

@@ -11,9 +11,8 @@ from slopekit.design.common import BEDROCK, Design
 from slopekit.design.fields import fields_of, structure_of
 from slopekit.design.parts import HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
 from slopekit.design.reading.nodes import Node, Place
-from slopekit.design.reading.overrides import spread
 from slopekit.design.reading.reader import Reader
-from slopekit.design.reading.structure import is_distribution, without_name
+from slopekit.design.reading.structure import is_distribution, spread, without_name
 
 _MOST_FACTORS = 200
 _NOTHING = Node({}, Place("", 0, 0, ""), "", Place("", 0, 0, ""))

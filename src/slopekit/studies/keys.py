@@ -23,8 +23,7 @@ from slopekit.design.parts import Strength
 from slopekit.design.reading.canonical import canonical_path
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.nodes import Node
-from slopekit.design.reading.overrides import spread
-from slopekit.design.reading.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind
+from slopekit.design.reading.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind, spread
 from slopekit.design.scatter.distributions import Distribution, Fisher, read_distribution, read_orientation
 
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")

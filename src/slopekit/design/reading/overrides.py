@@ -20,7 +20,14 @@ from slopekit.design.reading.nodes import (
     printable,
     shown_of,
 )
-from slopekit.design.reading.structure import ANGLES, WRITTEN, OrientationKind, is_distribution, orientation_kind
+from slopekit.design.reading.structure import (
+    ANGLES,
+    WRITTEN,
+    OrientationKind,
+    is_distribution,
+    orientation_kind,
+    spread,
+)
 from slopekit.design.reading.yaml import NULLS, SourceLines, TreeBuilder, composed
 
 #: Keys that exclude each other: a `--set` of one drops the others of the file.
@@ -187,41 +194,6 @@ def _of_mean(node: Node) -> OrientationKind | None:
     """What the mean of an orientation that scatters is one of."""
     above, _, name = node.path.rpartition(".")
     return orientation_kind(replace(node, path=above)) if name == "mean" else None
-
-
-def spread(node: Node) -> Node:
-    """What a value in short stands for, with its keys: `water: dry`, `seismic: 0.1@180`, `200 kN@000/10,passive`.
-
-    >>> from slopekit.design.reading.nodes import document_from
-    >>> spread(document_from({"water": "50 %"}).root.get("water")).plain()
-    {'fill': '50 %'}
-    """
-    entries = _in_full(node.path, node.text or "")
-    if not entries:
-        return node
-    return replace(node, value={key: _made(value, joined(node.path, key), node) for key, value in entries.items()})
-
-
-def _in_full(path: str, text: str) -> Mapping[str, str | list[str]]:
-    first, at, second = (part.strip() for part in text.partition("@"))
-    holder, _, last = path.rpartition(".")
-    if path == "water" and text.lower().startswith("u="):
-        return {"pressures": re.split(r"\s*,\s*", text[2:].strip())}
-    if path == "water" and text:
-        return {"mode" if text.strip().lower() in ("dry", "full") else "fill": text}
-    if path == "loads.seismic" and text:
-        return {"k": first, "toward": second} if at else {"k": first}
-    if holder in ("support.bolts", "loads.forces") and last.isdigit() and at:
-        toward, comma, acts = (part.strip() for part in second.partition(","))
-        return {"force": first, "toward": toward} | ({"acts": acts} if comma else {})
-    return {}
-
-
-def _made(value: str | list[str], path: str, node: Node) -> Node:
-    if isinstance(value, str):
-        return Node(value, node.place, path, node.key_place)
-    parts = [_made(part, joined(path, str(k)), node) for k, part in enumerate(value)]
-    return Node(parts, node.place, path, node.key_place)
 
 
 def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> Node:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 from slopekit.design.reading.nodes import (
     MAX_DEPTH,
     MAX_VALUES,
@@ -45,6 +46,15 @@ _IN_WORDS = (
 )  # fmt: skip
 
 
+# lists of numbers, and lists of those, in one line: ruamel would make some twenty steps of every number
+_NUMBER = r" *[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)? *"
+_LIST = rf"\[{_NUMBER}(?:,{_NUMBER})*\]"
+NUMBERS = re.compile(rf"(?<![^\s\[{{,:])(?:{_LIST}|\[ *{_LIST} *(?:, *{_LIST} *)*\])")
+_TOKEN = re.compile(r"[\[\]]|[^\[\], ]+")
+_STAND_IN = "\ue000"
+_LARGE = 20_000
+
+
 class SourceLines:
     """The lines of a file, for the places of its values."""
 
@@ -65,7 +75,63 @@ class SourceLines:
 
 
 def composed(text: str, source: SourceLines) -> Any:
-    """ruamel's node tree; whatever it raises becomes a fault."""
+    """ruamel's node tree; whatever it raises becomes a fault.
+
+    In a large text each list of numbers goes through ruamel as one word of the same length, which `_Numbers` then
+    stands for: ten thousand polygons take a second instead of ten. Where such a word turns up anywhere but as a value
+    of its own, or anything is wrong, the text itself is read.
+    """
+    if len(text) > _LARGE and _STAND_IN not in text:
+        try:
+            return _composed(NUMBERS.sub(lambda match: _STAND_IN * len(match.group()), text), source, text)
+        except _NotAlone:
+            pass
+        except DesignError as error:
+            if error.codes == ("E149",):
+                raise
+    return _composed(text, source)
+
+
+class _NotAlone(Exception):
+    """The stand-in of a list of numbers is part of something else."""
+
+
+@dataclass(frozen=True, slots=True)
+class _At:
+    line: int
+    column: int
+
+
+@dataclass(slots=True)
+class _Numbers:
+    """What the tree builder looks at in a node of ruamel's: a number, or a list."""
+
+    value: "str | list[_Numbers]"
+    start_mark: _At
+    tag: str = "tag:yaml.org,2002:str"
+    anchor: None = None
+    style: None = None
+
+
+def _numbers(text: str, at: _At) -> _Numbers:
+    """A list of numbers (or of such lists) that stands in one line."""
+    items: list[_Numbers] = []
+    above: list[list[_Numbers]] = []
+    holder = items
+    for match in _TOKEN.finditer(text, 1):
+        token = match.group()
+        if token == "]":
+            holder = above.pop() if above else items
+            continue
+        inner: list[_Numbers] = []
+        holder.append(_Numbers(inner if token == "[" else token, _At(at.line, at.column + match.start())))
+        if token == "[":
+            above.append(holder)
+            holder = inner
+    return _Numbers(items, at)
+
+
+def _composed(text: str, source: SourceLines, original: str = "") -> Any:
     from ruamel.yaml import YAML  # 18 ms, needed for files only
     from ruamel.yaml.composer import Composer
     from ruamel.yaml.error import MarkedYAMLError, YAMLError, YAMLStreamError
@@ -83,6 +149,19 @@ def composed(text: str, source: SourceLines) -> Any:
             node = super().compose_node(parent, index)
             self.nesting -= 1
             return node
+
+        def compose_scalar_node(self, anchor: Any) -> Any:
+            node = super().compose_scalar_node(anchor)
+            if not original or _STAND_IN not in node.value:
+                return node
+            mark = node.start_mark
+            match = NUMBERS.match(original, mark.index)
+            if match is None or node.style or anchor is not None or node.value != _STAND_IN * len(match.group()):
+                raise _NotAlone
+            self.values += match.group().count(",") + match.group().count("[")  # its numbers, and lists in it
+            if self.values > MAX_VALUES:
+                fail_large(source.place(mark.line, mark.column), deep=False)
+            return _numbers(match.group(), _At(mark.line, mark.column))
 
     yaml = YAML(typ="safe", pure=True)
     yaml.Composer = Counting
