@@ -234,6 +234,17 @@ def test_walls_that_rest_only_at_more_strength_have_their_last_rest(number, time
     assert carried[0] < 1.0 == carried[1]
 
 
+def test_a_path_that_creeps_ends_at_the_same_limit_wherever_it_begins(monkeypatch) -> None:
+    """Two blocks that move some 2,000 elastic displacements between 1.2 and 5.5, at three strengths to begin with."""
+    model, ended = model_of(populations.bench(30)), []
+    for times in (1.0, 4.0, 16.0):
+        monkeypatch.setattr(blocks, "START", 2.0 * times)
+        ended.append(limit_of_blocks(model, ranged=False))
+    assert [found.basis for found in ended] == [Basis.LIMIT] * 3
+    assert [found.factor for found in ended] == pytest.approx([ended[0].factor] * 3, rel=1e-8)
+    assert ended[0].factor < ended[0].static_bound < 1.05 * ended[0].factor
+
+
 @pytest.mark.parametrize("number", [104, 419])
 def test_columns_that_rest_only_at_more_strength_have_the_limit_of_the_path(number) -> None:
     """Sections 59, 104, 419: a history of all loads at once, cohesion lost where contacts open."""
