@@ -468,7 +468,7 @@ def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
             "B1": {"polygon": outline.tolist()},
         },
     })  # fmt: skip
-    one, many = plane.at_factor_one, blocks.at_factor_one
+    one, many = plane.displacements.at_factor_one, blocks.displacements.at_factor_one
     assert one is not None
     assert many is not None
     assert many.block == "B1"
@@ -483,7 +483,7 @@ def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
         },
     })  # fmt: skip
     assert fails.fos.limit < 1.0
-    assert (fails.at_factor_one, fails.scene.displacement) == (None, None)
+    assert (fails.displacements.at_factor_one, fails.scene.displacement) == (None, None)
 
 
 def test_walls_that_rest_only_at_many_times_their_strength_say_what_was_found() -> None:

@@ -177,7 +177,7 @@ def test_a_bolt_that_is_pushed_in_adds_nothing() -> None:
 
 
 def pulls(result: Result) -> list[float]:
-    arrows = result.acting
+    arrows = result.limit_state.acting
     passive = ["passive" in arrows.names[k] for k in arrows.what.tolist()]
     return np.sqrt((arrows.force_kn[passive] ** 2).sum(axis=1)).tolist()
 
@@ -259,8 +259,8 @@ def test_blocks_that_hang_on_bolts() -> None:
     assert one.status == "falls"
     assert [[block.name for block in found.blocks] for found in one.findings.mechanisms] == [["B"], ["A"]]
     # at full strength the bolt is drawn out by a millimetre times its share, and the joints open
-    assert both.at_factor_one is not None
-    down = both.at_factor_one.every[[1, 3], 2]
+    assert both.displacements.at_factor_one is not None
+    down = both.displacements.at_factor_one.every[[1, 3], 2]
     assert down == pytest.approx([-1e-3 * weight / 200.0, -1e-3 * weight / 300.0], rel=1e-9)
 
 

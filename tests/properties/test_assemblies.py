@@ -61,7 +61,7 @@ def keeps_its_evidence(design) -> None:
     result = changes.run(design)
     if result.status == "not_converged":
         return
-    assert result.node_pairs.normal_kn.min(initial=0.0) >= 0.0
+    assert result.limit_state.node_pairs.normal_kn.min(initial=0.0) >= 0.0
     assert result.findings.checks["largest_unbalanced_force"] < 1e-6  # `EACH_BALANCED` of the program
     if result.fos.limit and result.fos.static_bound:
         assert result.fos.limit <= result.fos.static_bound * (1.0 + 1e-9)

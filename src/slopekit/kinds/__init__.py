@@ -183,7 +183,7 @@ def also_falls_short(also: "WithoutBasal | None", target: float, where: str) -> 
     """W507: a design meets a target, what acceptance of it is held against besides does not."""
     if also is None or not also.falls_short(target):
         return ()
-    return (Notice("W507", f"{where} {also.what} falls short of {target:g}: {also.in_words()}{also.alone}"),)
+    return (Notice("W507", f"{where} {also.WHAT} falls short of {target:g}: {also.in_words()}{also.ALONE}"),)
 
 
 def dilates(design: Design) -> bool:

@@ -34,7 +34,7 @@ from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.protocol import Kind
-from slopekit.kinds.single_block.one_block import Cut
+from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.preie.system.assembly import section_axes
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
@@ -156,7 +156,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     plain = elastic_model(model)
     rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
     whole = with_blocks(plain, ((give, rows, own),))
-    turn = np.eye(3) if made.axes is None else made.axes
+    turn = made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         without = replace(model, cohesion=frozen(model.cohesion * ~parted))
@@ -387,7 +387,8 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
-    return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
+    comparisons = replace(result.comparisons, elastic=answer)
+    return replace(result, comparisons=comparisons, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
 def _no_limit(spent: bool) -> Notice:

@@ -38,7 +38,8 @@ from slopekit.kinds.single_block.closed_forms import (
     passive_bolts,
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of
-from slopekit.kinds.single_block.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
+from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, left_out_of_slope, other_strengths
+from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.water import LocalSlope, for_closed_form, pushes, standing_in_crack
 from slopekit.kinds.words import (
@@ -49,7 +50,6 @@ from slopekit.kinds.words import (
     water_in_words,
 )
 from slopekit.loads import Hull, Loads, block_loads, check_bolt
-from slopekit.notices import Interface
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from slopekit.result import Result
 
 def elastic_entries(result: Result) -> list[Entry]:
     """What the deformation of the rock does, in a few lines; none without elastic blocks."""
-    blocks = result.elastic
+    blocks = result.comparisons.elastic
     if blocks is None:
         return []
     return [_limit(blocks), _rock(blocks), _joints(blocks), _moves(blocks), _size(result, blocks)]

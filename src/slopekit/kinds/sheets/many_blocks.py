@@ -120,8 +120,7 @@ def _factors(result: Result) -> Iterator[Factor]:
             above = f", {more:.1f} % above the limit" if more >= 0.05 else ", no higher than the limit"
             times = many_times(fos.static_bound / fos.limit)
             above = f", {times} the limit" if times else above
-        proved = "" if result.static_bound_proved else ", not proved"
-        yield Factor(fos.static_bound, f"{shared.UPPER_BOUND}{proved}{above}")
+        yield Factor(fos.static_bound, f"{shared.UPPER_BOUND}{above}")
     elif fos.limit is not None:
         yield Factor(None, "upper bound: not found")
     if fos.all_pairs_failed is not None:
@@ -164,7 +163,7 @@ def _toward(one: Mechanism) -> str:
 
 def _settles(result: Result) -> list[str]:
     """The block that moves most at full strength."""
-    one = result.at_factor_one
+    one = result.displacements.at_factor_one
     if one is None or one.block is None:
         return []
     size = float(np.sqrt(one.movement.displacement @ one.movement.displacement))

@@ -63,13 +63,13 @@ def _sections(result: Result) -> Iterator[Section]:
 
 def _status(result: Result) -> str:
     text = result.status_text
-    if result.mechanism is not None and result.status.startswith("slides") and result.words.along:
-        text += f" toward {line_in_words(line_of(result.mechanism.displacement))}"
+    if result.limit_state.mechanism is not None and result.status.startswith("slides") and result.words.along:
+        text += f" toward {line_in_words(line_of(result.limit_state.mechanism.displacement))}"
     return text
 
 
 def _factors(result: Result) -> Iterator[Factor]:
-    fos, curved = result.fos, result.curved_strength
+    fos, curved = result.fos, result.limit_state.curved_strength
     is_compared = fos.closed_form is not None or result.agree is not None
     is_dilating = dilates(result.design)
     limit = f"PRE-IE{', joints dilate as given' if is_dilating else ''}{result.words.assumes}"
@@ -85,7 +85,7 @@ def _factors(result: Result) -> Iterator[Factor]:
     yield Factor(fos.closed_form, closed, shared.verdict(result) if is_compared else "")
     if fos.static_bound is not None:
         yield Factor(fos.static_bound, shared.UPPER_BOUND)
-    elif fos.limit is not None and not result.static_bound_proved:
+    elif fos.limit is not None:
         yield Factor(None, "upper bound: not found")
     if fos.all_pairs_failed is not None:
         yield Factor(fos.all_pairs_failed, "all pairs failed (the paper's criterion; depends on the stiffness)")
@@ -93,17 +93,17 @@ def _factors(result: Result) -> Iterator[Factor]:
 
 def moments(result: Result) -> list[str]:
     """Return what moments do to the factor of safety of one block, where they matter."""
-    fos, forces = result.fos, result.forces_only
+    fos, forces = result.fos, result.comparisons.forces_only
     if not result.words.turns or not result.moments_govern:
         return []
     if result.status == "topples":
         unused = "" if forces is None else f" (forces only would give {factor_text(forces)}: do not use it)"
-        return [f"they turn the {result.words.block} over, {result.turns_over}{unused}"]
+        return [f"they turn the {result.words.block} over{unused}"]
     if fos.limit is None:
         return []
     opened = [
         f"{(1.0 - opening.pressed_share) * 100:.3g} % of {name}"
-        for name, opening in result.openings.items()
+        for name, opening in result.limit_state.openings.items()
         if opening.pressed_share < 1.0 - _WHOLE
     ]
     change = "lower the FoS"
@@ -129,7 +129,7 @@ def _model(result: Result) -> list[str]:
 
 def _movement(result: Result) -> list[str]:
     """Displacement at full strength on elastic joints."""
-    state = result.at_factor_one
+    state = result.displacements.at_factor_one
     if state is None:
         stands = result.fos.limit is not None and result.fos.limit > 1.0
         return ["no displacement at F = 1: no equilibrium was found on elastic joints"] if stands else []
@@ -143,15 +143,15 @@ def _movement(result: Result) -> list[str]:
 
 def _large_movement(result: Result) -> list[str]:
     """Return the caution of a displacement that is no small one."""
-    if result.at_factor_one is None or _size_m(result) <= 0.01 * float(result.geometry.volume_m3) ** (1.0 / 3.0):
+    if _size_m(result) <= 0.01 * float(result.geometry.volume_m3) ** (1.0 / 3.0):
         return []
     return [f"{_size_m(result) * 1e3:.3g} mm at F = 1: too much for small displacements, not to be relied on"]
 
 
 def _size_m(result: Result) -> float:
-    """Return the displacement of the centroid at full strength, m."""
-    assert result.at_factor_one is not None
-    return float(np.linalg.norm(result.at_factor_one.movement.displacement))
+    """Return the displacement of the centroid at full strength, m; 0 where it is not known."""
+    state = result.displacements.at_factor_one
+    return 0.0 if state is None else float(np.linalg.norm(state.movement.displacement))
 
 
 def _time(result: Result) -> str:

@@ -119,7 +119,7 @@ def leading(result: Result) -> list[Factor]:
 
 def elastic(result: Result) -> Iterator[Section]:
     """What elastic blocks do, where they were asked for: others load nothing of it."""
-    if result.elastic is not None:
+    if result.comparisons.elastic is not None:
         from slopekit.kinds.sheets.elastic import elastic_entries
 
         yield Section("ELASTIC", elastic_entries(result))
@@ -151,7 +151,7 @@ def has_range(result: Result) -> bool:
 
 def _residual(result: Result) -> list[Factor]:
     """The factors on residual strength, after slip."""
-    left = result.residual
+    left = result.comparisons.residual
     if left is None:
         return []
     status = result.design.in_own_names(result.words.status(left.status))
@@ -165,20 +165,20 @@ def _residual(result: Result) -> list[Factor]:
 
 def methods(result: Result) -> list[Entry]:
     """The methods of columns, which know other mechanics: printed beside, not compared."""
-    if not result.methods:
+    if not result.comparisons.methods:
         return []
     columns: list[Column[tuple[str, float | None]]] = [
         Column("method", lambda row: METHODS[row[0]], "method"),
         Column("factor", itemgetter(1), "factor", show=lambda factor: factor_text(factor).strip()),
     ]
-    rows, other = list(result.methods.items()), "other mechanics: not compared"
+    rows, other = list(result.comparisons.methods.items()), "other mechanics: not compared"
     said = "  ".join(" ".join(column.shown(row) for column in columns) for row in rows)
     return [Table(columns, rows, rest=other, said=f"{said}   ({other})")]
 
 
 def series(result: Result) -> list[Entry]:
     """Displacements and failed pairs by strength reduction factor (the paper's Table 3)."""
-    if not result.series:
+    if not result.displacements.series:
         return []
     horizontal = result.words.horizontal
 
@@ -207,7 +207,7 @@ def series(result: Result) -> list[Entry]:
         Column(f"failed of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=14),
         *(Column(f"{title} / mm", of, key, "mm", ".4f") for title, key, of in parts),
     ]
-    return [Table(columns, result.series)]
+    return [Table(columns, result.displacements.series)]
 
 
 def verdict(result: Result) -> str:
@@ -239,7 +239,7 @@ def _rounded_up(value: float) -> str:
 
 def all_pairs(result: Result) -> list[Entry]:
     """The search of the paper's criterion: its bracket and the failed pairs of its trials."""
-    pairs = result.all_pairs
+    pairs = result.displacements.all_pairs
     if pairs is None:
         return []
     low, high = pairs.bracket
@@ -314,9 +314,9 @@ def _judgement(result: Result, rule: Rule) -> str:
         if rule.met(lowest):
             return f"MET (lowest estimate {_as_judged(lowest, rule)})"
         return f"MET, but not by the lowest estimate {_as_judged(lowest, rule)}"
-    whole = result.without_basal
+    whole = result.comparisons.without_basal
     if whole is not None and not whole.meets(rule):
-        return f"NOT MET ({whole.what}: {whole.in_words()})"
+        return f"NOT MET ({whole.WHAT}: {whole.in_words()})"
     if result.agree is False or result.status == "not_converged":
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":
@@ -328,7 +328,7 @@ def _judgement(result: Result, rule: Rule) -> str:
 
 def mechanisms(result: Result) -> list[Entry]:
     """Return the mechanisms of a block above a basal joint: that block, and the whole wedge by its closed form."""
-    if result.without_basal is None:
+    if result.comparisons.without_basal is None:
         return []
     columns: list[Column[MechanismRow]] = [
         Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
@@ -350,20 +350,20 @@ def curved_strength(result: Result) -> list[str]:
     return [
         f"{name} at {line.traction_kpa:.4g} kPa (node pairs {line.range_kpa[0]:.4g} .. {line.range_kpa[1]:.4g}): "
         f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
-        for name, line in result.curved_strength.items()
+        for name, line in result.limit_state.curved_strength.items()
     ]
 
 
 def why_no_sensitivity(result: Result) -> str:
     """Return why SENSITIVITY is not given though the closed form has it; empty where it is given."""
-    if result.governs and (result.moments_govern or result.status == "not_converged"):
+    if result.comparisons.governs and (result.moments_govern or result.status == "not_converged"):
         return "not given: it is read from the closed form, which does not govern here"
     return ""
 
 
 def governs(result: Result) -> list[Entry]:
     """What changes the factor of safety most, by the closed form."""
-    if not result.governs:
+    if not result.comparisons.governs:
         return []
     if reason := why_no_sensitivity(result):
         return [reason]
@@ -382,7 +382,7 @@ def governs(result: Result) -> list[Entry]:
         Column("then", then, "then"),
     ]
     parts = []
-    for row in result.governs:
+    for row in result.comparisons.governs:
         name, factor, _ = row
         by = change(row)
         if factor is None:
@@ -390,4 +390,4 @@ def governs(result: Result) -> list[Entry]:
         else:
             parts.append(f"{name}: {factor:.2f}" if by is None or name == "full water" else f"{name} {by:+.2f}")
     said = " | ".join(parts) + "   (closed form)"
-    return [Table(columns, result.governs, rest="One at a time, by the closed form.", said=said)]
+    return [Table(columns, result.comparisons.governs, rest="One at a time, by the closed form.", said=said)]

@@ -160,7 +160,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
                      "where they and the face meet; what lies above them is not looked at (is "
                      f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
-        too = "; acceptance is held against it too" if any(whole.asks(rule) for rule in design.rules) else ""
+        too = "; acceptance is held against it too" if any(rule.is_least for rule in design.rules) else ""
         lost = len(design.bolts) - len(_bolts_of_whole(replace(design, basal=None)))
         within = f" and {lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)" if lost else ""
         yield Notice(

@@ -14,13 +14,13 @@ from slopekit.extents import Scaled, WedgeGeometry
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rock.cutting import Block, cut_wedge
 from slopekit.geometry.rock.rockmass import CRACK, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
-from slopekit.kinds.single_block.one_block import Cut, left_out_of_slope
+from slopekit.kinds.single_block.one_block import left_out_of_slope
+from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.loads import Hull, Loads, PointForce, block_loads, check_bolt
-from slopekit.notices import Interface
 from slopekit.preie.system.model import build_model
 
 if TYPE_CHECKING:
