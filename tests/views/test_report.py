@@ -132,7 +132,9 @@ def test_moments_that_govern_are_said_with_the_number_to_use() -> None:
     """A tall slice whose moments govern; the fields are set by hand, the words follow from them alone."""
     wet = wet_wedge()
     fos = replace(wet.fos, highest=1.9876)
-    found = replace(wet, fos=fos, moments_govern=True, forces_only=1.9876).to_dict()
+    found = replace(
+        wet, fos=fos, moments_govern=True, comparisons=replace(wet.comparisons, forces_only=1.9876)
+    ).to_dict()
     seen = words(report_of(found, with_pictures=False).html)
     assert "moments govern" in seen
     assert "the limit is the number to use" in seen
