@@ -477,31 +477,6 @@ def test_bolts_alone_hold_smooth_blocks() -> None:
     assert limit_of(given).factor == pytest.approx(120.0 / (WEIGHT * ALONG), rel=1e-11)
 
 
-@pytest.mark.parametrize("length", [None, 25.0])
-def test_columns_in_rows_keep_their_bolts(length: float | None) -> None:
-    """A bolt of the second row ties columns of the second row: the first, without bolts, fails as if it were alone."""
-    columns = {"dip": 70, "width": 2, "heights": [3, 6, 5, 3], "base_step": 0.3}
-    given = {
-        "slopekit": 1, "kind": "topple", "columns": columns, "strength": {"j": {"c": 0, "phi": 35}},
-        "rock": {"unit_weight": 25}, "analysis": {"mechanisms": 2},
-    }  # fmt: skip
-    alone = sk.run(given).fos.limit
-    scene = cut(sk.load(given))
-    head = scene.assembly.centroids[1]
-    held = {"force": 400, "toward": "090/20", "acts": "passive", "head": [float(head[0]), 0.0, float(head[2])]}
-    if length is not None:
-        held["length"] = 2.5
-    two = {**given, "columns": columns | {"rows": 2}, "support": {"bolts": [held | {"block": "C2-2"}]}}
-    (toe,) = cut(sk.load(two)).bolts.toe
-    assert toe == (-1 if length is None else 6)
-    result = sk.run(two)
-    assert result.fos.limit == pytest.approx(alone, rel=1e-9)
-    assert {block.name[-2:] for block in result.findings.mechanisms[0].blocks} == {"-1"}
-    one = sk.run({**given, "support": {"bolts": [held | {"block": "C2"}]}})
-    assert one.fos.limit > alone * 1.01
-    assert result.findings.mechanisms[1].fos == pytest.approx(one.fos.limit, rel=1e-9)
-
-
 def test_bolts_that_hold_nothing_are_refused() -> None:
     """All faults at once: too short for its block, on bedrock, in no block."""
     given = design({"A": box(0.0), "B": box(5.0)}, [bolt(50.0, head=middle(2.0, 1.0), length=1.0), bolt(9.0, "C")])

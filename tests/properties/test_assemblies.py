@@ -37,7 +37,6 @@ IN_SECTION = on_the_map | {
 }
 AS_COLUMNS = {
     "small, twice as heavy": (changes.in_turn(small, changes.heavier), SMALL),
-    "large, three rows": (changes.in_turn(changes.in_rows, large), LARGE),
 }
 IN_SPACE = on_the_map | {
     "small, twice as heavy, the other way round": (changes.in_turn(small, changes.heavier, changes.reordered), SMALL),

@@ -293,11 +293,11 @@ def test_the_users_blocks_and_their_strengths() -> None:
     )
 
 
-def test_columns_in_rows_with_two_strengths() -> None:
-    rows = {"columns.rows": 3, "columns.heights": [5, 5], "columns.base_step": 0}
+def test_columns_with_two_strengths() -> None:
+    rows = {"columns.heights": [5, 5], "columns.base_step": 0}
     found = sk.run(path_of("topple"), set=rows)
     words = " ".join(kind_of(found.design).slope(found.design, found)[0].entries)
-    assert "2 columns in each of 3 rows side by side, C1 at the toe" in words
+    assert "2 columns, C1 at the toe" in words
     assert "bases dip 16° out of the slope, in one plane heights all 5 m" in words
     assert "bases  bedding: c 0 kPa  φ 36° sides  joint: c 0 kPa  φ 40°" in words
 

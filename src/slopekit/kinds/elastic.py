@@ -283,8 +283,7 @@ def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:
     def body(block: int) -> Any:
         name = scene.names[block]
         if assembly.in_section:
-            shown = [outline for called, outline in scene.outlines.items() if called != "bedrock" or called == name]
-            outline = np.asarray(scene.outlines.get(name, shown[block % len(shown)]))
+            outline = np.asarray(scene.outlines[name])
             if not is_convex_outline(outline):
                 raise _refuse(f"{name} is not convex")
             return mesh_of(outline, fanned([range(len(outline))]))

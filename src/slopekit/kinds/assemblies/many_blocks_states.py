@@ -312,11 +312,11 @@ def _sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) ->
     volumes = assembly.volumes[blocks]
     volume, mass = float(volumes.sum()), float(volumes @ scene.unit_weights[blocks]) / gravity_m_s2
     if scene.outlines:
-        own = [outline for name, outline in scene.outlines.items() if name != "bedrock" or name in scene.names]
-        heights = np.concatenate([own[k % len(own)][:, 1] for k in blocks.tolist()])
+        own = [scene.polygons[k] for k in blocks.tolist()]
+        heights = np.concatenate([outline[:, 1] for outline in own])
         setback = None
         if scene.crest_x is not None:  # to the back of the last column, at its top: the third corner of an outline
-            setback = max(0.0, max(float(own[k % len(own)][2, 0]) for k in blocks.tolist()) - scene.crest_x)
+            setback = max(0.0, max(float(outline[2, 0]) for outline in own) - scene.crest_x)
         return BlockSizes(volume, mass, float(np.ptp(heights)), None, setback, {})
     moves = np.zeros(len(assembly) + 1, dtype=bool)
     moves[blocks] = True

@@ -157,13 +157,11 @@ def _surface(scene: AssemblyScene, block: int) -> Iterator[tuple[Floats, Floats]
             if size := float(np.sqrt(whole @ whole)):
                 yield corners, whole / size
         return
-    names = [name for name in scene.outlines if name != "bedrock"]
-    outline = scene.outlines[names[block % len(names)]]  # of its own row of columns
+    outline = scene.polygons[block]
     x, z = outline.T
     turned = np.sign(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
-    y = float(assembly.centroids[block, 1])
     for k in range(len(outline)):
-        start, end = np.array([x[k - 1], y, z[k - 1]]), np.array([x[k], y, z[k]])
+        start, end = np.array([x[k - 1], 0.0, z[k - 1]]), np.array([x[k], 0.0, z[k]])
         run = end - start
         if size := float(np.sqrt(run @ run)):
             yield _wide(start, end, scene.thickness or 1.0), turned * np.array([run[2], 0.0, -run[0]]) / size
