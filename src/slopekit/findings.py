@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.block_scene import BlockSizes, Contacts, Shapes, Solids, joined, prism
+from slopekit.block_scene import Contacts, Shapes, Sizes, Solids, joined, prism
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import NO_JSON
 from slopekit.core.records import dataclass
@@ -80,7 +80,7 @@ class Mechanism:
     interfaces: tuple[GoverningInterface, ...]
     pairs_by_mode: Mapping[str, int]
     basis: str = "none"
-    size: BlockSizes | None = None
+    size: Sizes | None = None
 
 
 @dataclass(frozen=True, slots=True)

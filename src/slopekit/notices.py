@@ -54,22 +54,22 @@ def _percent(part: float) -> str:
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
     """What a reader must know of the inputs, whatever the kind."""
-    yield from _read_notices(design)
-    yield from _static_bound_judged(design)
-    yield from _tension_notices(strengths)
-    yield from strength_notices(strengths)
-
-
-def _static_bound_judged(design: Design) -> Iterator[Notice]:
-    """A rule on what is no answer."""
-    if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
+    yield from not_as_given(design)
+    yield from means_taken(design)
+    least = [rule for rule in design.rules if rule.relation in (">=", ">")]
+    asks = max((rule.value for rule in least), default=0.0)
+    if design.partial is not None and asks > 1.0:
+        yield Notice(
+            "W332", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
+        )
+    if design.partial is not None and getattr(design, "crack_searched", None):
+        yield Notice("W332", "the crack stands where it is worst without the partial factors")
+    yield from weight_notices(design)
+    if any(rule.name == "fos.static_bound" for rule in least):
         yield Notice("W332", "a rule judges the upper bound, which is unsafe as an answer")
-
-
-def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """What the limit does not count."""
     if any(strength.tension_kpa for strength in strengths):
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
+    yield from strength_notices(strengths)
 
 
 def strength_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
@@ -160,20 +160,6 @@ def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]
         yield Notice("W366", f"not used: {'; '.join(design.left_out)}")
     if design.read_as:
         yield Notice("W373", f"read of {'; '.join(design.read_as)}")
-
-
-def _read_notices(design: Design) -> Iterator[Notice]:
-    """What reading the design already says."""
-    yield from not_as_given(design)
-    yield from means_taken(design)
-    asks = max((rule.value for rule in design.rules if rule.relation in (">=", ">")), default=0.0)
-    if design.partial is not None and asks > 1.0:
-        yield Notice(
-            "W332", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
-        )
-    if design.partial is not None and getattr(design, "crack_searched", None):
-        yield Notice("W332", "the crack stands where it is worst without the partial factors")
-    yield from weight_notices(design)
 
 
 def weight_notices(design: Design) -> Iterator[Notice]:

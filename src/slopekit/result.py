@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slopekit._version import FORMAT, __version__
-from slopekit.block_scene import BlockScene, BlockSizes, Sizes
+from slopekit.block_scene import BlockScene, Sizes
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
@@ -328,7 +328,7 @@ class Result(Shown):
         return {self.name: Table(columns, [self]), **Shown.tables(self)}
 
     @property
-    def size(self) -> Sizes | BlockSizes | None:
+    def size(self) -> Sizes | None:
         """Of what fails, of many blocks first; None where it was not measured."""
         if self.findings is None:
             return getattr(self.geometry, "sizes", None)

@@ -30,7 +30,7 @@ from slopekit.elastic.meshing import (
     split_evenly,
 )
 from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
-from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
+from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.protocol import Kind
@@ -437,13 +437,15 @@ def _answer(
     opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
+    degrees = sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load)
+    mesh = ElasticMesh(
+        rest.failed_pairs, len(area), degrees, sum(one.cells for one in scene.blocks), scene.edge, rock.order, taken,
+        rest.residual,
+    )  # fmt: skip
     return ElasticBlocks(
         limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
-        scene.names[most] if scene.names else None, rest.failed_pairs, len(area),
-        sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),
-        sum(one.cells for one in scene.blocks), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
-        taken, rest.residual, steps,
+        scene.names[most] if scene.names else None, rock.modulus_kpa, rock.poisson, steps, mesh,
         ElasticPairs(
             frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
             frozen(stiff), tuple(rest.opened(model).tolist()),

@@ -256,7 +256,8 @@ def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[Clo
         closed = toppling_factor_of_safety(slope)
         table = toppling_table(slope, (closed.factor or 1.0) * (1.0 + _BEYOND))
     except DesignError as error:
-        return ClosedForm(None, "", not_taken(error)), ()
+        why = f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
+        return ClosedForm(None, "", why), ()
     ways = {block.name: _MODES[block.how] for block in mechanism.blocks} if mechanism is not None else {}
     columns = tuple(_columns(design, table, ways))
     rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
@@ -295,11 +296,6 @@ def _slid_onto(table: TopplingTable) -> list[str]:
     """Columns that slide above one that topples: water or a load on their tops drives them."""
     topples = [k for k, mode in enumerate(table.modes) if mode == "topple"]
     return [f"C{k + 1}" for k, mode in enumerate(table.modes) if mode == "slide" and topples and k > topples[0]]
-
-
-def not_taken(error: DesignError) -> str:
-    """Why Goodman & Bray's method does not take the columns of a design that has their table otherwise."""
-    return f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
 
 
 def why_no_table(design: ToppleDesign) -> str:

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
-from slopekit.block_scene import BlockSizes, Sizes
+from slopekit.block_scene import Sizes
 from slopekit.core.orientation import Line, coordinates
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design
@@ -127,7 +127,7 @@ def size_part(result: Result, height_m: float, per: str = "") -> Section:
     )
 
 
-def extents_in_words(sizes: Sizes | BlockSizes) -> list[str]:
+def extents_in_words(sizes: Sizes) -> list[str]:
     """Width along the crest and setback behind it, those that there are.
 
     >>> extents_in_words(Sizes(5.0, 8.0, 2.0, {}))
@@ -138,7 +138,7 @@ def extents_in_words(sizes: Sizes | BlockSizes) -> list[str]:
     return [", ".join([*width, *setback])] if width or setback else []
 
 
-def traces_in_words(sizes: Sizes | BlockSizes) -> list[str]:
+def traces_in_words(sizes: Sizes) -> list[str]:
     """Trace lengths on face and upper slope.
 
     >>> traces_in_words(Sizes(5.0, 8.0, 2.0, {"J1": {"face": 6.0, "upper": 3.0}, "J2": {"face": 7.25}}))

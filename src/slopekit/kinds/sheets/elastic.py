@@ -42,7 +42,7 @@ def _percent(share: float) -> str:
 
 
 def _rock(blocks: ElasticBlocks) -> str:
-    taken = f" ({' and '.join(blocks.taken)} taken, not given)" if blocks.taken else ""
+    taken = f" ({' and '.join(blocks.mesh.taken)} taken, not given)" if blocks.mesh.taken else ""
     rock = f"modulus {blocks.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {blocks.poisson:.3g}{taken}"
     return f"{rock}; rigid bedrock"
 
@@ -79,6 +79,6 @@ def _size(result: Result, blocks: ElasticBlocks) -> str:
     seconds = result.timing_s.get("elastic")
     took = "" if seconds is None else f"; {seconds:.2g} s"
     return (
-        f"{blocks.cells} elements of order {blocks.order}, edges up to {short(blocks.edge_m)} m, "
-        f"{blocks.node_pairs} node pairs, {blocks.unknowns} unknowns, {blocks.steps} Newton steps{took}"
+        f"{blocks.mesh.cells} elements of order {blocks.mesh.order}, edges up to {short(blocks.mesh.edge_m)} m, "
+        f"{blocks.mesh.node_pairs} node pairs, {blocks.mesh.unknowns} unknowns, {blocks.steps} Newton steps{took}"
     )

@@ -17,7 +17,6 @@ from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
-from slopekit.extents import Scaled
 from slopekit.kinds.words import short
 
 #: What made a wedge smaller.
@@ -140,10 +139,10 @@ def without(
     return np.where(gone, why + (first - 1), outcome).astype(np.int8), np.where(gone, np.nan, factor)
 
 
-def scaled(design: Any) -> Scaled:
-    """What the limits made of one wedge."""
+def scaled(design: Any) -> dict[str, Any]:
+    """What the limits made of one wedge: the factor of its lengths, and by which of them."""
     fit = fitted(design)
-    return Scaled(float(fit.scale[0]), LIMITED_BY[fit.by[0]] or None)
+    return {"factor": float(fit.scale[0]), "by": LIMITED_BY[fit.by[0]] or None}
 
 
 def in_words(design: Any) -> list[str]:
