@@ -125,7 +125,7 @@ class Hull:
     size: float
 
     def meets(self, head: Floats, direction: Floats) -> tuple[float | None, bool]:
-        """How far (m) from its head a bolt reaches sound rock, None where it misses the block; whether it is anchored."""
+        """How far (m) from a head sound rock begins, None where a bolt misses the block; whether it is anchored."""
         passage = self.passage(head[None, :], direction)
         return float(passage.sound[0]) if passage.meets[0] else None, bool(passage.is_anchored[0])
 

@@ -161,9 +161,9 @@ def mass_in_words(mass_t: float) -> str:
     return f"{short(mass_t * 1e3)} kg" if mass_t < 1.0 else f"{short(mass_t)} t"
 
 
-def short(value: float) -> str:
-    """A number in four digits."""
-    return size_number(float(f"{value:.4g}"))
+def short(value: float, digits: int = 4) -> str:
+    """A number in four digits, or so many."""
+    return size_number(float(f"{value:.{digits}g}"))
 
 
 def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> Section:

@@ -145,10 +145,8 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
             bolts.append(GoverningInterface(scene.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
             continue
         patch = int(part.patch[k])
-        name = "/".join(
-            scene.names[side] if side >= 0 else "bedrock"
-            for side in (int(patches.plus[patch]), int(patches.minus[patch]))
-        )
+        sides = int(patches.plus[patch]), int(patches.minus[patch])
+        name = "/".join(scene.names[side] if side >= 0 else "bedrock" for side in sides)
         entry = sums.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
         for at, value in enumerate((work[k], normal[k], area[k], open_area[k])):
             entry[at] += float(value)

@@ -158,7 +158,7 @@ def _movement(result: Result) -> list[str]:
     failed, pairs = state.failed_pairs, result.model.node_pairs
     yielding = f"{failed} of {pairs} node pairs yield" if failed else "no yielding"
     return [
-        f"displacement at F = 1 on elastic joints: {short(_size_m(result) * 1e3)} mm, {yielding} "
+        f"displacement at F = 1 on elastic joints: {short(_size_m(result) * 1e3, 3)} mm, {yielding} "
         f"({result.design.stiffness.in_words()})"
     ]
 

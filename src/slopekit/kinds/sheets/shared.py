@@ -51,7 +51,7 @@ def forces(result: Result) -> list[Entry]:
     ]
     alone = " (forces alone)" if result.moments_govern else ""
     whole = [
-        ("weight", acting.weight), (f"driving along the slide{alone}", acting.driving), ("resisting", acting.resisting)
+        ("weight", acting.weight), (f"driving, along the slide{alone}", acting.driving), ("resisting", acting.resisting)
     ]  # fmt: skip
     sums: list[Column[tuple[str, float | None]]] = [
         Column("load", itemgetter(0), width=-40),
@@ -199,8 +199,8 @@ def all_pairs(result: Result) -> list[Entry]:
         return []
     low, high = pairs.bracket
     if result.fos.all_pairs_failed is None:
-        return [f"not found: the search met no factor at which the {result.words.block} rests on sticking pairs"]
-    how = "equilibrium lost there" if pairs.lost_equilibrium else f"the {result.words.block} still stands there"
+        return ["not found: the search met no factor with equilibrium on sticking pairs"]
+    how = "equilibrium lost there" if pairs.lost_equilibrium else "still in equilibrium there"
     trials = sorted(pairs.history)
     columns: list[Column[tuple[float, int]]] = [
         Column("factor", itemgetter(0), "factor", show=".5f", width=9),
