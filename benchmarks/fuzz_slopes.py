@@ -129,7 +129,7 @@ columns: {dip: 65, width: 4 m, base_angle: 32, thickness: 2, base: slate, sides:
 strength: {slate: {c: 0, phi: 38}, joint: {law: barton-bandis, jrc: 6, jcs: 40 MPa, phi_r: 30}}
 rock: {unit_weight: 25}
 water: {mode: table, plane: 10/180@4m}
-loads: {surcharge: {C2-1: 5}}
+loads: {surcharge: {C2: 5}}
 analysis: {mechanisms: 2}
 cases:
   dry: {set: {water: null}, accept: "fos >= 1.2"}
