@@ -88,6 +88,8 @@ def _factors(result: Result) -> Iterator[Factor]:
     limit += f"{', joints dilate as given' if dilating else ''}{result.words.assumes}"
     limit += ", strength of each node pair at its own normal traction" if secant else ""
     yield Factor(fos.limit, limit if fos.limit is not None or not many else f"{limit}: {result.status_text}")
+    if fos.lowest is not None and not many:
+        yield Factor(fos.lowest, shared.LOWEST)
     without = result.status == "not_converged" and many  # nothing to agree with, or not to
     if fos.closed_form is not None or (result.agree is not None and not without):
         alone = ", forces only" if result.words.turns and not many else ""
@@ -100,8 +102,6 @@ def _factors(result: Result) -> Iterator[Factor]:
         yield shared.locked_in(result)
     elif many and fos.limit is not None:
         yield Factor(None, "range for other load paths and locked-in stresses: not found")
-    elif fos.lowest is not None:
-        yield Factor(fos.lowest, shared.LOWEST)
     if fos.static_bound is not None:
         yield Factor(fos.static_bound, shared.UPPER_BOUND)
     elif fos.limit is not None:
