@@ -15,6 +15,7 @@ from slopekit.core.errors import GeometryError
 from slopekit.kinds import cut
 from slopekit.kinds.protocol import compare
 from slopekit.kinds.single_block.one_block import block_status
+from slopekit.kinds.single_block.one_block_limit import FoundLimit
 from slopekit.kinds.wedge import compared as compared_form
 from slopekit.preie.one_block.limit import limit_analysis
 
@@ -82,7 +83,7 @@ def compared(design: dict) -> Compared:
         return Compared(design, error.codes[0], None, False, None)
     scene = made.scene_at(0)
     found = limit_analysis(scene.model)
-    status = block_status(found.governing, found, scene, made.joints)
+    status = block_status(FoundLimit(scene, scene, found), made.joints)
     factor = found.forces_only.factor if found.moments_govern else found.governing.factor
     difference, agree = compare(factor, status, closed, loaded.agree_within)
     if factor and not found.moments_govern and status != "rotates":  # some joint opens in part

@@ -38,8 +38,8 @@ def main(halved: int = 3) -> None:
     print("edge m  order  elements  pairs  unknowns  opened    limit    off finest  moved mm    σ' J1 kPa     CPU s")
     for edge, order, found, took in rows:
         moved = 1e3 * float(np.linalg.norm(found.displacement_m))
-        low, high = found.joints["J1"].elastic_kpa
-        print(f"{edge:6.1f}  {'P' + str(order):>5s}  {found.cells:8d}  {found.node_pairs:5d}  {found.unknowns:8d}  "
+        (low, high), mesh = found.joints["J1"].elastic_kpa, found.mesh
+        print(f"{edge:6.1f}  {'P' + str(order):>5s}  {mesh.cells:8d}  {mesh.node_pairs:5d}  {mesh.unknowns:8d}  "
               f"{found.opened_share:6.2%}  {found.limit:.5f}  {found.limit / finest.limit - 1.0:10.1e}  {moved:8.4f}  "
               f"{low:6.1f} .. {high:5.1f}  {took:8.3f}")  # fmt: skip
     print(f"the paper's PFE-IE {PAPER_S:.0f} s")

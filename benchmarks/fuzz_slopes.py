@@ -125,11 +125,11 @@ cases: {dry: {set: {water: null}, accept: "fos >= 1.2"}, deep: {set: {water: {mo
 slopekit: 1
 kind: topple
 slope: {height: 20 m, face: 65, upper: 5}
-columns: {dip: 65, width: 4 m, base_angle: 32, rows: 2, thickness: 2, base: slate, sides: joint}
+columns: {dip: 65, width: 4 m, base_angle: 32, thickness: 2, base: slate, sides: joint}
 strength: {slate: {c: 0, phi: 38}, joint: {law: barton-bandis, jrc: 6, jcs: 40 MPa, phi_r: 30}}
 rock: {unit_weight: 25}
 water: {mode: table, plane: 10/180@4m}
-loads: {surcharge: {C2-1: 5}}
+loads: {surcharge: {C2: 5}}
 analysis: {mechanisms: 2}
 cases:
   dry: {set: {water: null}, accept: "fos >= 1.2"}
@@ -176,7 +176,7 @@ VALUES: dict[str, tuple[object, ...]] = {
     "points": ("-1e6", "-5", "0", "9", "15", "20", "1e6"), "surcharge": ("0", "1e-9", "10 kPa", "1e3", "1e12"),
     "base_angle": ("0.01", "10", "24", "25", "30", "45", "89"), "base_step": ("0", "1e-6", "0.5", "2", "50"),
     "heights": ("1e-6", "0.5", "4", "40", "1e5"), "width": ("1e-3", "0.5", "2", "10", "1e4"),
-    "rows": ("1", "2", "3"), "thickness": ("1e-3", "1", "100"), "mechanisms": ("1", "2", "5"),
+    "thickness": ("1e-3", "1", "100"), "mechanisms": ("1", "2", "5"),
     "waviness": ("0", "1", "15", "40", "89"), "jrc": ("0", "1", "8", "20", "25"),
     "jcs": ("1e-6", "1 MPa", "50 MPa", "1e9"), "phi_r": ("0", "15", "30", "60", "69.9"),
     "a": ("0", "0.1", "2", "1000"), "d": ("0", "5", "1e6"), "i": ("0", "5", "15", "45", "60"),
@@ -278,7 +278,7 @@ SECTIONS: dict[str, tuple[tuple[str, str], ...]] = {
 FRAGMENTS = (
     "basal: {plane: 25/180, height: 4}", "limits: {max_volume: 10}", "surcharge: 10 kPa", "mode: table", "depth: 3 m",
     "pond: 2 m", "points: [[0, 0], [9, 5]]", "residual: {c: 0, phi: 20}", "law: bridged", "persistence: 0.9",
-    "partial_factors: DA2", 'cases: {a: {accept: "fos > 1"}}', "distance: worst", "base_angle: 33", "rows: 2",
+    "partial_factors: DA2", 'cases: {a: {accept: "fos > 1"}}', "distance: worst", "base_angle: 33",
     "waviness: 4", "set: DA1-C1", "forces: variable", "by: filter", "height: 5", "trace_length: 4",
     "project: {name: x}",
 )  # fmt: skip

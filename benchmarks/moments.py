@@ -71,7 +71,7 @@ def main(count: int = 400, seed: int = 11) -> None:
             continue
         made = cut(wedge_design(kwargs))
         began = time.process_time()
-        found = find_limit(made.scene_at, made.refine, Clock())
+        found = find_limit(made, Clock())
         times.append(time.process_time() - began)
         if found.factors is None or not opens_cohesive(kwargs, found):
             continue

@@ -56,7 +56,7 @@ def limit_of(inputs: dict[str, Any]) -> FoundLimit | None:
         made = cut(wedge_design(inputs))
     except sk.GeometryError:
         return None
-    return find_limit(made.scene_at, made.refine, Clock())
+    return find_limit(made, Clock())
 
 
 def cuts(count: int, seed: int) -> Iterator[tuple[dict[str, Any], FoundLimit]]:

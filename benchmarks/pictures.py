@@ -68,7 +68,8 @@ def main(folder: Path) -> None:
         target.write_text(text)
         shapes = result.scene.shapes
         free = int((~shapes.fixed).sum())
-        print(f"\n{name}: {len(shapes.names)} blocks ({free} may move), {len(result.node_pairs)} node pairs, "
+        pairs = len(result.limit_state.node_pairs)
+        print(f"\n{name}: {len(shapes.names)} blocks ({free} may move), {pairs} node pairs, "
               f"solved in {solved:.1f} s, JSON {len(text) / 1e3:.0f} kB")  # fmt: skip
         sk.plot(document, "scene", folder / "warm.png")
         for what in (*SCENES, "stereonet"):

@@ -80,7 +80,7 @@ def random_wedges(count: int = 2000, seed: int = 2000) -> None:
             topples = "moments govern: no number (topples)"
             outcomes[topples if limit is None else "moments govern: below the closed form"] += 1
             above += limit is not None and limit >= closed
-            worst_alone = max(worst_alone, abs(result.forces_only / closed - 1.0))
+            worst_alone = max(worst_alone, abs(result.comparisons.forces_only / closed - 1.0))
         elif closed is None:
             outcomes["no number from either"] += 1
         else:

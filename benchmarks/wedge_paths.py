@@ -81,7 +81,7 @@ def compared(rng: np.random.Generator, passive: bool = False) -> tuple[str, floa
     if one.fos.limit is None or many.factor is None:
         alike = (one.fos.limit is None) == (many.factor is None)
         return f"no factor: {one.status} / {many.outcome.name}{'' if alike else ' DIFFER'}", 0.0
-    off = min(many.factor, one.forces_only or math.inf) / one.fos.limit - 1.0
+    off = min(many.factor, one.comparisons.forces_only or math.inf) / one.fos.limit - 1.0
     if abs(off) < 1e-6:
         return "alike", off
     if abs(off) < _NEAR:

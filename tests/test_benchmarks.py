@@ -75,8 +75,9 @@ def test_elastic_blocks_are_timed_with_the_order_that_is_asked_for() -> None:
     plain = sk.wedge(("45/115", "45/245"), shear_stiffness=1e5, edge=140)
     for order, nodes in ((1, 10), (2, 35)):
         found, took = elastic_speed.timed(plain, order)
-        assert (found.cells, found.order) == (8, order)
-        assert found.unknowns == 3 * nodes + 3 * found.node_pairs + 6
+        mesh = found.mesh
+        assert (mesh.cells, mesh.order) == (8, order)
+        assert mesh.unknowns == 3 * nodes + 3 * mesh.node_pairs + 6
         assert took > 0.0
 
 

@@ -12,13 +12,13 @@ import slopekit as sk
 from benchmarks.ordinary_cuts import notices_of_sheets
 from slopekit.core.errors import SolverError
 from slopekit.core.explanations import explanations
-from slopekit.design.parts import Strength
 from slopekit.design.templates import path_of
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
+from slopekit.kinds.single_block.one_block_limit import FoundLimit
+from slopekit.kinds.single_block.one_block_notices import notices
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.notices import Facts, Interface, notices
 from slopekit.preie.one_block.limit import limit_analysis
 from slopekit.preie.system.model import JointStrength, build_model
 from tests.commands import slopekit
@@ -94,22 +94,22 @@ def facts(**changes) -> tuple[set[str], str]:
     """The codes said of the paper's wedge with some of the facts changed, and all that was said."""
     given = {"face": "60/180", "upper": "10/180", "height": 64.89, "c": 50, "phi": 20, "density": 2600}
     design = wedge_design({"dips": DIPS} | given)
-    scene = cut(design).scene_at(0)
+    made = cut(design)
+    scene = made.scene_at(0)
     analysis = limit_analysis(scene.model)
-    if "change" in changes:
-        governing = replace(analysis.governing, change=changes.pop("change"))
+    if "swings" in changes:
+        governing = replace(analysis.governing, change=changes.pop("swings"))
         analysis = replace(analysis, governing=governing)
-    found = Facts("slides_on_both", analysis, scene.pairs, scene.model, None, "", "wedge")
-    interfaces = [Interface(0, "J1", Strength(50, 20)), Interface(1, "J2", Strength(50, 20))]
-    said = list(notices(design, interfaces, replace(found, **changes)))
+    found = replace(FoundLimit(scene, scene, analysis), **changes)
+    said = list(notices(design, made, found, "", "wedge"))
     return {notice.code for notice in said}, "\n".join(map(str, said))
 
 
 @pytest.mark.parametrize(
     ("code", "changes", "says"),
     [
-        ("W312", {"mesh_change": 0.03}, "still moved the limit by 3.0 %"),
-        ("W317", {"change": 0.01}, "the passes did not settle: the limit swings between 1.557 and 1.573"),
+        ("W312", {"change": 0.03}, "still moved the limit by 3.0 %"),
+        ("W317", {"swings": 0.01}, "the passes did not settle: the limit swings between 1.557 and 1.573"),
     ],
 )
 def test_notices_of_what_the_solver_met(code, changes, says) -> None:

@@ -32,7 +32,7 @@ def test_limit_equals_the_closed_form_or_moments_lower_it(results) -> None:
         limit, closed = result.fos.limit, result.fos.closed_form
         if result.moments_govern:
             assert limit is None or limit < closed
-            assert result.forces_only == pytest.approx(closed, rel=1e-6)
+            assert result.comparisons.forces_only == pytest.approx(closed, rel=1e-6)
         elif closed is None:
             assert limit is None
         else:
@@ -60,23 +60,23 @@ def test_forces_balance(results) -> None:
     """All that have a factor; 2e-5 where many passes ended still in motion (W317 and `residual` say so)."""
     balanced = 0
     for result in results:
-        if result.balance is None:
+        if result.limit_state.balance is None:
             assert result.fos.limit is None or result.model.residual > 0.0
             continue
         allowed = max(1e-6, 10.0 * result.model.residual)
-        assert result.balance.force < allowed
-        assert result.balance.moment < allowed
-        assert result.balance.admissible_within(max(1e-4, allowed))
-        balanced += result.balance.moment < allowed
+        assert result.limit_state.balance.force < allowed
+        assert result.limit_state.balance.moment < allowed
+        assert result.limit_state.balance.admissible_within(max(1e-4, allowed))
+        balanced += result.limit_state.balance.moment < allowed
     assert balanced > COUNT / 2
 
 
 def test_control_areas_sum_to_the_joints_and_normal_forces_are_pushes(results) -> None:
     for result in results:
         for joint, name in enumerate(("J1", "J2")):
-            area = result.node_pairs.control_area_m2[result.node_pairs.joint == joint].sum()
+            area = result.limit_state.node_pairs.control_area_m2[result.limit_state.node_pairs.joint == joint].sum()
             assert area == pytest.approx(result.geometry.areas_m2[name], rel=1e-9)
-        assert result.node_pairs.normal_kn.min() >= 0.0
+        assert result.limit_state.node_pairs.normal_kn.min() >= 0.0
 
 
 def test_the_quick_evaluation_gives_the_same(results) -> None:

@@ -5,6 +5,7 @@ The arrays stand in a result's JSON under `scene`, packed: `{"type": "float64", 
 The classes neither compare nor print: arrays do that badly, and every wedge would pay for the methods.
 """
 
+import math
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
@@ -34,6 +35,7 @@ class Sizes:
     face_width_m : along the crest, between its outermost corners there; of what does not reach the crest between its
         outermost corners; None where the slope is taken per metre, or has no crest
     setback_m : how far behind the crest it reaches, horizontal and square to the crest; None where there is no crest
+    volume_m3, mass_t : of the blocks of a mechanism; not a number of one block, whose geometry and forces have them
     trace_lengths_m : by joint, on the face and on the upper slope, of a plane in the section; none where there is none
     """
 
@@ -41,18 +43,8 @@ class Sizes:
     face_width_m: float | None
     setback_m: float | None
     trace_lengths_m: Mapping[str, Mapping[str, float]]
-
-
-@dataclass(frozen=True, slots=True)
-class BlockSizes:
-    """The same of the blocks that move in a mechanism, with their volume and mass (t)."""
-
-    volume_m3: float
-    mass_t: float
-    height_m: float
-    face_width_m: float | None
-    setback_m: float | None
-    trace_lengths_m: Mapping[str, Mapping[str, float]]
+    volume_m3: float = math.nan
+    mass_t: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -1,13 +1,20 @@
 """What stands beside the status of a result: its factors of safety, forces, movements and what they rest on."""
 
 from collections.abc import Mapping
-from typing import ClassVar
+from dataclasses import field
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from slopekit.block_scene import Arrows, NodePairState
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
 from slopekit.design.parts import Rule
+
+if TYPE_CHECKING:
+    from slopekit.elastic.outcome import ElasticBlocks
+    from slopekit.preie.motion.all_pairs import AllPairsFailed
+    from slopekit.preie.motion.balance import Balance
 
 _ROUNDING = 1e-9  # of a factor that was solved for
 
@@ -84,15 +91,6 @@ class AtFactorOne:
 
 
 @dataclass(frozen=True, slots=True)
-class AllPairs:
-    """The paper's search: its bracket, whether equilibrium was lost at the upper end, every trial."""
-
-    bracket: tuple[float, float]
-    lost_equilibrium: bool
-    history: tuple[tuple[float, int], ...]
-
-
-@dataclass(frozen=True, slots=True)
 class ReductionStep:
     """The block at one strength reduction factor (a row of the paper's Table 3).
 
@@ -152,6 +150,7 @@ class WithoutBasal:
     NAME: ClassVar = "whole_wedge"
     BRIEF: ClassVar = "whole wedge"
     WHAT: ClassVar = "the whole wedge without the basal joint"
+    ALONE: ClassVar = " by the closed form; the block above the basal joint alone has it"
     status: str
     closed_form: float | None
 
@@ -160,28 +159,14 @@ class WithoutBasal:
         """What it is judged by."""
         return self.closed_form
 
-    @property
-    def what(self) -> str:
-        """What it is, in words."""
-        return self.WHAT
-
-    @property
-    def alone(self) -> str:
-        """By whom, and what has more, in words."""
-        return " by the closed form; the block above the basal joint alone has it"
-
     def in_words(self) -> str:
         """Status and factor."""
         said = self.status.replace("_", " ")
         return said if self.closed_form is None else f"{said}, F {self.closed_form:.4g}"
 
-    def asks(self, rule: Rule) -> bool:
-        """Whether a rule is held against it: every least factor of safety."""
-        return rule.is_least
-
     def meets(self, rule: Rule) -> bool:
         """Whether it keeps a least factor of safety: what is lifted or falls keeps none."""
-        if not self.asks(rule):
+        if not rule.is_least:
             return True
         if self.closed_form is None:
             return self.status not in ("lifted", "falls")
@@ -196,3 +181,54 @@ class WithoutBasal:
         if self.closed_form is None:
             return self.status in ("lifted", "falls")
         return self.closed_form < target * (1.0 - _ROUNDING)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitState:
+    """The state at the limit.
+
+    Attributes
+    ----------
+    node_pairs : their forces and modes; acting : the loads
+    mechanism : of one block; None where nothing moves, or many blocks do
+    balance : how well the forces of the node pairs balance the loads; None where there are none
+    openings : by joint what is pressed where the elastic bed settles the limit, else empty
+    curved_strength : the line of each curved law at the mean traction of its joint
+    """
+
+    node_pairs: NodePairState = field(repr=False)
+    acting: Arrows = field(repr=False)
+    mechanism: Movement | None = None
+    balance: "Balance | None" = None
+    openings: Mapping[str, ContactOpening] = field(default_factory=dict)
+    curved_strength: Mapping[str, SecantLine] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Displacements:
+    """Displacements on the elastic bed: at full strength, by the criterion of all pairs, along a series of factors."""
+
+    at_factor_one: AtFactorOne | None = None
+    all_pairs: "AllPairsFailed | None" = None
+    series: tuple[ReductionStep, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Comparisons:
+    """What else is known of the factor of safety.
+
+    Attributes
+    ----------
+    forces_only : the limit without moments, None of many blocks
+    methods : the factors of other closed forms of the kind (columns) by name; None where one has no answer
+    governs : changes of the input with the closed form's factor and status then
+    without_basal : what the whole wedge does whose toe a basal joint cuts off, None where there is none such
+    residual : on residual strength, None where no strength has one; elastic : of elastic blocks
+    """
+
+    forces_only: float | None = None
+    methods: Mapping[str, float | None] = field(default_factory=dict)
+    governs: tuple[tuple[str, float | None, str], ...] = ()
+    without_basal: WithoutBasal | None = None
+    residual: ResidualFactors | None = None
+    elastic: "ElasticBlocks | None" = None

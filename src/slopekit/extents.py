@@ -66,18 +66,11 @@ _SIZES = ("height_m", "face_width_m", "setback_m", "trace_lengths_m")
 
 
 @dataclass(frozen=True, slots=True)
-class Scaled:
-    """What limits of size made of a wedge: the factor of its lengths, and by which of them, None where it is 1."""
-
-    factor: float
-    by: str | None
-
-
-@dataclass(frozen=True, slots=True)
 class WedgeGeometry(_Sized):
     """Size and shape of the wedge: areas in m² by joint, the line of intersection as trend and plunge.
 
-    `faces_m` are all faces as (k, 3) polygons by name, anticlockwise seen from outside.
+    `faces_m` are all faces as (k, 3) polygons by name, anticlockwise seen from outside; `scaled` is what limits of size
+    made of it: the `factor` of its lengths, and `by` which of them, None where it is 1.
     """
 
     volume_m3: float
@@ -90,7 +83,7 @@ class WedgeGeometry(_Sized):
     centroid_m: Floats
     faces_m: Mapping[str, Floats] = field(repr=False, metadata=NO_JSON)
     sizes: Sizes | None = field(default=None, metadata=NO_JSON)
-    scaled: Scaled | None = None
+    scaled: Mapping[str, float | str | None] | None = None
     JSON_ALSO: ClassVar = ("line", *_SIZES)
 
     @property

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.block_scene import BlockSizes, Contacts, Shapes, Solids, joined, prism
+from slopekit.block_scene import Contacts, Shapes, Sizes, Solids, joined, prism
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import NO_JSON
 from slopekit.core.records import dataclass
@@ -80,7 +80,7 @@ class Mechanism:
     interfaces: tuple[GoverningInterface, ...]
     pairs_by_mode: Mapping[str, int]
     basis: str = "none"
-    size: BlockSizes | None = None
+    size: Sizes | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,14 +207,10 @@ class AssemblyGeometry:
             vertices, triangles, of = welded(self.vertices_m, self.triangles, self.triangle_block)
             solids = Solids(vertices, triangles, of, np.full(len(triangles), -1))
             return Shapes(self.names, fixed, self.centroids_m, tuple(self.areas_m2), solids, self.contacts)
-        thickness = self.thickness_m or 1.0
-        own = [outline for name, outline in self.outlines_m.items() if name != "bedrock" or name in self.names]
-        rock = [] if len(own) == len(self.outlines_m) else [self.outlines_m["bedrock"]]
-        y = self.centroids_m[:, 1]  # with several rows of columns each has its own
-        bodies = [prism(own[k % len(own)], thickness, float(y[k])) for k in range(len(self.names))]
-        centroids = self.centroids_m
+        thickness, centroids = self.thickness_m or 1.0, self.centroids_m
+        rock = [name for name in self.outlines_m if name not in self.names]
+        bodies = [prism(self.outlines_m[name], thickness) for name in (*self.names, *rock)]
         if rock:
-            bodies.append(prism(rock[0], float(np.ptp(y)) + thickness, float(y.min() + y.max()) / 2.0))
             centroids = np.concatenate([centroids, bodies[-1][0].mean(axis=0)[None, :]])
         vertices, triangles, of = joined(bodies)
         ends = self.contacts.corners.reshape(-1, 2, 3)
@@ -225,6 +221,6 @@ class AssemblyGeometry:
             self.contacts.minus,
         )  # fmt: skip
         return Shapes(
-            (*self.names, *["bedrock"] * len(rock)), np.append(fixed, [True] * len(rock)).astype(bool), centroids,
+            (*self.names, *rock), np.append(fixed, [True] * len(rock)).astype(bool), centroids,
             tuple(self.areas_m2), Solids(vertices, triangles, of, np.full(len(triangles), -1)), contacts,
         )  # fmt: skip

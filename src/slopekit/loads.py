@@ -124,6 +124,11 @@ class Hull:
     is_crack: Bools
     size: float
 
+    def meets(self, head: Floats, direction: Floats) -> tuple[float | None, bool]:
+        """How far (m) from a head sound rock begins, None where a bolt misses the block; whether it is anchored."""
+        passage = self.passage(head[None, :], direction)
+        return float(passage.sound[0]) if passage.meets[0] else None, bool(passage.is_anchored[0])
+
     @classmethod
     def of(cls, block: Block, joints: Sequence[int], crack: int) -> "Hull":
         """The planes of a block, of which `joints` and the tension crack are named by their ids."""
@@ -172,26 +177,6 @@ class Passage:
     meets: Bools
     sound: Floats
     is_anchored: Bools
-
-
-def check_bolt(
-    hull: Hull,
-    name: str,
-    head: Floats,
-    direction: Floats,
-    length: float | None,
-    where: str = "",
-) -> None:
-    """Refuse a bolt that misses a convex block or ends before it is anchored behind the deepest joint.
-
-    Raises
-    ------
-    GeometryError
-        E211 the bolt misses the block, E212 it is too short.
-    """
-    passage = hull.passage(head[None, :], direction)
-    sound = float(passage.sound[0]) if passage.meets[0] else None
-    judge_bolt(name, sound, bool(passage.is_anchored[0]), length, where)
 
 
 def judge_bolt(name: str, sound: float | None, anchored: bool, length: float | None, where: str) -> None:

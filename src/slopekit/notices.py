@@ -1,27 +1,19 @@
 """What a reader must know beside the number: notices with stable W-codes."""
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
-from slopekit.geometry.interfaces import NodePairs
-from slopekit.preie.one_block.limit import LimitAnalysis
-from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import MESH_CHANGE, PASSES_SETTLED
+from slopekit.preie.tolerances import MESH_CHANGE
 
 #: The code of inputs that nobody gave.
 INVENTED = "W379"
 #: Of the inputs, of other methods and of what a run asks besides: not of the factor, which studies repeat.
 _NOT_OF_FACTORS = {"W320", "W332", "W366", "W373", INVENTED}
-_ACROSS = 0.34  # cosine of 70°
-_ALL = 0.999999  # of an interface
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
 _HEIGHTS_M = (0.02, 2500.0)
 _INTACT_KPA = 5000.0  # of cohesion
@@ -31,36 +23,6 @@ _STEEPEST_DEG = 75.0  # of friction: Barton (1976) ends at 70
 _ARTESIAN = 3.0  # columns of water as high as the blocks
 _FEW = 6  # bolts that are named
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
-
-
-@dataclass(frozen=True, slots=True)
-class Interface:
-    """An interface by its id in the node pairs, its name, and its strength."""
-
-    key: int
-    name: str
-    strength: Strength
-
-
-@dataclass(frozen=True, slots=True)
-class Facts:
-    """What the analysis found, for the notices to judge.
-
-    Attributes
-    ----------
-    mesh_change : what the last refinement did
-    why_not : why the closed form is not compared; block : what moves
-    seismic : (3,) the way it acts, local axes; None without
-    """
-
-    status: str
-    analysis: LimitAnalysis
-    pairs: NodePairs
-    model: Model
-    mesh_change: float | None
-    why_not: str
-    block: str
-    seismic: Floats | None = None
 
 
 LostCohesion = tuple[float, int, int]
@@ -92,22 +54,22 @@ def _percent(part: float) -> str:
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
     """What a reader must know of the inputs, whatever the kind."""
-    yield from _read_notices(design)
-    yield from _static_bound_judged(design)
-    yield from _tension_notices(strengths)
-    yield from strength_notices(strengths)
-
-
-def _static_bound_judged(design: Design) -> Iterator[Notice]:
-    """A rule on what is no answer."""
-    if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
+    yield from not_as_given(design)
+    yield from means_taken(design)
+    least = [rule for rule in design.rules if rule.relation in (">=", ">")]
+    asks = max((rule.value for rule in least), default=0.0)
+    if design.partial is not None and asks > 1.0:
+        yield Notice(
+            "W332", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
+        )
+    if design.partial is not None and getattr(design, "crack_searched", None):
+        yield Notice("W332", "the crack stands where it is worst without the partial factors")
+    yield from weight_notices(design)
+    if any(rule.name == "fos.static_bound" for rule in least):
         yield Notice("W332", "a rule judges the upper bound, which is unsafe as an answer")
-
-
-def _tension_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """What the limit does not count."""
     if any(strength.tension_kpa for strength in strengths):
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
+    yield from strength_notices(strengths)
 
 
 def strength_notices(strengths: Sequence[Strength]) -> Iterator[Notice]:
@@ -200,33 +162,10 @@ def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]
         yield Notice("W373", f"read of {'; '.join(design.read_as)}")
 
 
-def _read_notices(design: Design) -> Iterator[Notice]:
-    """What reading the design already says."""
-    yield from not_as_given(design)
-    yield from means_taken(design)
-    asks = max((rule.value for rule in design.rules if rule.relation in (">=", ">")), default=0.0)
-    if design.partial is not None and asks > 1.0:
-        yield Notice(
-            "W332", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
-        )
-    if design.partial is not None and getattr(design, "crack_searched", None):
-        yield Notice("W332", "the crack stands where it is worst without the partial factors")
-    yield from weight_notices(design)
-
-
 def weight_notices(design: Design) -> Iterator[Notice]:
     """Yield W302 of a weight that no rock has."""
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
-
-
-def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
-    """The notices of one analysed block, in the order of their weight for the reader."""
-    yield from _read_notices(design)
-    yield from _of_the_factor(design, interfaces, facts)
-    strengths = [interface.strength for interface in interfaces]
-    yield from _static_bound_judged(design)
-    yield from strength_notices(strengths)
 
 
 def new_notices(notices: Iterable[Notice], earlier: Sequence[Notice]) -> list[Notice]:
@@ -246,70 +185,3 @@ def new_notices(notices: Iterable[Notice], earlier: Sequence[Notice]) -> list[No
 def those_of_factors(said: Iterable[Notice]) -> tuple[Notice, ...]:
     """Of the notices of an analysis those of the factor, which studies say too of the designs that they analyse."""
     return tuple(notice for notice in said if notice.code not in _NOT_OF_FACTORS)
-
-
-def notices_of_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
-    """Those of the notices of one analysed block that are of its factor: what studies say."""
-    yield from _of_the_factor(design, interfaces, facts)
-    yield from weight_notices(design)
-    yield from strength_notices([interface.strength for interface in interfaces])
-
-
-def _of_the_factor(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
-    """What a reader must know of the factor of one block: what it rests on, what it leaves out, how it was found."""
-    limit = facts.analysis.governing
-    yield from _of_the_limit(design, facts)
-    yield from _of_lost_cohesion(interfaces, facts)
-    yield from _of_shaking(facts)
-    strengths = [interface.strength for interface in interfaces]
-    yield from _tension_notices(strengths)
-    if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
-        drawn = -facts.model.bolt_rows @ limit.velocity_of(facts.model)
-        if not (drawn > SQUARE).any():
-            yield undrawn_notice()
-    if not len(facts.model.bolt_capacity) and not any(
-        strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
-    ):
-        yield Notice(
-            "W308", f"the joints have no strength: nothing holds the {facts.block}, there is no factor of safety"
-        )
-    if facts.why_not and any(strength.dilation_deg for strength in strengths):
-        yield Notice("W310", facts.why_not)
-    yield from bolt_notices(design)
-    yield from mesh_notices(facts.mesh_change or 0.0)
-
-
-def _of_the_limit(design: Design, facts: Facts) -> Iterator[Notice]:
-    """Yield W317 where the passes of the limit did not settle."""
-    limit = facts.analysis.governing
-    if limit.factor and not limit.settled_to(PASSES_SETTLED):
-        highest = limit.factor / (1.0 - limit.change)
-        swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
-        yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
-
-
-def _of_lost_cohesion(interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
-    """W307: interfaces that have lost contact where the forces alone govern, or that a curved surface opens on."""
-    limit, area = facts.analysis.governing, facts.model.control_area
-    if limit.factor is None or facts.analysis.moments_govern:
-        return
-    for interface in interfaces:
-        joint = facts.pairs.interface == interface.key
-        lost = float(area[joint & (limit.bond == 0.0)].sum() / area[joint].sum())
-        if interface.strength.cohesion_kpa > 0.0 and lost > 0.0:
-            opens = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
-            yield Notice("W307", f"{interface.name} {opens} and loses its cohesion there: the factor of safety jumps "
-                         "where that happens")  # fmt: skip
-
-
-def _of_shaking(facts: Facts) -> Iterator[Notice]:
-    """W328: a seismic load that does not drive the movement."""
-    limit, model = facts.analysis.governing, facts.model
-    if facts.seismic is not None and limit.factor is not None:
-        along = float(facts.seismic @ model.moved(limit.velocity_of(model))[0])
-        size = float(np.linalg.norm(facts.seismic) * np.linalg.norm(model.moved(limit.velocity_of(model))[0]))
-        if along < -0.1 * size:
-            yield Notice("W328", "the seismic load acts against the movement: it raises the factor of safety")
-        elif along < _ACROSS * size:
-            off = math.degrees(math.acos(along / size))
-            yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")

@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import field, fields
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit._version import FORMAT, __version__
-from slopekit.block_scene import Arrows, BlockScene, BlockSizes, NodePairState, Sizes
+from slopekit.block_scene import BlockScene, Sizes
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
@@ -16,25 +16,22 @@ from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.design.parts import Rule
 from slopekit.evidence import (
-    AllPairs,
-    AtFactorOne,
-    ContactOpening,
+    Comparisons,
+    Displacements,
     FactorsOfSafety,
     Forces,
+    LimitState,
     ModelSize,
     Movement,
     ReductionStep,
-    ResidualFactors,
-    SecantLine,
-    WithoutBasal,
 )
 from slopekit.extents import Geometry
-from slopekit.preie.motion.balance import Balance
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table
     from slopekit.elastic.outcome import ElasticBlocks
     from slopekit.findings import Findings, MechanismRow
+    from slopekit.preie.motion.all_pairs import AllPairsFailed
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -107,17 +104,12 @@ _SAME = 5e-5  # factors that differ by less than this part look the same
 class Result(Shown):
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 
-    `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
-    `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
-    `openings` say by joint what is pressed where the elastic bed settles the limit, else it is empty; `curved_strength`
-    has the line of each curved law at the mean traction of its joint.
-    `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
-    `residual` has the factors on residual strength, None where no strength has one; `elastic` those of elastic blocks.
-    `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
+    `difference` and `agree` hold PRE-IE against the closed form, forces with forces; `moments_govern`: the limit lies
+    below what forces alone give. `findings` are those of many blocks.
     """
 
-    name: ClassVar[str] = "result"
-    text_name: ClassVar[str] = "sheet"
+    name = "result"
+    text_name = "sheet"
     design: Design
     words: Words
     status: str
@@ -125,29 +117,35 @@ class Result(Shown):
     difference: float | None
     agree: bool | None
     moments_govern: bool
-    forces_only: float | None
-    static_bound_proved: bool
     geometry: Geometry
     forces: Forces
     model: ModelSize
-    mechanism: Movement | None
-    at_factor_one: AtFactorOne | None
-    all_pairs: AllPairs | None
-    governs: tuple[tuple[str, float | None, str], ...]
     warnings: tuple[Notice, ...]
-    node_pairs: NodePairState = field(repr=False)
-    acting: Arrows = field(repr=False)
-    methods: Mapping[str, float | None] = field(default_factory=dict)
-    series: tuple[ReductionStep, ...] = ()
+    limit_state: LimitState = field(repr=False)
+    displacements: Displacements
+    comparisons: Comparisons
     findings: "Findings | None" = None
-    balance: Balance | None = None
-    openings: Mapping[str, ContactOpening] = field(default_factory=dict)
-    turns_over: str = ""
-    curved_strength: Mapping[str, SecantLine] = field(default_factory=dict)
-    residual: ResidualFactors | None = None
-    without_basal: WithoutBasal | None = None
-    elastic: "ElasticBlocks | None" = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
+
+    @property
+    def methods(self) -> Mapping[str, float | None]:
+        """The factors of other closed forms of the kind (columns) by name; None where one has no answer."""
+        return self.comparisons.methods
+
+    @property
+    def elastic(self) -> "ElasticBlocks | None":
+        """What elastic blocks do, where they were asked for."""
+        return self.comparisons.elastic
+
+    @property
+    def all_pairs(self) -> "AllPairsFailed | None":
+        """The search for the factor at which all pairs have failed, where it was asked for."""
+        return self.displacements.all_pairs
+
+    @property
+    def series(self) -> tuple[ReductionStep, ...]:
+        """The displacements along the factors that the design asks for."""
+        return self.displacements.series
 
     @property
     def kind(self) -> str:
@@ -182,9 +180,9 @@ class Result(Shown):
         if not judged or limit is None:
             return None
         _, value, rule = min(judged, key=lambda one: one[:2])
-        name, also = self.name_of(rule), self.without_basal
-        if also is not None and also.factor is not None and also.factor < value and also.asks(rule):
-            name, value = also.NAME, also.factor
+        name, whole = self.name_of(rule), self.comparisons.without_basal
+        if whole is not None and whole.factor is not None and whole.factor < value and rule.is_least:
+            name, value = whole.NAME, whole.factor
         return (name, value) if value < limit * (1.0 - _SAME) else None
 
     def judged(self, rule: Rule) -> bool:
@@ -192,7 +190,7 @@ class Result(Shown):
 
         A block whose basal joint cuts the toe off a larger wedge meets none that this one breaks.
         """
-        if self.without_basal is not None and not self.without_basal.meets(rule):
+        if self._breaks_whole(rule):
             return False
         if self.status == "no_driving_force" and rule.relation in (">=", ">"):
             return True
@@ -216,8 +214,9 @@ class Result(Shown):
         if not name:
             return self.criterion_fos
         if name == "residual":
-            return None if self.residual is None else self.residual.limit
-        value: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
+            residual = self.comparisons.residual
+            return None if residual is None else residual.limit
+        value: float | None = self.comparisons.methods.get(name) if name in METHODS else getattr(self.fos, name)
         return value
 
     @property
@@ -228,11 +227,10 @@ class Result(Shown):
     @property
     def margin(self) -> float | None:
         """The number that acceptance hangs on over what it asks (1 without a rule); 0 without one, inf at rest."""
-        least, also = [rule for rule in self.design.rules if rule.is_least], self.without_basal
+        least, whole = [rule for rule in self.design.rules if rule.is_least], self.comparisons.without_basal
         most = float("inf")
-        if also is not None and also.factor is not None:
-            asked = [also.factor / max(rule.value, 1e-9) for rule in least if also.asks(rule)]
-            most = min(asked, default=most if least else also.factor)
+        if whole is not None and whole.factor is not None:
+            most = min((whole.factor / max(rule.value, 1e-9) for rule in least), default=whole.factor)
         if self.status == "no_driving_force":
             return most
         judged = [(self.value_of(rule) or 0.0) / max(rule.value, 1e-9) for rule in least]
@@ -250,12 +248,14 @@ class Result(Shown):
         def factor(value: float | None) -> str:
             return factor_text(value).strip()
 
-        elastic: list[Column[Any]] = [
-            Column("elastic", lambda of: of.elastic and of.elastic.limit, "elastic_limit", show=factor, width=9)
-        ]  # fmt: skip
+        def elastic(result: Result) -> float | None:
+            blocks = result.comparisons.elastic
+            return None if blocks is None else blocks.limit
+
+        of_elastic: list[Column[Any]] = [Column("elastic", elastic, "elastic_limit", show=factor, width=9)]
         return [
             Column("FoS", attrgetter("fos.limit"), "fos_limit", show=factor, width=8),
-            *([] if self.elastic is None else elastic),
+            *([] if self.comparisons.elastic is None else of_elastic),
             Column("closed form", attrgetter("fos.closed_form"), "fos_closed_form", show=factor, width=13),
             Column("agree", attrgetter("agree"), "agree", show=word, width=7),
             Column("asks", lambda of: ", ".join(str(rule) for rule in of.design.rules), "rules"),
@@ -266,7 +266,7 @@ class Result(Shown):
     @property
     def met_by_peak_only(self) -> bool:
         """Whether a rule on the limit is met that the residual factor would break."""
-        left = self.residual
+        left = self.comparisons.residual
         if left is None or left.status == "no_driving_force":
             return False
         return any(
@@ -328,7 +328,7 @@ class Result(Shown):
         return {self.name: Table(columns, [self]), **Shown.tables(self)}
 
     @property
-    def size(self) -> Sizes | BlockSizes | None:
+    def size(self) -> Sizes | None:
         """Of what fails, of many blocks first; None where it was not measured."""
         if self.findings is None:
             return getattr(self.geometry, "sizes", None)
@@ -339,11 +339,12 @@ class Result(Shown):
         """The mechanisms in the order in which they fail, of a block above a basal joint with the whole wedge."""
         if self.findings is not None:
             return self.findings.rows
-        if self.without_basal is None:
+        whole = self.comparisons.without_basal
+        if whole is None:
             return ()
         from slopekit.findings import MechanismRow  # few wedges have a basal joint
 
-        block, whole = self.words.block, self.without_basal
+        block = self.words.block
         above = MechanismRow(
             "block_above_basal", self.status, self.fos.limit, (block,), self.geometry.volume_m3, self.mass_t
         )
@@ -357,10 +358,10 @@ class Result(Shown):
     @property
     def scene(self) -> BlockScene:
         """The blocks, interfaces, node pairs and movements, for pictures and files of other programs."""
-        shapes = self.geometry.shapes(self.words.block)
+        shapes, state = self.geometry.shapes(self.words.block), self.limit_state
         count = len(shapes.names)
         velocity, order, factor = np.zeros((count, 6)), np.zeros(count, dtype=np.int64), np.full(count, np.nan)
-        displacement = None
+        displacement, settled = None, self.displacements.at_factor_one
         if self.findings is not None:
             index = {name: k for k, name in enumerate(shapes.names)}
             for number, mechanism in enumerate(self.findings.mechanisms, 1):
@@ -369,29 +370,35 @@ class Result(Shown):
                     velocity[at], order[at] = np.concatenate([block.displacement, block.rotation]), number
             for name, value in self.findings.factor_by_block.items():
                 factor[index[name]] = np.nan if value is None else value
-            if self.at_factor_one is not None and self.at_factor_one.every is not None:
+            if settled is not None and settled.every is not None:
                 displacement = np.zeros((count, 6))
-                displacement[: len(self.at_factor_one.every)] = self.at_factor_one.every
+                displacement[: len(settled.every)] = settled.every
         else:
-            if self.mechanism is not None:
-                velocity[0], order[0] = self.mechanism.vector(), 1
+            if self.limit_state.mechanism is not None:
+                velocity[0], order[0] = self.limit_state.mechanism.vector(), 1
             if self.fos.limit is not None:
                 factor[0] = self.fos.limit
-            if self.at_factor_one is not None:
-                displacement = self.at_factor_one.movement.vector()[None, :]
+            if settled is not None:
+                displacement = settled.movement.vector()[None, :]
         bolts = None
         if self.design.bolts:  # most designs have none: they load nothing of it
             from slopekit.bolts import placed
 
             bolts = placed(self.design.bolts, shapes)
-        return BlockScene(shapes, self.node_pairs, self.acting, velocity, order, factor, displacement, bolts)
+        return BlockScene(shapes, state.node_pairs, state.acting, velocity, order, factor, displacement, bolts)
+
+    def _breaks_whole(self, rule: Rule) -> bool:
+        """Whether the whole wedge without a basal joint breaks a rule."""
+        whole = self.comparisons.without_basal
+        return whole is not None and not whole.meets(rule)
 
     def _rule(self, rule: Rule) -> dict[str, Any]:
         """A rule with the number that it judged, null where there is none."""
         value = self.value_of(rule)
         name = None if value is None else self.name_of(rule)
-        if self.without_basal is not None and not self.without_basal.meets(rule):
-            name, value = self.without_basal.NAME, self.without_basal.factor
+        whole = self.comparisons.without_basal
+        if whole is not None and self._breaks_whole(rule):
+            name, value = whole.NAME, whole.factor
         return {"rule": str(rule), "met": self.judged(rule), "judged": name, "fos": json_of(value)}
 
     def _mechanism(self) -> dict[str, Any] | None:
@@ -404,17 +411,12 @@ class Result(Shown):
                 "rotation": [block.rotation.tolist() for block in blocks],
                 **(json_of(self.findings.mechanisms[0].size) or {}),
             } if blocks else None  # fmt: skip
-        if self.mechanism is None:
-            return None
-        return {
-            "blocks": [self.words.block],
-            "displacement": self.mechanism.displacement.tolist(),
-            "rotation": self.mechanism.rotation.tolist(),
-        }
+        moves = self.limit_state.mechanism
+        return None if moves is None else {"blocks": [self.words.block], **json_of(moves)}
 
     def _displacements(self) -> dict[str, Any]:
         """At full strength, by the criterion of all pairs, and along the series of factors."""
-        full, pairs = self.at_factor_one, self.all_pairs
+        full, pairs = self.displacements.at_factor_one, self.displacements.all_pairs
         return {
             "at_factor_one": None if full is None else {
                 **_moved(full.movement), "failed_pairs": full.failed_pairs, "residual": full.residual,
@@ -429,12 +431,13 @@ class Result(Shown):
             },
             "series": [
                 {"factor": one.factor, "stands": one.stands, "failed_pairs": one.failed_pairs, **_moved(one.movement)}
-                for one in self.series
+                for one in self.displacements.series
             ],
         }  # fmt: skip
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values."""
+        state, beside = self.limit_state, self.comparisons
         return {
             "slopekit": __version__,
             "format": FORMAT,
@@ -449,23 +452,23 @@ class Result(Shown):
             "difference": self.difference,
             "agree": self.agree,
             "moments_govern": self.moments_govern,
-            "static_bound_proved": self.static_bound_proved,
-            "openings": json_of(self.openings),
-            **({"curved_strength": json_of(self.curved_strength)} if self.curved_strength else {}),
-            **({} if self.residual is None else {"residual": json_of(self.residual)}),
+            "static_bound_proved": self.fos.static_bound is not None,
+            "openings": json_of(state.openings),
+            **({"curved_strength": json_of(state.curved_strength)} if state.curved_strength else {}),
+            **({} if beside.residual is None else {"residual": json_of(beside.residual)}),
             **({"mechanisms": json_of(self.mechanisms)} if self.mechanisms else {}),
-            **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),
-            "methods": dict(self.methods),
+            **({} if beside.elastic is None else {"elastic": json_of(beside.elastic)}),
+            "methods": dict(beside.methods),
             "accepted": self.accepted,
             "rules": [self._rule(rule) for rule in self.design.rules],
             "geometry": json_of(self.geometry) | {"mass_t": self.mass_t},
             "forces_kn": json_of(self.forces),
             "model": json_of(self.model),
-            "balance": json_of(self.balance),
+            "balance": json_of(state.balance),
             "mechanism": self._mechanism(),
             **self._displacements(),
             "assembly": json_of(self.findings),
-            "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in self.governs],
+            "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in beside.governs],
             "inputs": self.design.inputs(),
             "assumed": dict(self.design.assumed),
             "defaults": list(self.design.defaults),

@@ -338,7 +338,7 @@ def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
     answer, result = analysed(replace(Session.of_template(template).now, document=design.source, design=design))
     keys = values_of(design)
     moved = 0
-    for told, (name, factor, _) in zip(answer["governs"], result.governs, strict=True):
+    for told, (name, factor, _) in zip(answer["governs"], result.comparisons.governs, strict=True):
         if name == "full water":
             continue
         step = re.search(r"[+]([\d.]+)( %|°|)", name)
@@ -352,7 +352,7 @@ def test_a_link_of_what_governs_leads_to_all_that_it_changes(template, sets):
         assert there.closed_form == pytest.approx(factor, rel=1e-9)
         moved += len(by)
     assert moved >= 3
-    shared = [name for name, _, _ in result.governs if name.startswith("JRC")]
+    shared = [name for name, _, _ in result.comparisons.governs if name.startswith("JRC")]
     both = "JRC +1 of J1 and J2" if sets == SHARED else "JRC +1 of J1"
     assert shared == ([] if template != "rough" else [both])
 
@@ -374,7 +374,7 @@ def test_where_moments_govern_no_change_is_linked_and_the_page_says_why():
     """The changes are the closed form's, which is not the answer there: what the sheet says of them, in its words."""
     answer, result = analysed(Session.of_template("rough").now)
     assert result.moments_govern
-    assert result.governs  # JSON has them, as what the closed form says
+    assert result.comparisons.governs  # JSON has them, as what the closed form says
     assert answer["governs"] == []
     (said,) = next(one for one in result.sheet.sections if one.label == "SENSITIVITY").content
     assert answer["why_no_governs"] == said == "not given: it is read from the closed form, which does not govern here"

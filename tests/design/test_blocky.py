@@ -2,7 +2,6 @@
 
 import json
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,7 +15,7 @@ from slopekit.design.templates import path_of
 from slopekit.geometry.sections.polygons import fault_of_polygon
 from slopekit.kinds.bench import BenchDesign, JointSetInput
 from slopekit.kinds.blocks import BlocksDesign
-from slopekit.kinds.topple import ToppleDesign, column_names
+from slopekit.kinds.topple import ToppleDesign
 
 TOPPLE = """\
 slopekit: 1
@@ -77,8 +76,6 @@ FAULTS = [
     ("E240", "topple", "base_step", "thickness: 0 m, base_step", "thickness is 0, it must be", "3:66"),
     ("E240", "topple", "base_step: 1 m", "base_step: -1 m", "base_step is -1 m, it lies from 0 to less", "3:66"),
     ("E240", "topple", "base_step: 1 m", "base_step: 4 m", "base_step is 4, it lies from 0 to less than the", "3:66"),
-    ("E137", "topple", "base_step", "rows: 1.5, base_step", "rows is 1.5, it must be a whole number from 1", "3:61"),
-    ("E137", "topple", "base_step", "rows: 100000, base_step", "rows is 100000, it must be a whole numb", "3:61"),
     ("E109", "topple", "[4, 10, 16]", "[]", "columns.heights has no entries, at least 1 needed", "3:33"),
     ("E176", "topple", "base: slate", "base: slat", "base has the strength slat, which is not under", "3:77"),
     ("E176", "topple", ", sides: joint", "", "sides names no strength, and there are 2", "3:10"),
@@ -228,7 +225,7 @@ def test_columns(tmp_path) -> None:
     assert (design.base, design.sides, design.pressures_kpa) == ("slate", "joint", (5.0, 0.0))
     assert design.strengths == (("slate", Strength(5.0, 38.15)), ("joint", Strength(0.0, 30.0)))
     assert design.strength("joint").friction_angle_deg == 30.0
-    assert (design.mechanisms, design.criterion, design.thickness_m, design.rows) == (3, "all-pairs", 1.0, 1)
+    assert (design.mechanisms, design.criterion, design.thickness_m) == (3, "all-pairs", 1.0)
     assert (design.seismic.coefficient, design.seismic.trend_deg) == (0.1, 270.0)
     assert design.water == Water("pressures", 0.0, (5.0, 0.0))
     (force,), (bolt,) = design.forces, design.bolts
@@ -236,7 +233,6 @@ def test_columns(tmp_path) -> None:
     assert (force.at_m, force.block) == ((1.0, 0.0, 2.0), "C1")
     assert (bolt.force_kn, bolt.toward, bolt.acts, bolt.block) == (200.0, Line(90.0, 20.0), "passive", "C2")
     assert design.block_names == ("C1", "C2", "C3")
-    assert replace(design, rows=2).block_names == column_names(3, 2)
 
 
 def test_bench(tmp_path) -> None:

@@ -57,7 +57,7 @@ def test_elastic_rock_may_not_stand_where_rigid_rock_just_does() -> None:
         phi=(25.5, 20.1), unit_weight=26, shear_stiffness=1e5, modulus="13.3 GPa", bolts="3526@0/-10,passive",
         edge="60 m", elastic=True,
     )  # fmt: skip
-    assert found.forces_only > 1.01
+    assert found.comparisons.forces_only > 1.01
     assert found.elastic.factor == 0.95
     assert found.elastic.limit < 1.0
     assert found.elastic.opened_share > found.elastic.rigid_opened_share

@@ -169,4 +169,4 @@ def test_where_moments_govern_once_cohesion_is_lost() -> None:
     without = sk.wedge(**given, c=(left["J1"], left["J2"])).fos.closed_form
     assert found.joints["J2"].opened_share > 0.3
     assert scene.limit_without(last.opened(scene.model))[0] < 0.97 * last.factor
-    assert 1.0 < high < without < result.forces_only
+    assert 1.0 < high < without < result.comparisons.forces_only

@@ -176,7 +176,7 @@ def test_a_bench_says_what_it_took(bench, monkeypatch: pytest.MonkeyPatch) -> No
     found = sk.analyse(design, elastic=True)
     assert found.elastic is not None
     assert found.elastic.limit == found.fos.limit  # no cohesion to lose
-    assert found.elastic.residual < 1e-8
+    assert found.elastic.mesh.residual < 1e-8
     assert 0.0 < found.elastic.opened_share < 0.5
     assert found.fos.highest > 1.01 * found.fos.lowest
     (said,) = [str(notice) for notice in found.warnings if notice.code == "W455"]

@@ -103,7 +103,7 @@ def point(case: Case, value: float = 0.0, quantity: str = "factor") -> Point:
             time.perf_counter() - began,
         )  # fmt: skip
     seconds = time.perf_counter() - began
-    limit, alone = result.fos.limit, result.forces_only or None
+    limit, alone = result.fos.limit, result.comparisons.forces_only or None
     compared, below = limit, None
     if result.moments_govern and answer.factor is not None:
         compared, below = alone, 1.0 if limit is None or alone is None else 1.0 - limit / alone

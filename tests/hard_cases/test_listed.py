@@ -73,7 +73,7 @@ def test_wedges(name) -> None:
 def test_what_the_reference_leaves_out_agrees_with_the_closed_form(change) -> None:
     """Bolts that reverse the sliding and cracks just behind the crest: the two methods share no line."""
     result = sk.wedge(dips=("45/115", "45/245"), **change)
-    assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
+    assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
     assert result.agree
     if result.moments_govern:
         assert (result.fos.limit or 0.0) < result.fos.closed_form
@@ -118,8 +118,8 @@ def test_agreement_does_not_depend_on_the_joint_stiffness(ratio) -> None:
 def test_the_mesh_does_not_matter_for_a_wedge_that_opens(refine) -> None:
     """The bed has the exact polygons; 1,500 separate springs a joint: 0.7050 to 0.7056."""
     result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=(290, 0), refine=refine)
-    assert result.forces_only == pytest.approx(0.8803428271540841, rel=1e-9)
-    assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
+    assert result.comparisons.forces_only == pytest.approx(0.8803428271540841, rel=1e-9)
+    assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
     assert result.fos.limit == pytest.approx(0.7050040977, rel=1e-8)
 
 

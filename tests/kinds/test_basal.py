@@ -81,7 +81,7 @@ def test_a_block_that_leaves_its_sides_is_a_plane_failure() -> None:
     by_hand = 20.0 * area / (weight * 0.5) + math.tan(math.radians(25)) / math.tan(math.radians(30))
     assert found.status == "slides_on_basal"
     assert found.fos.closed_form == pytest.approx(by_hand, rel=1e-12)
-    assert (found.forces_only or found.fos.limit) == pytest.approx(by_hand, rel=1e-9)
+    assert (found.comparisons.forces_only or found.fos.limit) == pytest.approx(by_hand, rel=1e-9)
     assert found.forces.normal["J1"] == found.forces.normal["J2"] == 0.0
     uplift = sk.run(put(design, water__pressures={"basal": 10.0}))
     pushed = (20.0 * area + (weight * math.cos(math.radians(30)) - 10.0 * area) * math.tan(math.radians(25))) / (
@@ -102,7 +102,7 @@ def test_what_it_shares_with_the_wedge_of_two_joints() -> None:
     assert steep.geometry.volume_m3 < 0.95 * two.geometry.volume_m3
     assert (two.status, steep.status) == ("slides_on_both", "slides_on_J1_and_J2")
     assert steep.fos.closed_form == pytest.approx(two.fos.closed_form, rel=1e-12)
-    assert steep.forces_only == pytest.approx(two.forces_only, rel=1e-9)
+    assert steep.comparisons.forces_only == pytest.approx(two.comparisons.forces_only, rel=1e-9)
 
 
 @pytest.mark.parametrize("number", [1, 4, 20])
@@ -277,7 +277,7 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     if "pressures" in (alone.get("water") or ()):
         del alone["water"]["pressures"][2]
     whole = sk.run(alone)
-    assert found.without_basal.closed_form == pytest.approx(whole.fos.closed_form, rel=1e-12)
+    assert found.comparisons.without_basal.closed_form == pytest.approx(whole.fos.closed_form, rel=1e-12)
     assert whole.fos.closed_form < 1.5
     assert found.accepted is False
     assert found.exit_code == 1
@@ -286,7 +286,7 @@ def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
     assert f"F {whole.fos.closed_form:.4g} by the closed form" in said
     above, whole_row = found.to_dict()["mechanisms"]
     assert (above["mechanism"], above["fos"], above["mass_t"]) == ("block_above_basal", found.fos.limit, found.mass_t)
-    assert (whole_row["mechanism"], whole_row["fos"]) == ("whole_wedge", found.without_basal.closed_form)
+    assert (whole_row["mechanism"], whole_row["fos"]) == ("whole_wedge", found.comparisons.without_basal.closed_form)
     assert f"whole_wedge {whole.fos.closed_form:.3f}" in found.line or found.fos.limit < whole.fos.closed_form
 
 
@@ -308,11 +308,11 @@ def test_what_the_whole_wedge_keeps_is_met() -> None:
     met = sk.run(put(CUT_OFF, acceptance__rules=["fos >= 1.1"]))
     assert met.status == "no_driving_force"
     assert met.accepted is True
-    assert met.margin == pytest.approx(met.without_basal.closed_form / 1.1)
+    assert met.margin == pytest.approx(met.comparisons.without_basal.closed_form / 1.1)
     assert {"W410"} <= {notice.code for notice in met.warnings}
     steep = {"joints__J1__plane": "88/100", "joints__J2__plane": "88/260", "basal__plane": "20/180"}
     other = sk.run(put(CUT_OFF, **steep))  # the line of J1 and J2 is steeper than the face
-    assert other.without_basal is None
+    assert other.comparisons.without_basal is None
     assert "W410" not in {notice.code for notice in other.warnings}
 
 
@@ -446,8 +446,8 @@ def test_a_bolt_that_ends_below_the_basal_joint_does_not_hold_the_whole_wedge() 
     short, long = (sk.run(design | {"support": bolts[length]}) for length in (2.0, 2.5))
     with pytest.raises(sk.SlopekitError, match="E212"):
         sk.run(alone | {"support": bolts[2.0]})
-    assert short.without_basal.closed_form == pytest.approx(sk.run(alone).fos.closed_form, rel=1e-12)
-    assert long.without_basal.closed_form == pytest.approx(
+    assert short.comparisons.without_basal.closed_form == pytest.approx(sk.run(alone).fos.closed_form, rel=1e-12)
+    assert long.comparisons.without_basal.closed_form == pytest.approx(
         sk.run(alone | {"support": bolts[2.5]}).fos.closed_form, rel=1e-12
     )
     assert (short.accepted, long.accepted) == (False, True)

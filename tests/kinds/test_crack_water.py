@@ -111,7 +111,7 @@ def test_force_moment_and_factor_are_those_of_the_sum_over_small_triangles(case)
     assert expected.slides_on_both
     assert [result.forces.water[name] for name in ("J1", "J2", "crack")] == pytest.approx(expected.of, rel=1e-9)
     assert result.fos.closed_form == pytest.approx(expected.factor, rel=1e-9)
-    assert result.forces_only == pytest.approx(expected.factor, rel=1e-7)  # of the search for the limit
+    assert result.comparisons.forces_only == pytest.approx(expected.factor, rel=1e-7)  # of the search for the limit
     acting = [(force, at) for name, force, at in cut(design).loads.acting if name.startswith("water")]
     assert sum(np.cross(at, force) for force, at in acting) == pytest.approx(expected.moment, rel=1e-4, abs=1e-3)
 

@@ -72,7 +72,7 @@ def test_cohesion_acts_where_the_load_presses_the_seam(at, pairs) -> None:
     pressed = min(length, 3.0 * (length / 2.0 - off))
     found = run(at=at, pairs=pairs)
     assert found.fos.limit == pytest.approx(4.0 / 3.0 * pressed / length, rel=1e-9)
-    assert found.forces_only == pytest.approx(4.0 / 3.0, rel=1e-9)
+    assert found.comparisons.forces_only == pytest.approx(4.0 / 3.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.16, 0.17, 0.3])
@@ -84,13 +84,13 @@ def test_the_middle_third(share) -> None:
     """
     width = 5.0
     result = run(load=900.0, at=width * (0.5 + share), phi=30.0)
-    rest = result.at_factor_one
+    rest = result.displacements.at_factor_one
     opens = share > 1.0 / 6.0
     if not opens:
         assert rest is not None
         assert rest.failed_pairs == 0
-    assert result.node_pairs.normal_kn.min() >= 0.0
-    idle = (result.node_pairs.normal_kn <= 1e-9 * result.node_pairs.normal_kn.sum()).any()
+    assert result.limit_state.node_pairs.normal_kn.min() >= 0.0
+    idle = (result.limit_state.node_pairs.normal_kn <= 1e-9 * result.limit_state.node_pairs.normal_kn.sum()).any()
     assert idle == opens
 
 
@@ -115,7 +115,7 @@ def test_displacement_of_an_even_load_by_hand() -> None:
     })  # fmt: skip
     sine, cosine = 0.5, math.sqrt(0.75)
     closes, slips = 1500.0 * cosine / (4e4 * 6.0), 1500.0 * sine / (1e4 * 6.0)
-    x, _, z = result.at_factor_one.movement.displacement
+    x, _, z = result.displacements.at_factor_one.movement.displacement
     assert x == pytest.approx(slips * cosine - closes * sine, rel=1e-6)
     assert z == pytest.approx(-slips * sine - closes * cosine, rel=1e-6)
 
@@ -123,6 +123,6 @@ def test_displacement_of_an_even_load_by_hand() -> None:
 def test_what_governs_is_the_closed_form_of_the_changed_design() -> None:
     """The block has another weight where the plane is steeper."""
     rock = {"rock": {"unit_weight": 24.0}}
-    said = {change: factor for change, factor, _ in run(dip=40.0, phi=30.0, **rock).governs}
+    said = {change: factor for change, factor, _ in run(dip=40.0, phi=30.0, **rock).comparisons.governs}
     assert said["dip +1°"] == pytest.approx(run(dip=41.0, phi=30.0, **rock).fos.closed_form, rel=1e-12)
     assert said["load +10 %"] == pytest.approx(run(load=1650.0, dip=40.0, phi=30.0, **rock).fos.closed_form, rel=1e-12)

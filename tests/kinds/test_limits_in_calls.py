@@ -24,7 +24,7 @@ def test_a_call_has_the_wedge_of_the_design_file(limits, flags) -> None:
     expected = sk.run(PAPER | {"limits": written})
     found = sk.wedge(DIPS, limits=limits)
     assert found.geometry.scaled == expected.geometry.scaled
-    assert found.geometry.scaled.factor < 1.0
+    assert found.geometry.scaled["factor"] < 1.0
     assert (found.geometry.setback_m, found.fos.limit) == (expected.geometry.setback_m, expected.fos.limit)
     if flags is not None:
         assert sk.wedge(DIPS, limits=flags).geometry.volume_m3 == expected.geometry.volume_m3

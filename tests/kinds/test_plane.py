@@ -108,8 +108,8 @@ def test_random_planes(seed) -> None:
     if result.fos.limit:
         assert result.fos.static_bound is None or result.fos.limit <= result.fos.static_bound * (1.0 + 1e-9)
         if result.moments_govern:
-            assert result.fos.limit < result.forces_only
-            assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-8)
+            assert result.fos.limit < result.comparisons.forces_only
+            assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-8)
         else:
             assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-8)
 

@@ -236,8 +236,8 @@ def test_a_scaled_wedge_meets_its_limit(limits: dict[str, Any], key: str, by: st
     wanted = first if isinstance(first, int) else first[-1] if isinstance(first, list) else next(iter(first.values()))
     assert measured == pytest.approx(wanted, rel=CUT)
     scaled = geometry.scaled
-    assert scaled.by == by
-    assert geometry.volume_m3 == pytest.approx(scaled.factor**3 * whole.geometry.volume_m3, rel=CUT)
+    assert scaled["by"] == by
+    assert geometry.volume_m3 == pytest.approx(scaled["factor"] ** 3 * whole.geometry.volume_m3, rel=CUT)
     assert (result.fos.limit, result.fos.closed_form) == pytest.approx((whole.fos.limit, whole.fos.closed_form), 1e-6)
     assert f"made smaller by the limit of {by}" in " ".join(str(result.sheet).split())
 
@@ -246,7 +246,7 @@ def test_limits_that_a_wedge_meets_change_nothing() -> None:
     """Numbers and hash of the inputs apart from the limits themselves."""
     result, whole = limited(bench_width=1000, persistence=500), sk.run(WEDGE)
     assert (result.fos, result.geometry.volume_m3) == (whole.fos, whole.geometry.volume_m3)
-    assert result.geometry.scaled.by is None
+    assert result.geometry.scaled["by"] is None
     assert "limits" not in whole.design.inputs()
     assert "within its limits of size: persistence 500 m, bench width 1000 m" in " ".join(str(result.sheet).split())
 
@@ -254,18 +254,18 @@ def test_limits_that_a_wedge_meets_change_nothing() -> None:
 def test_the_smallest_of_several_wedges_counts() -> None:
     """As in SWedge: of several limits the one that leaves the smallest wedge."""
     each = [{"bench_width": 6}, {"slope_length": 5}, {"max_volume": 50}, {"trace_length": 5}]
-    factors = [limited(**one).geometry.scaled.factor for one in each]
+    factors = [limited(**one).geometry.scaled["factor"] for one in each]
     together: dict[str, Any] = {}
     for one in each:
         together |= one
-    assert limited(**together).geometry.scaled.factor == min(factors)
+    assert limited(**together).geometry.scaled["factor"] == min(factors)
 
 
 def test_a_filtered_wedge_is_none() -> None:
     """E486 larger than a limit, E487 smaller than the least volume."""
     assert faults(limited, bench_width=6, by="filter") == ["E486"]
     assert faults(limited, bench_width=6, min_volume=1000) == ["E487"]
-    assert limited(bench_width=600, by="filter").geometry.scaled.factor == 1.0
+    assert limited(bench_width=600, by="filter").geometry.scaled["factor"] == 1.0
 
 
 @pytest.mark.parametrize(

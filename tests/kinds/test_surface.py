@@ -33,7 +33,8 @@ def test_the_paper_s_ellipsoid() -> None:
     assert result.fos.static_bound == pytest.approx(1.65, abs=0.01)  # cases.json 6a: SOCP, ~1.65
     assert result.status == "rotates"
     assert result.geometry.motions == 1
-    assert result.node_pairs.control_area_m2.sum() == pytest.approx(result.geometry.areas_m2["slip surface"], rel=1e-9)
+    pairs = result.limit_state.node_pairs
+    assert pairs.control_area_m2.sum() == pytest.approx(result.geometry.areas_m2["slip surface"], rel=1e-9)
     assert not codes(result)
 
 
@@ -134,7 +135,7 @@ def test_map_coordinates() -> None:
     plain, moved = run(CAP), run({**CAP, "centre": [500040, 4e6, 40]}, far)
     assert moved.fos.limit == pytest.approx(plain.fos.limit, rel=1e-7)
     assert moved.geometry.centroid_m - [5e5, 4e6, 0] == pytest.approx(plain.geometry.centroid_m, abs=1e-6)
-    assert moved.node_pairs.points_m.min(axis=0)[1] > 3.9e6
+    assert moved.limit_state.node_pairs.points_m.min(axis=0)[1] > 3.9e6
 
 
 def slip_at(offset, tmp_path, suffix: str):

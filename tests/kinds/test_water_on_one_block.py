@@ -14,7 +14,7 @@ def test_a_wedge_that_is_partly_full(fill) -> None:
     mean = fill * 9.81 * result.geometry.total_height_m / 6.0
     for joint in ("J1", "J2"):
         assert result.forces.water[joint] == pytest.approx(mean * result.geometry.areas_m2[joint], rel=1e-12)
-    assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-8)
+    assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-8)
 
 
 @pytest.mark.parametrize("pressure", [5.0, 40.0])
@@ -33,7 +33,7 @@ def test_an_even_pressure_on_a_plane(pressure) -> None:
     exact = (c * length + (weight * math.cos(a) - pressure * length) * tangent) / (weight * math.sin(a))
     assert result.forces.water["J1"] == pytest.approx(pressure * length, rel=1e-12)
     assert result.moments_govern or result.fos.limit == pytest.approx(exact, rel=1e-8)
-    assert result.forces_only == pytest.approx(exact, rel=1e-8)
+    assert result.comparisons.forces_only == pytest.approx(exact, rel=1e-8)
 
 
 PLANE = {
@@ -57,7 +57,7 @@ def test_half_of_full_water_is_half_of_its_pressure(design) -> None:
     full, half = (sk.run(design | {"water": {"fill": fill}}) for fill in (1.0, 0.5))
     for name, push in full.forces.water.items():
         assert half.forces.water[name] == pytest.approx(0.5 * push, rel=1e-12)
-    assert half.forces_only == pytest.approx(half.fos.closed_form, rel=1e-8)
+    assert half.comparisons.forces_only == pytest.approx(half.fos.closed_form, rel=1e-8)
     if "crack" in design:
         crack = {"crack": design["crack"] | {"water": "50 %"}}
         by_crack = sk.run(design | crack | ({"water": {"mode": "full"}} if design is WEDGE else {}))

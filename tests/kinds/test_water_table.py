@@ -105,7 +105,7 @@ def test_a_level_table_on_a_plane_by_hand(level, is_ponded) -> None:
     assert result.forces.water["J1"] == pytest.approx(uplift, rel=1e-12)
     assert result.forces.water.get("face", 0.0) == pytest.approx(push, rel=1e-12)
     assert result.fos.closed_form == pytest.approx(exact, rel=1e-12)
-    assert result.forces_only == pytest.approx(exact, rel=1e-8)
+    assert result.comparisons.forces_only == pytest.approx(exact, rel=1e-8)
 
 
 @pytest.mark.parametrize("water", [
@@ -126,7 +126,7 @@ def test_both_methods_judge_the_same_water(water, crack) -> None:
     """The closed form on mean pressures, PRE-IE on resultants where they act: the same factor where nothing turns."""
     design = {**WEDGE, "water": water, "loads": {"surcharge": "20 kPa"}} | ({"crack": crack} if crack else {})
     result = sk.run(design)
-    assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
+    assert result.comparisons.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
     assert result.forces.water["J1"] > 0.0
 
 

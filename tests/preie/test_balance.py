@@ -26,7 +26,7 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_forces_balance_and_are_admissible(name) -> None:
     """To rounding where a state was solved exactly, to the settling of the passes (1e-7) elsewhere."""
-    balance = sk.wedge(**SCENES[name]).balance
+    balance = sk.wedge(**SCENES[name]).limit_state.balance
     assert max(balance.force, balance.moment) < 1e-8
     assert balance.admissible_within(1e-7)
 

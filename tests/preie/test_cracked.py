@@ -286,13 +286,13 @@ def test_the_limit_does_not_depend_on_how_the_wedge_is_written(opened, analysed,
 def test_the_limit_is_the_lower_of_forces_and_bed_and_below_the_static_bound(analysed) -> None:
     """No forces at the limit are inadmissible, and all of them balance."""
     for result in analysed:
-        assert result.fos.limit < result.forces_only == result.fos.highest
+        assert result.fos.limit < result.comparisons.forces_only == result.fos.highest
         assert result.fos.limit <= result.fos.static_bound * (1.0 + 1e-6)
         assert result.fos.lowest is None or result.fos.lowest < 0.99 * result.fos.limit
-        assert result.balance.force < 1e-9
-        assert result.balance.moment < 1e-9
-        assert result.balance.friction_excess < 1e-9
-        assert result.balance.pull == 0.0
+        assert result.limit_state.balance.force < 1e-9
+        assert result.limit_state.balance.moment < 1e-9
+        assert result.limit_state.balance.friction_excess < 1e-9
+        assert result.limit_state.balance.pull == 0.0
 
 
 def test_the_sheet_and_the_json_say_what_opens() -> None:

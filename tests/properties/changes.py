@@ -76,11 +76,6 @@ def in_turn(*changes: Callable[[Design], Design]) -> Callable[[Design], Design]:
     return lambda design: reduce(lambda found, change: change(found), changes, design)
 
 
-def in_rows(design: Design, rows: int = 3) -> Design:
-    """So many rows of columns side by side."""
-    return design | {"columns": design["columns"] | {"rows": rows}}
-
-
 def with_rests(design: Design) -> Design:
     """With a block that lies on level rock beside the scene, and one that is fixed and touches nothing."""
     out = copy.deepcopy(design)

@@ -81,8 +81,9 @@ def test_a_plane_with_its_strength_divided_by_the_limit(plane) -> None:
 @given(plane=planes())
 def test_a_plane_never_stands_above_its_bound_and_pushes_only(plane) -> None:
     result = analyse(plane)
-    assert result.node_pairs.normal_kn.min() >= 0.0
-    assert result.node_pairs.control_area_m2.sum() == pytest.approx(result.geometry.areas_m2["J1"], rel=1e-12)
+    pairs = result.limit_state.node_pairs
+    assert pairs.normal_kn.min() >= 0.0
+    assert pairs.control_area_m2.sum() == pytest.approx(result.geometry.areas_m2["J1"], rel=1e-12)
     if result.fos.limit and result.fos.static_bound:
         assert result.fos.limit <= result.fos.static_bound * (1.0 + 1e-9)
     if not result.moments_govern:
@@ -140,8 +141,8 @@ def test_footings(load, dip, length, share, phi) -> None:
     assert footing(size=30.0).fos.limit == pytest.approx(one.fos.limit, rel=1e-8)
     if 0.01 < one.fos.limit < math.tan(math.radians(phi)) / math.tan(math.radians(2.0)):  # less reads as radians
         assert footing(reduced=one.fos.limit).fos.limit == pytest.approx(1.0, rel=1e-8)
-    assert one.node_pairs.normal_kn.min() >= 0.0
-    assert one.node_pairs.control_area_m2.sum() == pytest.approx(length, rel=1e-12)
+    assert one.limit_state.node_pairs.normal_kn.min() >= 0.0
+    assert one.limit_state.node_pairs.control_area_m2.sum() == pytest.approx(length, rel=1e-12)
     if one.fos.static_bound:
         assert one.fos.limit <= one.fos.static_bound * (1.0 + 1e-9)
 
@@ -171,8 +172,9 @@ def test_surfaces_mirrored_moved_and_scaled(radius, wide, aside, c, phi) -> None
         weaker = run(slip, c=c / factor, phi=math.degrees(math.atan(math.tan(math.radians(phi)) / factor)))
         assert weaker.fos.limit == pytest.approx(1.0, rel=1e-6 + swing(one, weaker))
         assert run(slip, c=1.1 * c, phi=phi).fos.limit >= factor
-    assert one.node_pairs.normal_kn.min() >= 0.0
-    assert one.node_pairs.control_area_m2.min() > 0.0
-    assert one.node_pairs.control_area_m2.sum() == pytest.approx(one.geometry.areas_m2["slip surface"], rel=1e-9)
+    pairs = one.limit_state.node_pairs
+    assert pairs.normal_kn.min() >= 0.0
+    assert pairs.control_area_m2.min() > 0.0
+    assert pairs.control_area_m2.sum() == pytest.approx(one.geometry.areas_m2["slip surface"], rel=1e-9)
     if one.fos.limit and one.fos.static_bound:
         assert np.nextafter(one.fos.static_bound, math.inf) >= one.fos.limit

@@ -93,7 +93,7 @@ def test_forces_balance_across_the_slide(seed) -> None:
     ]
     pushes = sum(result.forces.normal[name] * n for name, n in zip(("J1", "J2"), normals, strict=True))
     left = pushes - np.array([0.0, 0.0, result.forces.weight])
-    along = result.mechanism.displacement
+    along = result.limit_state.mechanism.displacement
     assert left @ along == pytest.approx(result.forces.driving, rel=1e-8)
     assert np.abs(left - (left @ along) * along).max() < 1e-8 * result.forces.weight
 
@@ -121,7 +121,7 @@ def test_strength_divided_by_the_limit_is_just_enough(seed) -> None:
     assert other.status == one.status
     rel = 1e-3 + swing(one, other) if one.moments_govern else 1e-7
     assert other.fos.limit == pytest.approx(1.0, rel=rel)
-    if one.static_bound_proved and other.static_bound_proved:
+    if one.fos.static_bound is not None and other.fos.static_bound is not None:
         bound = other.fos.static_bound * one.fos.limit
         assert bound == pytest.approx(one.fos.static_bound, rel=1e-6)  # the bracket of λ is 1e-7 of it wide
     if one.fos.closed_form and not one.moments_govern:
@@ -139,7 +139,7 @@ def test_more_strength_never_lowers_the_factor_nor_the_bound(seed, which, more) 
     if one.fos.limit and two.fos.limit:
         allowed = 1e-3 + swing(one, two) if one.moments_govern or two.moments_govern else 1e-7
         assert two.fos.limit >= one.fos.limit * (1.0 - allowed)
-    if one.static_bound_proved and two.static_bound_proved:
+    if one.fos.static_bound is not None and two.fos.static_bound is not None:
         assert two.fos.static_bound >= one.fos.static_bound * (1.0 - 1e-6)
 
 
@@ -186,7 +186,7 @@ def test_a_passive_bolt_never_lowers_the_factor(seed, pull) -> None:
     one = sk.wedge(**wedge)
     if one.fos.limit is None or one.moments_govern or one.status not in ("slides_on_both", "slides_on_J1"):
         return
-    along = one.mechanism.displacement
+    along = one.limit_state.mechanism.displacement
     trend = math.degrees(math.atan2(-along[0], -along[1])) % 360.0
     plunge = math.degrees(math.asin(max(-1.0, min(1.0, along[2]))))
     bolt = {"force": pull * one.forces.weight, "toward": (trend, plunge), "acts": "passive"}

@@ -61,8 +61,12 @@ def test_both_factors_are_those_of_two_runs(design, peak) -> None:
     left = {"c": 5, "phi": 25}
     found, alone = run(design, {**peak, "dilation": 3, "residual": left}), run(design, left)
     assert found.fos.limit == run(design, {**peak, "dilation": 3}).fos.limit
-    assert (found.residual.limit, found.residual.closed_form) == (alone.fos.limit, alone.fos.closed_form)
-    assert found.residual.agree == alone.agree
+    left = found.comparisons.residual
+    assert (left.limit, left.closed_form) == (
+        alone.fos.limit,
+        alone.fos.closed_form,
+    )
+    assert left.agree == alone.agree
     assert found.to_dict()["residual"]["limit"] == alone.fos.limit
     assert str(found.sheet).count("residual strength") >= (1 if alone.fos.limit is None else 2) - (
         alone.fos.closed_form is None

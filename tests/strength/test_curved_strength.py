@@ -64,15 +64,15 @@ def test_the_papers_wedge(law, mean, varying) -> None:
     The mean again by hand: both joints carry the same N, so F = Σ A τ(N/A) / S.
     """
     result = analyse(paper_wedge(law))
-    assert result.forces_only == pytest.approx(mean, abs=5e-6)
-    assert result.fos.closed_form == pytest.approx(result.forces_only, rel=1e-9)
+    assert result.comparisons.forces_only == pytest.approx(mean, abs=5e-6)
+    assert result.fos.closed_form == pytest.approx(result.comparisons.forces_only, rel=1e-9)
     assert result.difference < 1e-9
     assert result.agree
     area, normal = result.geometry.areas_m2["J1"], result.forces.normal["J1"]
     by_hand = 2.0 * area * law.resistance(np.array([normal / area]))[0] / result.forces.driving
     assert by_hand == pytest.approx(mean, abs=5e-6)
     assert result.fos.limit == pytest.approx(varying, abs=1.2e-3)
-    assert result.fos.limit < result.forces_only
+    assert result.fos.limit < result.comparisons.forces_only
     assert result.fos.static_bound > result.fos.limit
 
 
@@ -155,7 +155,7 @@ def test_water_bolts_a_crack_and_an_earthquake() -> None:
 def test_what_governs_a_rough_joint(name, signs) -> None:
     """GOVERNS changes the parameters of the law, never c and φ of the line; each factor is that of the changed law."""
     design = with_law(template(name), ROUGH)
-    told = {change: factor for change, factor, _ in analyse(design).governs}
+    told = {change: factor for change, factor, _ in analyse(design).comparisons.governs}
     assert not {"φ +1°", "c +10 %"} & told.keys()
     assert all(any(change.startswith(sign) for change in told) for sign in signs.split())
     larger = {change: one.law for change, one in changed_laws(Strength.by_law(ROUGH))}
@@ -202,8 +202,8 @@ def test_two_laws_on_one_wedge() -> None:
     area, normal = result.geometry.areas_m2["J1"], np.array([result.forces.normal["J1"]])
     by_hand = float(area * (one.resistance(normal / area) + two.resistance(normal / area))[0]) / result.forces.driving
     assert result.fos.closed_form == pytest.approx(by_hand, rel=1e-9)
-    assert list(result.curved_strength) == ["J1", "J2"]
-    assert result.curved_strength["J1"].friction_angle_deg == pytest.approx(42.20, abs=0.01)
+    assert list(result.limit_state.curved_strength) == ["J1", "J2"]
+    assert result.limit_state.curved_strength["J1"].friction_angle_deg == pytest.approx(42.20, abs=0.01)
 
 
 @pytest.mark.parametrize("law", [ROUGH, PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 30.0)], ids=lambda law: law.name)
@@ -230,7 +230,7 @@ strength: {{joint: {{c: 0, phi: 30}}}}
     normal, driving = weight * cos, weight * sin
     exact = 2.0 * float(law.resistance(np.array([normal / 2.0]))[0]) / driving
     assert result.fos.limit == pytest.approx(exact, rel=1e-9)
-    assert result.curved_strength["joint"].traction_kpa == pytest.approx(normal / 2.0, rel=1e-9)
+    assert result.limit_state.curved_strength["joint"].traction_kpa == pytest.approx(normal / 2.0, rel=1e-9)
 
 
 def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:

@@ -227,21 +227,6 @@ def test_studies_ask_the_other_history_where_their_answer_hangs(asked) -> None:
     assert asked.pop().strengths[0].friction_angle_deg == drawn.samples.values[row, 0]
 
 
-# -- what nobody reads ------------------------------------------------------------------------------------------------
-
-
-def test_samples_do_not_make_notices_that_nobody_reads(monkeypatch) -> None:
-    from slopekit.kinds.single_block import one_block
-
-    made = []
-    monkeypatch.setattr(one_block, "notices_of_factor", lambda *_: made.append(1) or ())
-    design = sk.load(WHOLE)
-    bolts.Sampled(design)({"strength.joint.phi": 40})
-    assert not made
-    assert points.Evaluation(design)({"strength.joint.phi": 40})
-    assert made == [1]
-
-
 def test_ends_that_only_the_tornado_makes_dilate_say_nothing() -> None:
     found = sk.tornado(sk.load(WHOLE), {"strength.joint.dilation": [0, 4]})
     assert not notices(found, "W310")

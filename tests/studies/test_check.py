@@ -187,7 +187,7 @@ def test_forces_of_a_group_s_limit_are_held_against_the_strength_at_which_all_bl
     for name, nothing in (("_rungs", ()), ("_others", ()), ("search_of_all_pairs", None)):
         monkeypatch.setattr(many_blocks_ladder, name, lambda *_, nothing=nothing: nothing)
     found = checked("bench")
-    beyond = found.result.balance.friction_excess
+    beyond = found.result.limit_state.balance.friction_excess
     assert beyond > 1e-4  # against the strength at the limit itself
     assert finding(found, "admissible").value < 1e-9
     holds = finding(found, "holds at limit")

@@ -38,7 +38,7 @@ def test_sizes_of_samples_are_those_of_the_wedges_read_one_by_one() -> None:
         found = cut(with_values(study.design, study.samples.settings(row))).geometry()
         for key in ("volume_m3", "height_m", "face_width_m", "setback_m"):
             assert columns[key][row] == pytest.approx(getattr(found, key), rel=1e-7), key
-        assert columns["scale"][row] == pytest.approx(found.scaled.factor, rel=1e-9)
+        assert columns["scale"][row] == pytest.approx(found.scaled["factor"], rel=1e-9)
     limits = study.sizes.limits
     assert limits is not None
     assert limits.scaled == np.count_nonzero(columns["scale"] < 1.0) == sum(limits.scaled_by.values()) > 0

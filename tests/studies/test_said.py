@@ -88,7 +88,7 @@ def test_a_probability_says_what_the_run_says_of_the_means() -> None:
 def test_studies_are_of_the_peak_strength(study) -> None:
     """W417 with the factor of the residual strength, which `run` has beside the peak's."""
     left = {"c": 0, "phi": 16}
-    alone = sk.run(WEDGE, set={"strength.weak.residual": left}).residual
+    alone = sk.run(WEDGE, set={"strength.weak.residual": left}).comparisons.residual
     found = study(sk.load(WEDGE, set={"strength.weak.residual": left}))
     (notice,) = (notice for notice in found.warnings if notice.code == "W417")
     assert f"has {alone.limit:.4g}" in notice.message
@@ -143,7 +143,7 @@ def test_a_value_that_the_whole_wedge_does_not_bear_is_not_enough() -> None:
     short = solved_for_both().cases["high"]
     (notice,) = (notice for notice in short.warnings if notice.code == "W507")
     run = sk.run(BASAL, set={"strength.bedding.phi": short.answer.value, "acceptance.rules": "fos >= 3.4999"})
-    assert f"falls short of 3.5: slides on both, F {run.without_basal.closed_form:.4g}" in notice.message
+    assert f"falls short of 3.5: slides on both, F {run.comparisons.without_basal.closed_form:.4g}" in notice.message
     assert (short.exit_code, run.exit_code) == (1, 1)
     enough = solved_for_both().cases["low"]
     assert "W507" not in codes(enough)

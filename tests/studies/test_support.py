@@ -23,7 +23,7 @@ from slopekit.geometry.rock.rockmass import CRACK, J1, J2, wedge_rock_mass
 from slopekit.kinds import cut, factors_of
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.loads import Hull, check_bolt
+from slopekit.loads import Hull, judge_bolt
 from slopekit.studies.support import run as module
 from slopekit.studies.support.directions import BoltDirections, Way
 from slopekit.studies.support.forces import BoltedBlock, least_along, slides
@@ -377,9 +377,9 @@ def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning)
     hull = Hull.of(cut_wedge(rock), (J1, J2), CRACK)
     case = turning.cases[0]
     for head, length in zip(case.pattern.layout.heads_m, case.pattern.lengths, strict=True):
-        check_bolt(hull, "bolt", head, case.toward.vector(), length)
+        judge_bolt("bolt", *hull.meets(head, case.toward.vector()), length, "")
         with pytest.raises(sk.GeometryError) as caught:
-            check_bolt(hull, "bolt", head, case.toward.vector(), length - 2.5001)
+            judge_bolt("bolt", *hull.meets(head, case.toward.vector()), length - 2.5001, "")
         assert caught.value.codes == ("E212",)
 
 

@@ -10,7 +10,7 @@ from slopekit.block_scene import Arrows, Contacts, NodePairState
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
-from slopekit.evidence import FactorsOfSafety, Forces, ModelSize
+from slopekit.evidence import Comparisons, Displacements, FactorsOfSafety, Forces, LimitState, ModelSize
 from slopekit.findings import AssemblyGeometry, BlockMotion, Findings, GoverningInterface, Mechanism, ToppleColumn
 from slopekit.kinds import kind_of
 from slopekit.result import Result
@@ -63,12 +63,13 @@ def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing=
     difference = abs(limit - closed) / closed if limit and closed else None
     settings: dict[str, Any] = {
         "difference": difference, "agree": None if closed is None else difference is not None and difference < 0.01,
-        "moments_govern": False, "forces_only": None, "static_bound_proved": True, "geometry": geometry,
+        "moments_govern": False, "geometry": geometry,
         "forces": Forces(312.5 * moving, {"joint": 900.0}, {}, None, None),
-        "model": ModelSize(moving, 3 * moving, 60, 0, None, LEFT_OUT, 7, 1e-12), "mechanism": None,
-        "at_factor_one": None, "all_pairs": None, "governs": (), "warnings": (),
-        "node_pairs": NodePairState(NONE3, WHOLE, NONE, NONE3, WHOLE, WHOLE, NONE, NONE3, WHOLE),
-        "acting": Arrows((), WHOLE, WHOLE, NONE3, NONE3),
+        "model": ModelSize(moving, 3 * moving, 60, 0, None, LEFT_OUT, 7, 1e-12), "warnings": (),
+        "limit_state": LimitState(
+            NodePairState(NONE3, WHOLE, NONE, NONE3, WHOLE, WHOLE, NONE, NONE3, WHOLE),
+            Arrows((), WHOLE, WHOLE, NONE3, NONE3),
+        ), "displacements": Displacements(), "comparisons": Comparisons(),
         "findings": findings, "timing_s": {"cut": 0.012, "contacts": 0.003, "solve": 12.5, "total": 12.6},
     }  # fmt: skip
     return Result(design, kind_of(design).words, status, fos, **(settings | more))

@@ -96,7 +96,7 @@ def test_goodman_and_brays_columns() -> None:
     fos = part(text, "FoS")
     assert fos.startswith("1.001 limit of the elastic path 0.99996 Goodman & Bray closed form AGREE within 0.06")
     assert " % none range for other load paths and locked-in stresses: not found 1.190 upper bound" in fos
-    assert fos.endswith("upper bound (associated flow), not for design, 19.0 % above the limit")
+    assert fos.endswith("upper bound (associated flow), not for design")
     moves = part(text, "MOVES")
     assert "fastest C4, which topples toward 270/26.6 (x is 090)" in moves
     assert "40.0 % C4/C3 joint slips N' 2825.5 kN (256.9 kPa)" in moves
@@ -144,7 +144,7 @@ def test_the_range_of_the_mechanism_stands_below_the_limit(lowest, highest, said
     one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"))
     found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
     fos = FactorsOfSafety(limit=1.25, static_bound=1.5, lowest=lowest, highest=highest)
-    text = part(str(replace(found, fos=fos, static_bound_proved=True)), "FoS")
+    text = part(str(replace(found, fos=fos)), "FoS")
     assert text.startswith("1.250 limit of the elastic path")
     none = "" if lowest or highest else ": not found"
     assert f"{said} other load paths and locked-in stresses{none} 1.500 upper bound" in text
@@ -205,18 +205,6 @@ def test_a_bound_that_was_not_found_is_missed() -> None:
     assert part(text, "CHECKS").startswith(
         "the limit lies 0.2 % from a strength at which they run after 7 factorisations;"
     )
-    unproved = FactorsOfSafety(limit=1.25, static_bound=1.5)
-    text = str(replace(found, fos=unproved, static_bound_proved=False))
-    bound = "1.500 upper bound (associated flow), not for design, not proved"
-    assert f"{bound}, 20.0 % above the limit" in part(text, "FoS")
-    for times, said in ((10.9, "990.0 % above the limit"), (11.0, "11 times the limit"), (3e5, "300000 times the")):
-        text = str(replace(found, fos=replace(unproved, static_bound=1.25 * times)))
-        assert f"upper bound (associated flow), not for design, {said}" in part(text, "FoS")
-    text = str(replace(found, fos=replace(unproved, static_bound=1.2500001)))
-    assert "upper bound (associated flow), not for design, no higher than the limit" in part(text, "FoS")
-
-
-# -- ten thousand blocks --------------------------------------------------------------------------
 
 
 def test_ten_thousand_blocks_on_one_screen() -> None:
@@ -305,11 +293,11 @@ def test_the_users_blocks_and_their_strengths() -> None:
     )
 
 
-def test_columns_in_rows_with_two_strengths() -> None:
-    rows = {"columns.rows": 3, "columns.heights": [5, 5], "columns.base_step": 0}
+def test_columns_with_two_strengths() -> None:
+    rows = {"columns.heights": [5, 5], "columns.base_step": 0}
     found = sk.run(path_of("topple"), set=rows)
     words = " ".join(kind_of(found.design).slope(found.design, found)[0].entries)
-    assert "2 columns in each of 3 rows side by side, C1 at the toe" in words
+    assert "2 columns, C1 at the toe" in words
     assert "bases dip 16° out of the slope, in one plane heights all 5 m" in words
     assert "bases  bedding: c 0 kPa  φ 36° sides  joint: c 0 kPa  φ 40°" in words
 

@@ -10,6 +10,7 @@ import slopekit as sk
 from benchmarks.populations import bench, section
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
+from slopekit.evidence import Comparisons
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.sheets.shared import judged_difference, judged_factor
 from slopekit.views.pages.report_words import answer
@@ -98,7 +99,8 @@ def test_a_plane_has_its_own_name_where_it_was_given_one() -> None:
         }  # fmt: skip
         result = sk.run(design)
         assert (result.status, result.status_text) == ("slides_on_J1", said)
-        (table,) = replace(result, governs=(("dry", None, "slides_on_J1"),)).to_dict()["sheet"]["SENSITIVITY"]
+        dry = Comparisons(governs=(("dry", None, "slides_on_J1"),))
+        (table,) = replace(result, comparisons=dry).to_dict()["sheet"]["SENSITIVITY"]
         assert table["shown"][0][-1] == said
 
 

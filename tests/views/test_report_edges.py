@@ -42,7 +42,10 @@ def no_limit() -> dict:
     """A wet wedge that moments turn over: forces alone agree, there is no limit."""
     result = wet_wedge()
     fos = replace(result.fos, limit=None, static_bound=None, highest=0.1986)
-    return replace(result, fos=fos, moments_govern=True, forces_only=0.1986, status="topples", balance=None).to_dict()
+    state = replace(result.limit_state, balance=None)
+    comparisons = replace(result.comparisons, forces_only=0.1986)
+    toppling = replace(result, limit_state=state, comparisons=comparisons)
+    return replace(toppling, fos=fos, moments_govern=True, status="topples").to_dict()
 
 
 def test_the_range_of_the_mechanism_is_in_the_table() -> None:

@@ -255,14 +255,6 @@ def test_a_later_mechanism_has_its_own_factor() -> None:
     assert picture.subtitle.startswith("mechanism 2: ")
 
 
-def test_columns_in_several_rows_are_seen_in_space() -> None:
-    one = Stage.of(result_of("topple").to_dict())
-    rows = Stage.of(sk.run(path_of("topple"), set={"columns.rows": 2}).to_dict())
-    assert (one.in_section, rows.in_section) == (True, False)
-    assert abs(one.eye @ [0.0, 1.0, 0.0]) > 0.9
-    assert abs(rows.eye @ [0.0, 1.0, 0.0]) < 0.9
-
-
 def test_the_answer_says_what_decides() -> None:
     base = document("wedge")
     for more, word in (

@@ -174,7 +174,7 @@ def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterato
     if why_no_sensitivity(result):
         return
     base = result.fos.closed_form
-    for called, factor, status in result.governs:
+    for called, factor, status in result.comparisons.governs:
         name = design.in_own_names(called)
         paths = _controls(design, name, keys)
         strengths = list(dict.fromkeys(path.split(".")[1] for path in paths if path.startswith("strength.")))

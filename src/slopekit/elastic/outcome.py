@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import field
+from typing import Any
 
 from slopekit.core.arrays import Floats
+from slopekit.core.codec import record_of
 from slopekit.core.records import dataclass
 
 
@@ -30,6 +32,27 @@ class ElasticPairs:
 
 
 @dataclass(frozen=True, slots=True)
+class ElasticMesh:
+    """What elastic blocks were solved on.
+
+    Attributes
+    ----------
+    failed_pairs : node pairs that slip or are open; unknowns : of the finite elements, with three a pair and those of
+        the blocks; cells : the finite elements, of an `order` and edges up to `edge_m`
+    taken : which of the numbers of the rock were not given; residual : of balance and displacements, in parts
+    """
+
+    failed_pairs: int
+    node_pairs: int
+    unknowns: int
+    cells: int
+    edge_m: float
+    order: int
+    taken: tuple[str, ...]
+    residual: float
+
+
+@dataclass(frozen=True, slots=True)
 class ElasticBlocks:
     """Elastic blocks beside the rigid ones.
 
@@ -41,9 +64,7 @@ class ElasticBlocks:
     opened_share, rigid_opened_share : of the area of all contacts; lost_share, rigid_lost_share : of it what had
         cohesion to lose there; joints : by name
     displacement_m, rigid_displacement_m : (3,) mean of the block, of many blocks of the one that moves most: `block`
-    modulus_kpa, poisson, edge_m, order : the rock and its elements; taken : which of them were not given
-    unknowns : of the finite elements, with three a pair and those of the blocks; cells : the finite elements
-    residual : of balance and displacements, in parts; steps : of Newton's method, in all
+    modulus_kpa, poisson : of the rock; steps : of Newton's method, in all
     """
 
     limit: float | None
@@ -57,15 +78,14 @@ class ElasticBlocks:
     displacement_m: Floats
     rigid_displacement_m: Floats
     block: str | None
-    failed_pairs: int
-    node_pairs: int
-    unknowns: int
-    cells: int
     modulus_kpa: float
     poisson: float
-    edge_m: float
-    order: int
-    taken: tuple[str, ...]
-    residual: float
     steps: int
+    mesh: ElasticMesh
     pairs: ElasticPairs = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The record as JSON values, its mesh with the rest."""
+        record = record_of(self)
+        mesh: dict[str, Any] = record.pop("mesh")
+        return record | mesh

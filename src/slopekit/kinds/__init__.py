@@ -70,7 +70,7 @@ def analyse(design: Design, elastic: bool = False) -> Result:
 
 def with_all_said(result: Result) -> Result:
     """Return what a kind found with what is said of all kinds: W302 of its size, the factors on residual strength."""
-    said = tuple(_of_size(result.design, result.geometry.total_height_m))
+    said = _of_size(result.design, result.geometry.total_height_m)
     result = replace(result, warnings=(*result.warnings, *said)) if said else result
     kind = kind_of(result.design)
     if any(strength.residual for strength in kind.strengths(result.design)):
@@ -80,27 +80,21 @@ def with_all_said(result: Result) -> Result:
     return result
 
 
-def _of_size(design: Design, height_m: float) -> Iterator[Notice]:
-    """Yield W302 of a height, and of pressures on blocks of that height, that are likelier slips than meant."""
-    yield from size_notices(height_m)
-    yield from _pressure_notices(design, height_m)
+def _of_size(design: Design, height_m: float | None) -> tuple[Notice, ...]:
+    """Return W302 of a height, and of pressures on blocks of that height, that are likelier slips than meant."""
+    return () if height_m is None else (*size_notices(height_m), *_pressure_notices(design, height_m))
 
 
 def _pressure_notices(design: Design, height_m: float) -> Iterator[Notice]:
-    return pressure_notices(_pressures_kpa(design), height_m, design.water_unit_weight_kn_m3)
-
-
-def _pressures_kpa(design: Design) -> list[float]:
-    """The mean water pressures that a design gives: of its interfaces, or of pairs of blocks."""
-    given: Sequence[Any] = getattr(design, "pressures_kpa", ())
-    given = given or getattr(getattr(design, "water", None), "pressures_kpa", ())
-    return [one[-1] if isinstance(one, tuple) else one for one in given]
+    """Yield W302 of the mean water pressures that a design gives: of its interfaces, or of pairs of blocks."""
+    given: Sequence[Any] = getattr(design, "pressures_kpa", ()) or design.water.pressures_kpa
+    pressures = [one[-1] if isinstance(one, tuple) else one for one in given]
+    return pressure_notices(pressures, height_m, design.water_unit_weight_kn_m3)
 
 
 def slips_of_size(design: Design) -> tuple[Notice, ...]:
     """What `analyse` says of the size of a design, without its analysis: W302; nothing where no block forms."""
-    height_m = _height_m(design)
-    return () if height_m is None else tuple(_of_size(design, height_m))
+    return _of_size(design, _height_m(design))
 
 
 def _height_m(design: Design) -> float | None:
@@ -183,7 +177,7 @@ def also_falls_short(also: "WithoutBasal | None", target: float, where: str) -> 
     """W507: a design meets a target, what acceptance of it is held against besides does not."""
     if also is None or not also.falls_short(target):
         return ()
-    return (Notice("W507", f"{where} {also.what} falls short of {target:g}: {also.in_words()}{also.alone}"),)
+    return (Notice("W507", f"{where} {also.WHAT} falls short of {target:g}: {also.in_words()}{also.ALONE}"),)
 
 
 def dilates(design: Design) -> bool:

@@ -239,12 +239,10 @@ def cut(design: BenchDesign) -> AssemblyScene:
 
 def _with_ground(design: BenchDesign, scene: AssemblyScene, body: "ConvexBody") -> AssemblyScene:
     """The water on contacts and free faces, and the surcharge."""
-    from slopekit.kinds.assemblies.table_on_patches import Outside, with_surcharge, with_water
+    from slopekit.kinds.assemblies.table_on_patches import with_surcharge, with_water
 
-    normals, offsets = body.normals[:2], body.offsets[:2]
     into = -Line(design.face.dip_direction_deg, 0.0).vector()
-    outside = Outside((body.corners[[0, 1, 5, 4]], body.corners[[1, 2, 6, 5]]), normals, offsets)
-    return with_surcharge(with_water(design, scene, into, outside), design.surcharge_kpa, outside)
+    return with_surcharge(with_water(design, scene, into, body), design.surcharge_kpa, body)
 
 
 def _up_the_face(design: BenchDesign) -> Floats:

@@ -30,11 +30,11 @@ from slopekit.elastic.meshing import (
     split_evenly,
 )
 from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
-from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
+from slopekit.elastic.outcome import ElasticBlocks, ElasticMesh, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, RestSearch
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.protocol import Kind
-from slopekit.kinds.single_block.one_block import Cut
+from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.preie.system.assembly import section_axes
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
@@ -156,7 +156,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
     plain = elastic_model(model)
     rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
     whole = with_blocks(plain, ((give, rows, own),))
-    turn = np.eye(3) if made.axes is None else made.axes
+    turn = made.axes
 
     def limit_without(parted: Bools) -> tuple[float | None, bool]:
         without = replace(model, cohesion=frozen(model.cohesion * ~parted))
@@ -283,8 +283,7 @@ def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:
     def body(block: int) -> Any:
         name = scene.names[block]
         if assembly.in_section:
-            shown = [outline for called, outline in scene.outlines.items() if called != "bedrock" or called == name]
-            outline = np.asarray(scene.outlines.get(name, shown[block % len(shown)]))
+            outline = np.asarray(scene.outlines[name])
             if not is_convex_outline(outline):
                 raise _refuse(f"{name} is not convex")
             return mesh_of(outline, fanned([range(len(outline))]))
@@ -387,7 +386,8 @@ def with_elastic(kind: Kind[Any], result: Result) -> Result:
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
         notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
-    return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
+    comparisons = replace(result.comparisons, elastic=answer)
+    return replace(result, comparisons=comparisons, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
 def _no_limit(spent: bool) -> Notice:
@@ -437,13 +437,15 @@ def _answer(
     opened, rigid_opened = (float(area[open_].sum() / area.sum()) for open_ in both)
     lost, rigid_lost = (float(area[open_ & bonded].sum() / area.sum()) for open_ in both)
     rigid_moved = _displacements(scene, model.rigid(), rigid)
+    degrees = sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load)
+    mesh = ElasticMesh(
+        rest.failed_pairs, len(area), degrees, sum(one.cells for one in scene.blocks), scene.edge, rock.order, taken,
+        rest.residual,
+    )  # fmt: skip
     return ElasticBlocks(
         limits[0], limits[1], rest.factor, opened, rigid_opened, lost, rigid_lost, joints,
         frozen(moved[most]), frozen(rigid_moved[most]),
-        scene.names[most] if scene.names else None, rest.failed_pairs, len(area),
-        sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),
-        sum(one.cells for one in scene.blocks), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
-        taken, rest.residual, steps,
+        scene.names[most] if scene.names else None, rock.modulus_kpa, rock.poisson, steps, mesh,
         ElasticPairs(
             frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
             frozen(stiff), tuple(rest.opened(model).tolist()),

@@ -19,13 +19,13 @@ from slopekit.design.sections import read_common, read_strengths
 from slopekit.geometry.pressure import resultant
 from slopekit.geometry.sections.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.protocol import ClosedForm
-from slopekit.kinds.single_block.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
+from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
+from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
 from slopekit.kinds.water import outward_normal
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
-from slopekit.notices import Interface
 from slopekit.result import Result, Words
 
 NAME = "weak plane"
@@ -204,7 +204,8 @@ def closed_form(design: FootingDesign) -> ClosedForm:
         ),
         lambda answer: [answer.normal_kn / design.length_m],
     )
-    return on_one_plane(strip.factor, strip.status, design.strength)
+    status = "slides_on_J1" if strip.status == "slides" else strip.status
+    return ClosedForm(strip.factor, status, DILATES if design.strength.dilation_deg else "")
 
 
 def _block(design: FootingDesign) -> tuple[PlaneSection, float]:

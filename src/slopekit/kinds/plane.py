@@ -38,7 +38,8 @@ from slopekit.kinds.single_block.closed_forms import (
     passive_bolts,
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of
-from slopekit.kinds.single_block.one_block import DILATES, Cut, kind_of_one_block, left_out_of_slope, other_strengths
+from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, left_out_of_slope, other_strengths
+from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.water import LocalSlope, for_closed_form, pushes, standing_in_crack
 from slopekit.kinds.words import (
@@ -48,8 +49,7 @@ from slopekit.kinds.words import (
     strength_in_words,
     water_in_words,
 )
-from slopekit.loads import Hull, Loads, block_loads, check_bolt
-from slopekit.notices import Interface
+from slopekit.loads import Hull, Loads, block_loads
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -268,15 +268,13 @@ def _in_section(design: PlaneDesign) -> float:
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
     hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
-    active, passive = bolt_forces(
-        design, origin,
-        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, where), axes,
-    )  # fmt: skip
+    active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way), axes)
     k = design.seismic.coefficient * _in_section(design)
+    strongest = max((bolt.force_kn for bolt in design.bolts), default=0.0)
     return block_loads(
         section.block, design.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
-        [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * _strongest(design)],
+        [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * strongest],
         pushes(design, _local_slope(design, section)),
     )  # fmt: skip
 
@@ -288,10 +286,6 @@ def hull_of(design: PlaneDesign, block: Block) -> Hull:
         return hull
     dip = math.radians(float(_signed_dip(design.upper, design.face)))
     return hull.below(np.array([math.sin(dip), 0.0, math.cos(dip)]), _crest_point(design))
-
-
-def _strongest(design: PlaneDesign) -> float:
-    return max(bolt.force_kn for bolt in design.bolts)
 
 
 # -- the closed form ----------------------------------------------------------------------------------

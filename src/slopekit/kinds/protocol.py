@@ -1,12 +1,11 @@
 """What a kind of design says of itself, in one place: studies and views ask here, never which kind it is."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from slopekit.core.codec import NO_JSON
-from slopekit.core.errors import GeometryError, Notice
+from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from slopekit.kinds.single_block.ladders import Ladder
 
 D = TypeVar("D", bound=Design)
-T = TypeVar("T")
-#: The numbers of a strength as the JSON of inputs has them.
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,40 +29,6 @@ class ClosedForm:
     factor: float | None
     status: str
     why_not: str = ""
-
-
-def one_or_error(closed_form: Callable[[T], ClosedForm], design: T) -> ClosedForm | GeometryError:
-    """The closed form of a design, or why there is no block."""
-    try:
-        return closed_form(design)
-    except GeometryError as error:
-        return error
-
-
-class WhenRead(Sequence[Notice]):
-    """Notices that are made when somebody reads them: of thousands of samples nobody does."""
-
-    def __init__(self, said: Callable[[], Iterable[Notice]]) -> None:
-        self._said = said
-
-    @cached_property
-    def _all(self) -> tuple[Notice, ...]:
-        return tuple(self._said())
-
-    @overload
-    def __getitem__(self, index: int) -> Notice: ...
-    @overload
-    def __getitem__(self, index: slice) -> tuple[Notice, ...]: ...
-    def __getitem__(self, index: int | slice) -> Notice | tuple[Notice, ...]:
-        return self._all[index]
-
-    def __len__(self) -> int:
-        return len(self._all)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Sequence) and self._all == tuple(other)
-
-    __hash__ = None  # type: ignore[assignment]  # as a list
 
 
 @dataclass(frozen=True, slots=True)

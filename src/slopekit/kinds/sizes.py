@@ -5,6 +5,7 @@ One for every kind: the faces of a wedge, the section of a block on a plane, the
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -41,15 +42,16 @@ def sizes_of_faces(faces: Mapping[str, Floats], joints: Iterable[str], crest: Cr
             for short, normal in (("face", crest.face), ("upper", crest.upper))
         }
         traces[name] = {short: length for short, length in lengths.items() if length}
-    return Sizes(sizes.height_m, sizes.face_width_m, sizes.setback_m, traces)
+    return replace(sizes, trace_lengths_m=traces)
 
 
 def sizes_of_section(outline: Floats, crest_x: float, lengths: Mapping[str, float]) -> Sizes:
     """Sizes of a block by its outline (k, 2), x out of the slope; what it has per metre has no width.
 
     >>> triangle = np.array([[0.0, 0.0], [-2.0, 5.0], [-6.0, 5.0]])
-    >>> sizes_of_section(triangle, -2.0, {"J1": 7.81})
-    Sizes(height_m=5.0, face_width_m=None, setback_m=4.0, trace_lengths_m={'J1': {'section': 7.81}})
+    >>> sizes = sizes_of_section(triangle, -2.0, {"J1": 7.81})
+    >>> sizes.height_m, sizes.setback_m, sizes.trace_lengths_m
+    (5.0, 4.0, {'J1': {'section': 7.81}})
     """
     behind = max(0.0, crest_x - float(outline[:, 0].min()))
     return Sizes(

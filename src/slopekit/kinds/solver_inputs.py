@@ -12,14 +12,15 @@ from slopekit.design.parts import Force, Strength
 from slopekit.extents import SectionGeometry
 from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import sizes_of_section
-from slopekit.loads import Loads, PointForce
+from slopekit.loads import Loads, PointForce, judge_bolt
 from slopekit.preie.system.contact import CloughDuncan, JointStiffness
 from slopekit.preie.system.model import JointStrength, build_model
 
 if TYPE_CHECKING:
     from slopekit.geometry.sections.section import PlaneSection
 
-CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
+#: How far (m) from a head (3,) along a direction (3,) sound rock begins, None: the block is missed; whether it does so.
+Meets = Callable[[Floats, Floats], tuple[float | None, bool]]
 
 
 def joint_stiffness(design: Design) -> JointStiffness:
@@ -48,13 +49,12 @@ def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
 
 
 def bolt_forces(
-    design: Design, origin: Floats, check: CheckBolt, turn: Floats | None = None
+    design: Design, origin: Floats, meets: Meets, turn: Floats | None = None
 ) -> tuple[list[PointForce], list[PointForce]]:
     """Active and passive bolts as forces, each checked against the block where its head is known.
 
     Parameters
     ----------
-    check : refuses a bolt by its name, head (3,), direction (3,), length and place
     turn : (3, 3) from the user's axes to the local ones
     """
     axes = np.eye(3) if turn is None else turn
@@ -66,7 +66,7 @@ def bolt_forces(
         if head is not None:
             where = design.place_of("support", "bolts", k, len(design.bolts))
             where = where or f"head at {coordinates(bolt.head_m or ())}"
-            check(f"bolt {k}", head, direction, bolt.length_m, where)
+            judge_bolt(f"bolt {k}", *meets(head, direction), bolt.length_m, where)
         (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
     return active, passive
 

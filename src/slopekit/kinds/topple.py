@@ -20,7 +20,7 @@ from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
-from slopekit.design.fields import Field, count, declare, number
+from slopekit.design.fields import Field, declare, number
 from slopekit.design.ground_water import read_ground_water
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
@@ -62,7 +62,6 @@ class ToppleDesign(NamedDesign):
     base_step_m : how much the base of each column lies above that of the one below, square to the base
     base, sides : names of the strengths
     pressures_kpa : mean water pressure on the bases and on the sides
-    rows : of columns side by side along the strike, all alike; with several, C3 of row 2 is C3-2
     slope_height_m, slope_face_deg, slope_upper_deg, base_angle_deg : what heights and step were made from, None where
         they were given themselves
     """
@@ -110,7 +109,6 @@ class ToppleDesign(NamedDesign):
         label="dip of the upper slope", axis="dip of the upper slope", left_out="0 with a slope", doc="dip alone",
     )  # fmt: skip
     thickness_m: float = number("columns.thickness", "length", default=1.0, above=0.0, code="E240")
-    rows: int = count("columns.rows", 1, MOST_BLOCKS, default=1, doc="of columns side by side along the strike")
     base: str
     sides: str
     water: Water = water_by(
@@ -126,19 +124,13 @@ class ToppleDesign(NamedDesign):
 
     @property
     def block_names(self) -> tuple[str, ...]:
-        """The names of the columns, from the toe upward, row by row."""
-        return column_names(len(self.heights_m), self.rows)
+        """The names of the columns, from the toe upward."""
+        return column_names(len(self.heights_m))
 
 
-def column_names(columns: int, rows: int = 1) -> tuple[str, ...]:
-    """Names of columns: C1, C2, ...; with several rows C1-1, C2-1, ..., C1-2, ...
-
-    >>> column_names(2), column_names(2, 2)
-    (('C1', 'C2'), ('C1-1', 'C2-1', 'C1-2', 'C2-2'))
-    """
-    if rows == 1:
-        return tuple(f"C{column}" for column in range(1, columns + 1))
-    return tuple(f"C{column}-{row}" for row in range(1, rows + 1) for column in range(1, columns + 1))
+def column_names(columns: int) -> tuple[str, ...]:
+    """Names of columns: C1, C2, ..."""
+    return tuple(f"C{column}" for column in range(1, columns + 1))
 
 
 def read_topple(reader: Reader) -> ToppleDesign:
@@ -158,17 +150,11 @@ def read_topple(reader: Reader) -> ToppleDesign:
     if step is not None and shortest is not None and step >= shortest:
         limits = f"from 0 to less than the lowest column ({shown(shortest)} m)"
         reader.fault("E240", f"base_step is {shown(step)}, it lies {limits}", below)
-    most = max(MOST_BLOCKS // max(len(heights), 1), 1)
-    rows = own["rows"] or 1
-    if rows > most:
-        rows = 1
-        message = f"rows is {own['rows']}, it must be a whole number from 1 to {most}"
-        reader.fault("E137", message, reader.at("columns.rows"))
     users = [] if node is None else [(name, node.get(name), node) for name in ("base", "sides")]
     base, sides = strength_names(reader, users) or (None, None)
     by_name = {name: value for name, _, value in pressures(reader, "{base: 5 kPa, sides: 3 kPa}")}
     water = (by_name.get("base", 0.0), by_name.get("sides", 0.0))
-    names = dict.fromkeys(column_names(len(heights), rows), True)
+    names = dict.fromkeys(column_names(len(heights)), True)
     shared = common(reader, names, True, _WESTWARD, water)
     return reader.made(
         ToppleDesign, own, shared, read_ground_water(reader)[0], base=base, sides=sides, pressures_kpa=water,
@@ -245,19 +231,16 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     from slopekit.geometry.sections.columns import BASE, RISER, column_assembly, column_outlines
 
     heights = np.array(design.heights_m)
-    assembly = column_assembly(
-        design.dip_deg, design.width_m, heights, design.base_step_m, design.thickness_m, design.rows
-    )
+    assembly = column_assembly(design.dip_deg, design.width_m, heights, design.base_step_m, design.thickness_m)
     outlines, bedrock = column_outlines(design.dip_deg, design.width_m, heights, design.base_step_m)
     base, sides = design.strength(design.base), design.strength(design.sides)
     joint = assembly.patches.joint
-    shown = dict(zip(design.block_names[: len(heights)], outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
-    left_out = ["the rows do not touch: each is solved for itself"] if design.rows > 1 else []
+    shown = dict(zip(design.block_names, outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
     scene = AssemblyScene(
         assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
         np.full(len(assembly), design.unit_weight_kn_m3),
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
-        shown, {}, tuple(left_out), (), thickness=design.thickness_m, crest_x=_crest_x(design),
+        shown, {}, (), (), thickness=design.thickness_m, crest_x=_crest_x(design),
     )  # fmt: skip
     return with_ground(design, scene)
 
@@ -273,7 +256,8 @@ def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[Clo
         closed = toppling_factor_of_safety(slope)
         table = toppling_table(slope, (closed.factor or 1.0) * (1.0 + _BEYOND))
     except DesignError as error:
-        return ClosedForm(None, "", not_taken(error)), ()
+        why = f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
+        return ClosedForm(None, "", why), ()
     ways = {block.name: _MODES[block.how] for block in mechanism.blocks} if mechanism is not None else {}
     columns = tuple(_columns(design, table, ways))
     rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
@@ -312,11 +296,6 @@ def _slid_onto(table: TopplingTable) -> list[str]:
     """Columns that slide above one that topples: water or a load on their tops drives them."""
     topples = [k for k, mode in enumerate(table.modes) if mode == "topple"]
     return [f"C{k + 1}" for k, mode in enumerate(table.modes) if mode == "slide" and topples and k > topples[0]]
-
-
-def not_taken(error: DesignError) -> str:
-    """Why Goodman & Bray's method does not take the columns of a design that has their table otherwise."""
-    return f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
 
 
 def why_no_table(design: ToppleDesign) -> str:
@@ -384,10 +363,9 @@ def _notices(_: ToppleDesign, __: AssemblyScene, ___: Failure, closed: ClosedFor
 def _slope(design: ToppleDesign, _: Result) -> Section:
     heights = design.heights_m
     count = len(heights)
-    rows = "" if design.rows == 1 else f" in each of {design.rows} rows side by side"
     step = f", each {design.base_step_m:.6g} m above the one below" if design.base_step_m else ", in one plane"
     entries = [
-        f"{counted(count, 'column')}{rows}, C1 at the toe, {design.width_m:.6g} m wide, dip {shown(design.dip_deg)}° "
+        f"{counted(count, 'column')}, C1 at the toe, {design.width_m:.6g} m wide, dip {shown(design.dip_deg)}° "
         f"into the slope, {design.thickness_m:.6g} m thick along the strike",
         f"bases dip {shown(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
     ]

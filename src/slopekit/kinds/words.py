@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
-from slopekit.block_scene import BlockSizes, Sizes
+from slopekit.block_scene import Sizes
 from slopekit.core.orientation import Line, coordinates
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design
@@ -115,7 +115,7 @@ def size_part(result: Result, height_m: float, per: str = "") -> Section:
     weight = f"weight {size_number(result.forces.weight)} kN" if result.design.unit_weight_kn_m3 else "weightless"
     extent = [] if result.size is None else extents_in_words(result.size)
     traces = [] if result.size is None else traces_in_words(result.size)
-    mass = [f"mass {_short(result.mass_t)} t{per}"] if result.mass_t else []
+    mass = [f"mass {short(result.mass_t)} t{per}"] if result.mass_t else []
     total = (
         [] if math.isclose(total_m, height_m, rel_tol=_SAME_HEIGHT) else [f"the block {size_number(total_m)} m high"]
     )
@@ -127,25 +127,25 @@ def size_part(result: Result, height_m: float, per: str = "") -> Section:
     )
 
 
-def extents_in_words(sizes: Sizes | BlockSizes) -> list[str]:
+def extents_in_words(sizes: Sizes) -> list[str]:
     """Width along the crest and setback behind it, those that there are.
 
     >>> extents_in_words(Sizes(5.0, 8.0, 2.0, {}))
     ['crest width 8 m, 2 m behind the crest']
     """
-    width = [] if sizes.face_width_m is None else [f"crest width {_short(sizes.face_width_m)} m"]
-    setback = [] if sizes.setback_m is None else [f"{_short(sizes.setback_m)} m behind the crest"]
+    width = [] if sizes.face_width_m is None else [f"crest width {short(sizes.face_width_m)} m"]
+    setback = [] if sizes.setback_m is None else [f"{short(sizes.setback_m)} m behind the crest"]
     return [", ".join([*width, *setback])] if width or setback else []
 
 
-def traces_in_words(sizes: Sizes | BlockSizes) -> list[str]:
+def traces_in_words(sizes: Sizes) -> list[str]:
     """Trace lengths on face and upper slope.
 
     >>> traces_in_words(Sizes(5.0, 8.0, 2.0, {"J1": {"face": 6.0, "upper": 3.0}, "J2": {"face": 7.25}}))
     ['traces on face + upper slope J1 6 + 3 m, J2 7.25 + 0 m']
     """
     traces = [
-        f"{name} {_short(lengths.get('face', 0.0))} + {_short(lengths.get('upper', 0.0))} m"
+        f"{name} {short(lengths.get('face', 0.0))} + {short(lengths.get('upper', 0.0))} m"
         for name, lengths in sizes.trace_lengths_m.items()
         if "face" in lengths or "upper" in lengths
     ]
@@ -158,12 +158,12 @@ def mass_in_words(mass_t: float) -> str:
     >>> mass_in_words(0.065), mass_in_words(112.04)
     ('65 kg', '112 t')
     """
-    return f"{_short(mass_t * 1e3)} kg" if mass_t < 1.0 else f"{_short(mass_t)} t"
+    return f"{short(mass_t * 1e3)} kg" if mass_t < 1.0 else f"{short(mass_t)} t"
 
 
-def _short(value: float) -> str:
-    """Four digits."""
-    return size_number(float(f"{value:.4g}"))
+def short(value: float, digits: int = 4) -> str:
+    """A number in four digits, or so many."""
+    return size_number(float(f"{value:.{digits}g}"))
 
 
 def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> Section:
@@ -223,7 +223,7 @@ def water_in_words(result: Result, highest_of_mean: float = 1.0) -> list[str]:
         named = zip(areas, water.pressures_kpa, strict=False)
         return [f"water of mean pressure {', '.join(f'{mean:g} kPa on {name}' for name, mean in named)}"]
     means = [push / areas[name] for name, push in result.forces.water.items() if areas.get(name)]
-    return [f"water {water.in_words()}, highest {size_number(float(f'{highest_of_mean * max(means):.4g}'))} kPa"]
+    return [f"water {water.in_words()}, highest {short(highest_of_mean * max(means))} kPa"]
 
 
 def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:
@@ -297,20 +297,6 @@ def _in_digits(value: float, digits: str) -> str:
 def line_in_words(line: Line) -> str:
     """Trend and plunge as the sheet prints them."""
     return f"{line.trend_deg % 360.0:03.0f}/{line.plunge_deg:.1f}"
-
-
-def many_times(ratio: float) -> str:
-    """A ratio too large to be read as a percentage in words, nothing of another.
-
-    >>> many_times(35.98), many_times(261880.93), many_times(10.9)
-    ('36 times', '262000 times', '')
-    """
-    rounded = float(f"{ratio:.3g}")
-    return "" if ratio < _MANY else f"{rounded:.0f} times" if rounded < 1e9 else f"{rounded:g} times"
-
-
-#: A ratio from which on it is said instead of a percentage: 1000 % above.
-_MANY = 11.0
 
 
 def size_number(value: float) -> str:

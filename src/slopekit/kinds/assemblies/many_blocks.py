@@ -17,9 +17,11 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
-    AllPairs,
+    Comparisons,
+    Displacements,
     FactorsOfSafety,
     Forces,
+    LimitState,
     ModelSize,
     SecantLine,
 )
@@ -285,7 +287,6 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         SHEAR_TO_NORMAL,
     )  # fmt: skip
     parts = ravelling.parts
-    balanced = balance_of(parts)
     first = ravelling.failures[0].parts if ravelling.failures else ()
     split = [0 if part.refined is None else int(part.refined.max()) for part in first]
     size = ModelSize(
@@ -299,14 +300,15 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     result = Result(
         design=design, words=own.words, status=status,
         fos=FactorsOfSafety(limit, closed.factor, bound, all_pairs.factor if all_pairs else None, low, high),
-        difference=difference, agree=agree, moments_govern=False, forces_only=None,
-        static_bound_proved=bound is not None,
-        geometry=_geometry(scene), forces=_forces(scene, loads, parts),
-        model=size, mechanism=None, at_factor_one=settled, governs=(),
-        all_pairs=None if all_pairs is None else all_pairs_of(all_pairs),
+        difference=difference, agree=agree, moments_govern=False,
+        geometry=_geometry(scene), forces=_forces(scene, loads, parts), model=size,
         warnings=(*notices_of(design, scene, ravelling, mechanisms), *lower, *of_kind),
-        node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
+        limit_state=LimitState(
+            assembly_pair_state(scene, parts), assembly_arrows(scene, loads, parts), balance=balance_of(parts),
+            curved_strength=_curved(scene, parts),
+        ),
+        displacements=Displacements(settled, all_pairs), comparisons=Comparisons(), findings=findings,
+        timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
@@ -349,11 +351,6 @@ def search_of_all_pairs(
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
     model = whole_model(scene.assembly, loads, joint_strength(scene.strengths))
     return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
-
-
-def all_pairs_of(search: AllPairsFailed) -> AllPairs:
-    """The search as a result keeps it."""
-    return AllPairs(search.bracket, search.lost_equilibrium, search.history)
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, mechanisms: Sequence[Mechanism]) -> dict[str, float | None]:

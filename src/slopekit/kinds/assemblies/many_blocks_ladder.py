@@ -8,7 +8,6 @@ from slopekit.core.onlooker import say
 from slopekit.kinds.assemblies.many_blocks import (
     MOST_FOLLOWED,
     SolvedAssembly,
-    all_pairs_of,
     balance_of,
     debonding,
     search_of_all_pairs,
@@ -28,12 +27,12 @@ def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder
     """The result with its all-pairs factor, the rungs, the limit at other strengths."""
     result = solution.result
     few = result.model.moving_blocks <= _MOST_SEARCHED
-    if few and result.fos.limit and result.all_pairs is None:
+    if few and result.fos.limit and result.displacements.all_pairs is None:
         say("all pairs", head=True)
         search = search_of_all_pairs(design, solution.scene, solution.loads, result.fos.limit)
         if search is not None:
             fos = replace(result.fos, all_pairs_failed=search.factor)
-            result = replace(result, fos=fos, all_pairs=all_pairs_of(search))
+            result = replace(result, fos=fos, displacements=replace(result.displacements, all_pairs=search))
     failures = solution.ravelling.failures
     if failures and len(failures[0].parts[0].blocks) > MOST_FOLLOWED and (limit := result.fos.limit):
         say("history of falling strength", head=True)

@@ -8,7 +8,7 @@ from slopekit.core.errors import Notice
 from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
-from slopekit.kinds.words import mass_in_words, size_number
+from slopekit.kinds.words import mass_in_words, short
 from slopekit.notices import (
     SQUARE,
     LostCohesion,
@@ -92,14 +92,9 @@ def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravell
     elif ravelling.ended == "count":
         more = f"; analysis.mechanisms: {max(_FEW, 2 * design.mechanisms)} goes on to what fails after it"
     if getattr(design, "min_volume_m3", None) is not None and small < _BOULDER_M3:
-        more += f"; a cut.min_volume above {_four(small)} m3 joins such pieces to their neighbours"
-    yield Notice("W503", f"the factor of safety is that of {_four(small)} m³{mass}, {share} of the {_four(whole)} m³ "
+        more += f"; a cut.min_volume above {short(small)} m3 joins such pieces to their neighbours"
+    yield Notice("W503", f"the factor of safety is that of {short(small)} m³{mass}, {share} of the {short(whole)} m³ "
                  f"that can move{more}")  # fmt: skip
-
-
-def _four(volume: float) -> str:
-    """Four digits."""
-    return size_number(float(f"{volume:.4g}"))
 
 
 def lost_cohesion(failure: Failure) -> LostCohesion:

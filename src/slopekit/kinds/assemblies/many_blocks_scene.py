@@ -104,6 +104,11 @@ class AssemblyScene:
     crest_x: float | None = None
 
     @property
+    def polygons(self) -> list[Floats]:
+        """The outlines of the blocks of a section, in their order."""
+        return [self.outlines[name] for name in self.names]
+
+    @property
     def height_m(self) -> float:
         """Of all blocks, bedrock that is one of them too: from their lowest to their highest point."""
         if self.outlines:
@@ -191,7 +196,7 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
             message = f"{name} misses {scene.names[block]}: from its head it does not pass through it{within}"
             faults.append(Fault("E211", message, place, "Its head stands on a face of the block, or before one."))
         else:
-            toe = _toe(scene, given, block, finder)
+            toe = _toe(scene, given, finder)
             if toe == block:
                 advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
                 message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
@@ -216,16 +221,14 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
     )  # fmt: skip
 
 
-def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: _Finder) -> int:
+def _toe(scene: AssemblyScene, bolt: Bolt, finder: _Finder) -> int:
     """The block in which a bolt ends, -1 for bedrock: all that is none of the blocks, and where no length is given."""
     if bolt.head_m is None or bolt.length_m is None:
         return BEDROCK
     end = np.array(bolt.head_m) + bolt.length_m * bolt.toward.vector() - scene.origin
     toe = finder(None, end)
     if scene.assembly.in_section:
-        shown = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
-        inside = [k for k, outline in enumerate(shown) if _holds(outline, end[[0, 2]])]
-        toe = inside[0] + head // len(shown) * len(shown) if inside else None  # of its own row of columns
+        toe = next((k for k, outline in enumerate(scene.polygons) if _holds(outline, end[[0, 2]])), None)
     return BEDROCK if toe is None or scene.assembly.fixed[toe] else toe
 
 
@@ -239,8 +242,7 @@ def _misses(scene: AssemblyScene, bolt: Bolt, block: int, finder: _Finder) -> bo
     end = head + reach * bolt.toward.vector()
     if not scene.assembly.in_section:
         return last_left(scene.assembly, head, end, block) < 0 and finder(None, end) != block
-    outlines = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
-    own = outlines[block % len(outlines)]
+    own = scene.polygons[block]
     return last_left_in_section([own], head[[0, 2]], end[[0, 2]]) < 0 and not _holds(own, end[[0, 2]])
 
 
@@ -257,10 +259,9 @@ def _comes_out_of(scene: AssemblyScene, bolt: Bolt, finder: _Finder) -> str:
     if finder(None, end) is not None:
         return ""
     if assembly.in_section:
-        outlines = [scene.outlines[name] for name in scene.names]
-        if any(_holds(outline, end[[0, 2]]) for outline in outlines):
+        if any(_holds(outline, end[[0, 2]]) for outline in scene.polygons):
             return ""
-        last = last_left_in_section(outlines, head[[0, 2]], end[[0, 2]])
+        last = last_left_in_section(scene.polygons, head[[0, 2]], end[[0, 2]])
     else:
         last = last_left(assembly, head, end)
     return "" if last < 0 or assembly.fixed[last] else scene.names[last]

@@ -10,14 +10,12 @@ from slopekit.preie.motion.shaking import inertia_of
 def gyration(scene: AssemblyScene) -> Floats:
     """Inertia about the centroid per unit of mass (b, 3, 3) m² of the blocks of a scene.
 
-    Of a section that about its y axis alone; rows of columns are all alike.
+    Of a section that about its y axis alone.
     """
     assembly = scene.assembly
     inertia_per_mass = np.zeros((len(assembly), 3, 3))
     if assembly.in_section:
-        rows = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
-        for block, centroid in enumerate(assembly.centroids):
-            outline = scene.outlines.get(scene.names[block], rows[block % len(rows)])
+        for block, (outline, centroid) in enumerate(zip(scene.polygons, assembly.centroids, strict=True)):
             inertia_per_mass[block, 1, 1] = _of_outline(outline - centroid[[0, 2]])
         return inertia_per_mass
     for block in np.flatnonzero(~assembly.fixed).tolist():

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, BlockSizes, NodePairState
+from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState, Sizes
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.evidence import AtFactorOne, Movement
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
@@ -145,7 +145,8 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
             bolts.append(GoverningInterface(scene.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
             continue
         patch = int(part.patch[k])
-        name = _pair_name(scene, int(patches.plus[patch]), int(patches.minus[patch]))
+        sides = int(patches.plus[patch]), int(patches.minus[patch])
+        name = "/".join(scene.names[side] if side >= 0 else "bedrock" for side in sides)
         entry = sums.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
         for at, value in enumerate((work[k], normal[k], area[k], open_area[k])):
             entry[at] += float(value)
@@ -153,11 +154,6 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
         GoverningInterface(name, joint, "open" if gone > _OPENS * area_ else "slip", share, force, area_)
         for (name, joint), (share, force, area_, gone) in sums.items()
     ] + bolts, float(work.sum())
-
-
-def _pair_name(scene: AssemblyScene, plus: int, minus: int) -> str:
-    names = [scene.names[side] if side >= 0 else "bedrock" for side in (plus, minus)]
-    return "/".join(names)
 
 
 def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
@@ -307,25 +303,24 @@ def with_sizes(mechanisms: Iterable[Mechanism], scene: AssemblyScene, gravity_m_
         yield replace(one, size=_sizes_of_blocks(blocks, scene, gravity_m_s2)) if len(blocks) else one
 
 
-def _sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) -> BlockSizes:
+def _sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) -> Sizes:
     assembly = scene.assembly
     volumes = assembly.volumes[blocks]
     volume, mass = float(volumes.sum()), float(volumes @ scene.unit_weights[blocks]) / gravity_m_s2
     if scene.outlines:
-        own = [outline for name, outline in scene.outlines.items() if name != "bedrock" or name in scene.names]
-        heights = np.concatenate([own[k % len(own)][:, 1] for k in blocks.tolist()])
+        own = [scene.polygons[k] for k in blocks.tolist()]
+        heights = np.concatenate([outline[:, 1] for outline in own])
         setback = None
         if scene.crest_x is not None:  # to the back of the last column, at its top: the third corner of an outline
-            setback = max(0.0, max(float(own[k % len(own)][2, 0]) for k in blocks.tolist()) - scene.crest_x)
-        return BlockSizes(volume, mass, float(np.ptp(heights)), None, setback, {})
+            setback = max(0.0, max(float(outline[2, 0]) for outline in own) - scene.crest_x)
+        return Sizes(float(np.ptp(heights)), None, setback, {}, volume, mass)
     moves = np.zeros(len(assembly) + 1, dtype=bool)
     moves[blocks] = True
     corners = assembly.vertices[assembly.triangles[moves[assembly.triangle_block]].ravel()]
     if scene.crest is None:
-        return BlockSizes(volume, mass, float(np.ptp(corners[:, 2])), None, None, {})
-    extents = extents_of(corners, scene.crest)
-    traces = _traces(moves, scene, scene.crest)
-    return BlockSizes(volume, mass, extents.height_m, extents.face_width_m, extents.setback_m, traces)
+        return Sizes(float(np.ptp(corners[:, 2])), None, None, {}, volume, mass)
+    extents, traces = extents_of(corners, scene.crest), _traces(moves, scene, scene.crest)
+    return replace(extents, trace_lengths_m=traces, volume_m3=volume, mass_t=mass)
 
 
 def _traces(moves: Bools, scene: AssemblyScene, crest: Crest) -> dict[str, dict[str, float]]:

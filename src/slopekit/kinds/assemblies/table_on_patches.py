@@ -6,13 +6,13 @@ the whole of a closed surface with γ_w times what lies under water, upward.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
+from slopekit.core.arrays import Bools, Floats, cross, frozen
 from slopekit.core.errors import Fault, MisfitError, Notice
 from slopekit.core.orientation import number
-from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
 from slopekit.geometry.pressure import Pressure, under_planes
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign, NamedDesign
@@ -20,36 +20,25 @@ from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
 from slopekit.kinds.water import pressure_below, refuse_above
 from slopekit.loads import PointForce
 
+if TYPE_CHECKING:
+    from slopekit.geometry.rock.bench import ConvexBody
+
 _NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
 _IN_PLANE = 1e-6  # of the size of a block: its faces nearer than that lie in the upper slope
 _OPEN = 1e-2  # of the water that a block displaces: what presses by less is a table drawn along a face
 _SLOPING = 1e-9  # of an area: a smaller plan is that of an upright face
 
 
-@dataclass(frozen=True, slots=True)
-class Outside:
-    """The ground over many blocks that were cut from a slope.
-
-    Attributes
-    ----------
-    faces : polygons (k, 3) of face and upper slope, that one last
-    normals, offsets : of these, outward
-    """
-
-    faces: tuple[Floats, Floats]
-    normals: Floats
-    offsets: Floats
-
-
 def with_water(
-    design: AssemblyDesign, scene: AssemblyScene, into: Floats, outside: Outside | None = None
+    design: AssemblyDesign, scene: AssemblyScene, into: Floats, outside: "ConvexBody | None" = None
 ) -> AssemblyScene:
     """The scene with the water of a table and a pond on its contacts and free faces, where the design has them.
 
     Parameters
     ----------
     into : (3,) level unit vector that the distances of points count along, from the origin
-    outside : the ground; None: all that is known of it is that the highest block bears no water
+    outside : the rock that the blocks were cut from, its face and upper slope first; None: all that is known of the
+        ground is that the highest block bears no water
 
     Raises
     ------
@@ -61,12 +50,12 @@ def with_water(
     level, assembly = float(scene.origin[2]), scene.assembly
     water = pressure_below(
         design, np.eye(3), into, level,
-        lambda depth: () if outside is None else under_planes(outside.normals, outside.offsets, depth),
+        lambda depth: () if outside is None else under_planes(outside.normals[:2], outside.offsets[:2], depth),
         assembly.in_section,
     )  # fmt: skip
     if outside is not None:
-        highest = max(float(np.ptp(polygon[:, 2])) for polygon in outside.faces)
-        refuse_above(water, outside.faces, highest, np.eye(3))
+        faces = outside.corners[[0, 1, 5, 4]], outside.corners[[1, 2, 6, 5]]
+        refuse_above(water, faces, max(float(np.ptp(polygon[:, 2])) for polygon in faces), np.eye(3))
     elif water.heights:
         _refuse_over_highest(replace(water, pond=None), scene)
     means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))
@@ -157,13 +146,11 @@ def _surface(scene: AssemblyScene, block: int) -> Iterator[tuple[Floats, Floats]
             if size := float(np.sqrt(whole @ whole)):
                 yield corners, whole / size
         return
-    names = [name for name in scene.outlines if name != "bedrock"]
-    outline = scene.outlines[names[block % len(names)]]  # of its own row of columns
+    outline = scene.polygons[block]
     x, z = outline.T
     turned = np.sign(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
-    y = float(assembly.centroids[block, 1])
     for k in range(len(outline)):
-        start, end = np.array([x[k - 1], y, z[k - 1]]), np.array([x[k], y, z[k]])
+        start, end = np.array([x[k - 1], 0.0, z[k - 1]]), np.array([x[k], 0.0, z[k]])
         run = end - start
         if size := float(np.sqrt(run @ run)):
             yield _wide(start, end, scene.thickness or 1.0), turned * np.array([run[2], 0.0, -run[0]]) / size
@@ -184,7 +171,8 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, 
     level = pond.pond
     assert level is not None
     moving = np.flatnonzero(~assembly.fixed)
-    wet = [(k, corners) for k, corners in _corners_of(scene, moving) if float(corners[:, 2].min()) < level]
+    each = ((k, np.concatenate([polygon for polygon, _ in _surface(scene, k)])) for k in moving.tolist())
+    wet = [(k, corners) for k, corners in each if float(corners[:, 2].min()) < level]
     is_wet = np.zeros(len(assembly) + 1, dtype=bool)
     is_wet[[k for k, _ in wet]] = True
     means, points = _on_patches(pond, assembly, is_wet[patches.plus] | is_wet[patches.minus])
@@ -207,21 +195,7 @@ def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> Iterator[tuple[int, 
             yield block, PointForce(force, None, couple)
 
 
-def _corners_of(scene: AssemblyScene, blocks: Ints) -> Iterator[tuple[int, Floats]]:
-    """The corners of blocks, (k, 3)."""
-    assembly = scene.assembly
-    if assembly.in_section:
-        for block in blocks.tolist():
-            yield block, np.concatenate([polygon for polygon, _ in _surface(scene, block)])
-        return
-    order = np.argsort(assembly.triangle_block, kind="stable")
-    first = np.searchsorted(assembly.triangle_block[order], np.arange(len(assembly) + 1))
-    for block in blocks.tolist():
-        own = order[first[block] : first[block + 1]]
-        yield block, assembly.vertices[assembly.triangles[own].ravel()]
-
-
-def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: Outside) -> AssemblyScene:
+def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: "ConvexBody") -> AssemblyScene:
     """The scene with a surcharge on what of its blocks lies in the upper slope."""
     if not pressure_kpa:
         return scene

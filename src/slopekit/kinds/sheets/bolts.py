@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from operator import attrgetter
-from typing import Any, overload
+from typing import Any
 
 from slopekit.core.orientation import millimetre
 from slopekit.core.records import dataclass
@@ -35,7 +36,7 @@ class ScheduledBolt:
     @property
     def toward(self) -> str:
         """Trend and plunge."""
-        return f"{_trend(self.trend_deg):05.1f}/{_plain(self.plunge_deg, 1)}"
+        return f"{round(self.trend_deg % 360.0, 1) % 360.0:05.1f}/{_plain(self.plunge_deg)}"
 
 
 def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
@@ -55,12 +56,15 @@ def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
     """The schedule: metres to the millimetre; CSV has degrees to a hundredth, kN to a thousandth; empty: not given."""
     columns: list[Column[ScheduledBolt]] = [
         Column("no.", attrgetter("number"), "number", width=1),
-        *(_place(k, *named) for k, named in enumerate((("E", "east_m"), ("N", "north_m"), ("Z", "z_m")))),
-        Column("length / m", lambda one: _rounded(one.length_m, 3), "length_m", "m", _millimetre_or_dash, 1, ".3f"),
-        Column("", lambda one: _rounded(one.trend_deg % 360.0, 2), "trend_deg", "°", exact=".2f"),
-        Column("", lambda one: _rounded(one.plunge_deg, 2), "plunge_deg", "°", exact=".2f"),
+        *(
+            Column(f"{letter} / m", partial(_coordinate, k=k), key, "m", _millimetre_or_dash, 1, ".3f")
+            for k, (letter, key) in enumerate((("E", "east_m"), ("N", "north_m"), ("Z", "z_m")))
+        ),
+        Column("length / m", attrgetter("length_m"), "length_m", "m", _millimetre_or_dash, 1, ".3f"),
+        Column("", lambda one: round(one.trend_deg % 360.0, 2) % 360.0, "trend_deg", "°", exact=".2f"),
+        Column("", lambda one: round(one.plunge_deg, 2) + 0.0, "plunge_deg", "°", exact=".2f"),
         Column("trend/plunge", attrgetter("toward"), width=1),
-        Column("kN", lambda one: _rounded(one.force_kn, 3), "force_kn", "kN", lambda kn: _plain(kn, 1), 1, ".3f"),
+        Column("kN", attrgetter("force_kn"), "force_kn", "kN", _plain, 1, ".3f"),
         Column("", attrgetter("slice_m"), "slice_m", "m", exact="g"),
         Column("acts", attrgetter("acts"), "acts", width=1),
         Column("block", attrgetter("block"), "block"),
@@ -74,11 +78,9 @@ def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
     return replace(table, columns=columns, rest=f"... {len(left)} more, all of them in {FILE} (-o DIR)")
 
 
-def _place(k: int, letter: str, key: str) -> Column[ScheduledBolt]:
-    """A coordinate of the heads."""
-    return Column(
-        f"{letter} / m", lambda one: one.head_m and _rounded(one.head_m[k], 3), key, "m", _millimetre_or_dash, 1, ".3f",
-    )  # fmt: skip
+def _coordinate(bolt: ScheduledBolt, k: int) -> float | None:
+    """A coordinate of its head to the millimetre."""
+    return None if bolt.head_m is None else round(bolt.head_m[k], 3) + 0.0
 
 
 def _millimetre_or_dash(value: float | None) -> str:
@@ -92,15 +94,10 @@ def schedule_entries(bolts: Sequence[ScheduledBolt]) -> list[Entry]:
     return [schedule_table(bolts), *(said for said in (per_slice(bolts), without_head(bolts)) if said)]
 
 
-def slice_of_slope(bolt: ScheduledBolt) -> str:
-    """The length of slope that a force stands for; "" where it is that of one bolt."""
-    return "" if bolt.slice_m is None else f"{bolt.slice_m:g}"
-
-
 def per_slice(bolts: Sequence[ScheduledBolt]) -> str:
     """What forces in a section are, in words; "" in space."""
-    slices = dict.fromkeys(filter(None, map(slice_of_slope, bolts)))
-    return f"a section: forces are those on {next(iter(slices))} m of slope" if slices else ""
+    slices = [bolt.slice_m for bolt in bolts if bolt.slice_m is not None]
+    return f"a section: forces are those on {slices[0]:g} m of slope" if slices else ""
 
 
 def without_head(bolts: Sequence[ScheduledBolt]) -> str:
@@ -127,20 +124,6 @@ def forces_in_words(values: Sequence[float]) -> str:
     return f"{low} to {high} kN"
 
 
-def _plain(value: float, digits: int) -> str:
-    """Fixed digits, no minus before zero."""
-    return f"{_rounded(value, digits):.{digits}f}"
-
-
-@overload
-def _rounded(value: float, digits: int) -> float: ...
-@overload
-def _rounded(value: None, digits: int) -> None: ...
-@overload
-def _rounded(value: float | None, digits: int) -> float | None: ...
-def _rounded(value: float | None, digits: int) -> float | None:
-    return None if value is None else round(value, digits) + 0.0
-
-
-def _trend(trend: float) -> float:
-    return round(trend % 360.0, 1) % 360.0
+def _plain(value: float) -> str:
+    """One digit, no minus before zero."""
+    return f"{round(value, 1) + 0.0:.1f}"

@@ -6,15 +6,14 @@ from operator import itemgetter
 
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.elastic.outcome import ElasticBlocks, OnElasticJoint
-from slopekit.kinds.words import size_number
+from slopekit.kinds.words import short
 from slopekit.result import Result
 
+_FEW = 6  # joints of the sheet
 
-def elastic_entries(result: Result) -> list[Entry]:
-    """What the deformation of the rock does, in a few lines; none without elastic blocks."""
-    blocks = result.elastic
-    if blocks is None:
-        return []
+
+def elastic_entries(result: Result, blocks: ElasticBlocks) -> list[Entry]:
+    """What the deformation of the rock does, in a few lines."""
     return [_limit(blocks), _rock(blocks), _joints(blocks), _moves(blocks), _size(result, blocks)]
 
 
@@ -43,7 +42,7 @@ def _percent(share: float) -> str:
 
 
 def _rock(blocks: ElasticBlocks) -> str:
-    taken = f" ({' and '.join(blocks.taken)} taken, not given)" if blocks.taken else ""
+    taken = f" ({' and '.join(blocks.mesh.taken)} taken, not given)" if blocks.mesh.taken else ""
     rock = f"modulus {blocks.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {blocks.poisson:.3g}{taken}"
     return f"{rock}; rigid bedrock"
 
@@ -56,28 +55,23 @@ def _joints(blocks: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
         return lambda row: float(getattr(row[1], which)[k])
 
     def kpa(value: float) -> str:
-        return size_number(float(f"{value:.4g}") if abs(value) >= 0.05 else 0.0)
+        return short(value if abs(value) >= 0.05 else 0.0)
 
     columns: list[Column[Row]] = [
-        Column("on", itemgetter(0), "joint"),
-        Column("σ' from", end("elastic_kpa", 0), "elastic_from_kpa", "kPa", kpa),
-        Column("to", end("elastic_kpa", 1), "elastic_to_kpa", "kPa", kpa),
-        Column("rigid from", end("rigid_kpa", 0), "rigid_from_kpa", "kPa", kpa),
-        Column("to", end("rigid_kpa", 1), "rigid_to_kpa", "kPa", kpa),
-        Column("open", lambda row: row[1].opened_share * 100.0, "opened_percent", "%", lambda share: f"{share:.2g}"),
+        Column("on (kPa, %)", itemgetter(0), "joint", width=-14),
+        Column("σ' from", end("elastic_kpa", 0), "elastic_from_kpa", "kPa", kpa, 14),
+        Column("to", end("elastic_kpa", 1), "elastic_to_kpa", "kPa", kpa, 12),
+        Column("rigid from", end("rigid_kpa", 0), "rigid_from_kpa", "kPa", kpa, 12),
+        Column("to", end("rigid_kpa", 1), "rigid_to_kpa", "kPa", kpa, 12),
+        Column("open", lambda row: row[1].opened_share * 100.0, "opened_percent", "%", ".2g", 10),
     ]
-    rows = list(blocks.joints.items())
-    said = "  ".join(
-        f"σ' {name} {kpa(one.elastic_kpa[0])}..{kpa(one.elastic_kpa[1])} kPa "
-        f"(rigid {kpa(one.rigid_kpa[0])}..{kpa(one.rigid_kpa[1])})" for name, one in rows[:6]
-    )  # fmt: skip
-    return Table(columns, rows, said=said)
+    return Table(columns, list(blocks.joints.items()), ends=(_FEW, 0), rest="...")
 
 
 def _moves(blocks: ElasticBlocks) -> str:
     sizes = [math.sqrt(float(one @ one)) * 1e3 for one in (blocks.displacement_m, blocks.rigid_displacement_m)]
     who = "" if blocks.block is None else f" of {blocks.block}"
-    elastic, rigid = (size_number(float(f"{size:.3g}")) for size in sizes)
+    elastic, rigid = (short(size, 3) for size in sizes)
     return f"mean displacement{who} at F = {blocks.factor:.4g}: {elastic} mm, rigid {rigid} mm"
 
 
@@ -85,6 +79,6 @@ def _size(result: Result, blocks: ElasticBlocks) -> str:
     seconds = result.timing_s.get("elastic")
     took = "" if seconds is None else f"; {seconds:.2g} s"
     return (
-        f"{blocks.cells} elements of order {blocks.order}, edges up to {size_number(float(f'{blocks.edge_m:.3g}'))} m, "
-        f"{blocks.node_pairs} node pairs, {blocks.unknowns} unknowns, {blocks.steps} Newton steps{took}"
+        f"{blocks.mesh.cells} elements of order {blocks.mesh.order}, edges up to {short(blocks.mesh.edge_m, 3)} m, "
+        f"{blocks.mesh.node_pairs} node pairs, {blocks.mesh.unknowns} unknowns, {blocks.steps} Newton steps{took}"
     )

@@ -1,6 +1,7 @@
 """A result on one line, `--quiet`: status, factor, check. Never a bare factor of safety."""
 
 from slopekit.core.sheet import factor_text
+from slopekit.evidence import WithoutBasal
 from slopekit.kinds.sheets.shared import judged_factor
 from slopekit.notices import INVENTED
 from slopekit.result import JUDGED, Result
@@ -11,28 +12,23 @@ def line_of(result: Result) -> str:
 
     The factor that acceptance hangs on comes first; those of several stand by their names.
     """
-    named = [("", result.fos.limit)]
+    limit, whole = result.fos.limit, result.comparisons.without_basal
+    named = [("", limit)]
     if result.design.criterion == "all-pairs":
-        named = [("limit", result.fos.limit), ("all-pairs", result.fos.all_pairs_failed)]
+        named = [("limit", limit), ("all-pairs", result.fos.all_pairs_failed)]
     if result.leading is not None:
         name, value = result.leading
-        first = "all-pairs" if name == "all_pairs_failed" else JUDGED[name]
-        first = name if result.without_basal is not None and name == result.without_basal.NAME else first
-        named = [(first, value), ("limit", result.fos.limit), *(one for one in named[1:] if one[0] != first)]
-    if result.elastic is not None and result.elastic.limit is not None:
-        named.append(("elastic", result.elastic.limit))
+        called = {"all_pairs_failed": "all-pairs", WithoutBasal.NAME: WithoutBasal.NAME}.get(name) or JUDGED[name]
+        named = [(called, value), ("limit", limit), *(one for one in named[1:] if one[0] != called)]
+    elastic = result.comparisons.elastic
+    if elastic is not None and elastic.limit is not None:
+        named.append(("elastic", elastic.limit))
     rules = [rule for rule in result.design.rules if rule.is_on_factor]
     shown = [f"{name} {'none' if value is None else judged_factor(value, rules)}".strip() for name, value in named]
     parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
     parts += ["moments_govern"] if result.moments_govern else []
-    also, limit = result.without_basal, result.fos.limit
-    if (
-        also is not None
-        and also.factor is not None
-        and also.NAME not in dict(named)
-        and (limit is None or also.factor < limit)
-    ):
-        parts.append(f"{also.NAME} {factor_text(also.factor)}")
+    if whole is not None and whole.factor is not None and whole.NAME not in dict(named):
+        parts += [f"{whole.NAME} {factor_text(whole.factor)}"] if limit is None or whole.factor < limit else []
     parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
     said = {one.code: one.code for one in result.warnings}
     if INVENTED in said:

@@ -10,10 +10,7 @@ from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
 from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism
 from slopekit.findings import ToppleColumn as GoodmanBray
-from slopekit.kinds import dilates
-from slopekit.kinds.sheets import shared
-from slopekit.kinds.sheets.shared import Factor
-from slopekit.kinds.words import in_order, line_in_words, many_times, names_in_runs, size_number
+from slopekit.kinds.words import in_order, line_in_words, names_in_runs, short, size_number
 from slopekit.result import Result
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
@@ -38,29 +35,14 @@ _UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "
 _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
 
 
-def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
-    """The sections below what was analysed, in order; those without entries print nothing."""
-    order = _order(result)
+def sections(result: Result, findings: Findings) -> Iterator[Section]:
+    """What moves, in what order, the table of columns and what was checked."""
     first = findings.mechanisms[0] if findings.mechanisms else None
-    yield Section("FORCES", (), details=shared.forces(result))
-    yield Section("STATUS", [_status(result, findings, order)])
-    yield Section("FoS", [shared.factors_table(result, _factors(result))])
-    yield from shared.elastic(result)
-    yield Section("STRENGTH", shared.curved_strength(result))
-    yield Section("ALL PAIRS", shared.all_pairs(result))
-    yield Section("ACCEPT", shared.accept(result))
     yield Section("MOVES", (), details=_moves(result, first))
-    mechanisms, left = _mechanisms(result, findings, order), [findings.standing] if findings.standing else []
-    yield Section("MECHANISM", mechanisms, hang=42, details=left)
+    left = [findings.standing] if findings.standing else []
+    yield Section("MECHANISM", _mechanisms(result, findings, _order(result)), hang=42, details=left)
     yield Section("TABLE", (), details=toppling_rows(result, findings.table))
-    yield Section("METHODS", shared.methods(result))
-    yield Section("SERIES", shared.series(result))
     yield Section("CHECKS", (), details=_checks(result, findings, first))
-    yield Section("MODEL", (), details=_model(result))
-    yield Section("TIME", [_time(result.timing_s)] if result.timing_s else [])
-    yield Section("SENSITIVITY", (), details=shared.governs(result))
-    yield Section("NOT GIVEN", _defaults(result))
-    yield Section("NOTE", [str(notice) for notice in result.warnings])
 
 
 def _order(result: Result) -> dict[str, int]:
@@ -72,11 +54,12 @@ def _order(result: Result) -> dict[str, int]:
 # -- the answer -----------------------------------------------------------------------------------------------------
 
 
-def _status(result: Result, findings: Findings, order: Mapping[str, int]) -> str:
+def status(result: Result, findings: Findings) -> str:
+    """The status, and which blocks move in which way."""
     if not findings.mechanisms or not findings.mechanisms[0].blocks:
         return result.status_text
     first = findings.mechanisms[0]
-    words = _motions(first, order)
+    words = _motions(first, _order(result))
     still = findings.blocks - findings.fixed - len(first.blocks)
     if still > 0:
         words += f", {still} {'stays' if still == 1 else 'stay'}"
@@ -97,38 +80,6 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
         verb = MOTIONS.get(how, how) if len(names) == 1 else _PLURALS.get(how, how)
         words.append(f"{len(names)} {verb} ({names_in_runs(in_order(names, order))})")
     return ", ".join(words)
-
-
-def _factors(result: Result) -> Iterator[Factor]:
-    fos, dilating = result.fos, dilates(result.design)
-    limit = f"{limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
-    yield Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")
-    without = result.status == "not_converged" and fos.closed_form is None  # nothing to agree with, or not to
-    if fos.closed_form is not None or (result.agree is not None and not without):
-        closed = f"{result.words.closed_form}{', zero dilation' if dilating else ''}"
-        yield Factor(fos.closed_form, closed, shared.verdict(result))
-    else:
-        yield Factor(None, f"closed form: {result.words.no_closed_form}")
-    if fos.lowest is not None or fos.highest is not None:
-        yield shared.locked_in(result)
-    elif fos.limit is not None:
-        yield Factor(None, "range for other load paths and locked-in stresses: not found")
-    if fos.static_bound is not None:
-        above = ""
-        if fos.limit:
-            more = (fos.static_bound / fos.limit - 1.0) * 100
-            above = f", {more:.1f} % above the limit" if more >= 0.05 else ", no higher than the limit"
-            times = many_times(fos.static_bound / fos.limit)
-            above = f", {times} the limit" if times else above
-        proved = "" if result.static_bound_proved else ", not proved"
-        yield Factor(fos.static_bound, f"{shared.UPPER_BOUND}{proved}{above}")
-    elif fos.limit is not None:
-        yield Factor(None, "upper bound: not found")
-    if fos.all_pairs_failed is not None:
-        said = "all pairs failed (no block is tied to bedrock by sticking pairs; depends on the stiffness)"
-        yield Factor(fos.all_pairs_failed, said)
-    elif result.design.criterion == "all-pairs":
-        yield Factor(None, "all pairs failed: asked for, and not found")
 
 
 def limit_in_words(result: Result) -> str:
@@ -164,7 +115,7 @@ def _toward(one: Mechanism) -> str:
 
 def _settles(result: Result) -> list[str]:
     """The block that moves most at full strength."""
-    one = result.at_factor_one
+    one = result.displacements.at_factor_one
     if one is None or one.block is None:
         return []
     size = float(np.sqrt(one.movement.displacement @ one.movement.displacement))
@@ -254,7 +205,7 @@ def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) ->
 
 
 def _volume(volume_m3: float | None) -> str:
-    return "-" if volume_m3 is None else size_number(float(f"{volume_m3:.4g}"))
+    return "-" if volume_m3 is None else short(volume_m3)
 
 
 def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
@@ -286,38 +237,11 @@ def _check(name: str, value: float) -> str:
     """A check in words; one that has none is named by its key, the unit at its end."""
     if name in _CHECKS:
         return _CHECKS[name].format(f"{value:.2g}")
-    shown = size_number(float(f"{value:.4g}")) if abs(value) >= _MEASURED or not value else f"{value:.2g}"
+    shown = short(value) if abs(value) >= _MEASURED or not value else f"{value:.2g}"
     words, _, unit = name.rpartition("_")
     if unit in _UNITS and words:
         return f"{words.replace('_', ' ')} {shown} {_UNITS[unit]}"
     return f"{name.replace('_', ' ')} {shown}"
-
-
-def _model(result: Result) -> list[str]:
-    model = result.model
-    left_out = ", ".join(model.left_out) or "nothing"
-    return [
-        f"{counted(model.moving_blocks, 'moving block')}, {counted(model.unknowns, 'unknown')}, "
-        f"{counted(model.node_pairs, 'node pair')}; left out: {left_out}"
-    ]
-
-
-def _time(timing_s: Mapping[str, float]) -> str:
-    parts = []
-    for name, seconds in timing_s.items():
-        if seconds > 5e-5:
-            shown = f"{seconds:.2f} s" if seconds >= 10.0 else f"{seconds * 1e3:.1f} ms"
-            parts.append(f"{name.replace('_', ' ')} {shown}")
-    return "  ".join(parts)
-
-
-def _defaults(result: Result) -> list[str]:
-    ours = {
-        "upper": "upper slope (horizontal)", "length": "length (twice the height)", "depth": "depth (the height)",
-        "seismic.trend": f"seismic trend ({result.words.seismic})",
-    }  # fmt: skip
-    names = [ours.get(name, name) for name in result.design.defaults]
-    return [", ".join(names)] if names else []
 
 
 def _percent(part: float) -> str:
@@ -371,19 +295,13 @@ def toppling_rows(result: Result, table: Sequence[GoodmanBray]) -> list[Entry]:
     alike = sum(column.mode == column.mode_preie for column in table)
     different = [f"C{column.n}" for column in by_number if column.mode != column.mode_preie]
     where = f"; not in {names_in_runs(different)}" if different else ""
-    unbounded = any(abs(value) == np.inf for column in table for value in (column.p_topple, column.p_slide) if value)
     return [
         f"Goodman & Bray's columns, {at}; y, M, L in m, P in kN (R and S on the bases: --json)",
         replace(whole, rest=f" ... {len(whole.left_out)} columns left out here (--json has them) ..."
                 if whole.left_out else ""),
         f"the modes are the same in {alike} of {len(table)} columns{where}",
-        *(["∞: with sides that rough no force between two columns makes a difference"] if unbounded else []),
     ]  # fmt: skip
 
 
 def _cell(value: float | None) -> str:
-    if value is None or np.isnan(value):
-        return "-"
-    if np.isinf(value):
-        return "∞" if value > 0.0 else "-∞"
-    return f"{value:.2f}" if abs(value) < 1e8 else f"{value:.5g}"
+    return "-" if value is None else f"{value:.2f}" if abs(value) < 1e8 else f"{value:.5g}"

@@ -1,15 +1,16 @@
 """Entries that the sheets of one block and of many blocks share."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from decimal import ROUND_CEILING, Context
+from functools import partial
 from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING
 
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
+from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.parts import Rule
 from slopekit.evidence import ReductionStep
-from slopekit.kinds.words import shortened, size_number
+from slopekit.kinds.words import short, size_number
 from slopekit.result import JUDGED, METHODS, STATUSES, Result
 
 if TYPE_CHECKING:
@@ -18,84 +19,53 @@ if TYPE_CHECKING:
 
 UPPER_BOUND = "upper bound (associated flow), not for design"
 LOWEST = "lowest estimate, for a joint stiffness ratio of 0.1 to 1 and where joints creep open"
+_FEW_TRIALS = 6  # of a search, at each end
 _LEAST_PERCENT = 1e-4  # a smaller difference of two methods is not told apart from rounding
-
-
-@dataclass(frozen=True, slots=True)
-class _OnJoint:
-    """What an interface carries, kN and kPa; None where it is not known or not asked."""
-
-    name: str
-    area: float | None
-    normal: float | None
-    water: float | None
-    pressure: float | str | None
-
-    @property
-    def stress(self) -> float | None:
-        """The mean effective normal stress."""
-        return None if self.normal is None or not self.area else self.normal / self.area
 
 
 def forces(result: Result) -> list[Entry]:
     """Normal forces by interface, water, and what drives and resists along the movement."""
     acting, areas = result.forces, result.geometry.areas_m2
-    given = result.design.water.pressures_kpa if "slip" in result.design.inputs() else None
-    rows = []
-    for name in dict.fromkeys([*acting.normal, *acting.water]):
-        area, water = areas.get(name), acting.water.get(name)
-        mean: float | str | None = water / area if water and area else 0.0
-        if given is not None and name in acting.water:  # a resultant has no mean by the area of a curved surface
-            mean = ", ".join(f"{one:g}" for one in given) or 0.0
-        rows.append(_OnJoint(name, area, acting.normal.get(name), water or 0.0, mean))
-    at_limit = result.fos.limit is not None and any(row.normal is not None for row in rows)
-    own: list[Column[_OnJoint]] = [
-        Column("N'", attrgetter("normal"), "normal_kn", "kN", _size_or_dash),
-        Column("mean σ'", attrgetter("stress"), "stress_kpa", "kPa", _rounded_or_dash),
+    # a resultant has no mean by the area of a curved surface
+    given = result.design.water.pressures_kpa if "slip" in result.design.inputs() else ()
+
+    def stress(name: str) -> float | None:
+        normal, area = acting.normal.get(name), areas.get(name)
+        return None if normal is None or not area else normal / area
+
+    def pressure(name: str) -> float:
+        water, area = acting.water.get(name), areas.get(name)
+        return given[0] if given and water is not None else water / area if water and area else 0.0
+
+    names = list(dict.fromkeys([*acting.normal, *acting.water]))
+    own: list[Column[str]] = [
+        Column("N'", acting.normal.get, "normal_kn", "kN", _size_or_dash, 14),
+        Column("mean σ'", stress, "stress_kpa", "kPa", _rounded_or_dash, 12),
     ]
-    columns: list[Column[_OnJoint]] = [
-        Column("on", attrgetter("name"), "interface"),
-        Column("area", attrgetter("area"), "area_m2", "m²", _size_or_dash),
-        *(own if at_limit else ()),
-        Column("water", attrgetter("water"), "water_kn", "kN", _size_or_dash),
-        Column("mean u", attrgetter("pressure"), "pressure_kpa", "kPa", _rounded_or_dash),
+    columns: list[Column[str]] = [
+        Column("on (m², kN, kPa)", str, "interface", width=-18),
+        Column("area", areas.get, "area_m2", "m²", _size_or_dash, 12),
+        *(own if result.fos.limit is not None and any(map(acting.normal.get, names)) else ()),
+        Column("water", lambda name: acting.water.get(name) or 0.0, "water_kn", "kN", _size_or_dash, 14),
+        Column("mean u", pressure, "pressure_kpa", "kPa", _rounded_or_dash, 12),
     ]
-    whole = [("weight", acting.weight), ("driving, along the slide", acting.driving), ("resisting", acting.resisting)]
+    alone = " (forces alone)" if result.moments_govern else ""
+    whole = [
+        ("weight", acting.weight), (f"driving, along the slide{alone}", acting.driving), ("resisting", acting.resisting)
+    ]  # fmt: skip
     sums: list[Column[tuple[str, float | None]]] = [
-        Column("load", itemgetter(0)),
-        Column("force", itemgetter(1), unit="kN", show=size_number),
+        Column("load", itemgetter(0), width=-40),
+        Column("force", itemgetter(1), unit="kN", show=_size_or_dash, width=14),
     ]
-    return [
-        Table(columns, rows, said=_forces_in_words(result, rows)),
-        Table(sums, [row for row in whole if row[1] is not None], said=""),
-    ]
-
-
-def _forces_in_words(result: Result, rows: Sequence[_OnJoint]) -> str:
-    acting = result.forces
-    parts = []
-    for row in rows:
-        if row.normal is not None:
-            stress = "" if row.stress is None else f" ({row.stress:.4g} kPa)"
-            parts.append(f"N' {row.name} {size_number(row.normal)} kN{stress}")
-    wet = [f"{name} {size_number(push)} kN" for name, push in acting.water.items() if push]
-    water = "water " + (", ".join(shortened(wet, 6)) or "0")
-    held = [
-        f"{what} {size_number(value)} kN"
-        for what, value in (("driving", acting.driving), ("resisting", acting.resisting))
-        if value is not None
-    ]
-    alone = " (forces alone)" if result.moments_govern and held else ""
-    return "  ".join([*shortened(parts, 6), water, *held]) + alone
+    return [Table(columns, names), Table(sums, [row for row in whole if row[1] is not None], headless=True)]
 
 
 def _size_or_dash(value: float | None) -> str:
     return "-" if value is None else size_number(value)
 
 
-def _rounded_or_dash(value: float | str | None) -> str:
-    """Four digits."""
-    return value if isinstance(value, str) else "-" if value is None else size_number(float(f"{value:.4g}"))
+def _rounded_or_dash(value: float | None) -> str:
+    return "-" if value is None else short(value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,14 +85,6 @@ def leading(result: Result) -> list[Factor]:
     name, value = result.leading
     estimate = "lowest estimate" if name == "lowest" else JUDGED[name]
     return [Factor(value, f"{estimate}: the factor that ACCEPT hangs on")]
-
-
-def elastic(result: Result) -> Iterator[Section]:
-    """What elastic blocks do, where they were asked for: others load nothing of it."""
-    if result.elastic is not None:
-        from slopekit.kinds.sheets.elastic import elastic_entries
-
-        yield Section("ELASTIC", elastic_entries(result))
 
 
 def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
@@ -151,7 +113,7 @@ def has_range(result: Result) -> bool:
 
 def _residual(result: Result) -> list[Factor]:
     """The factors on residual strength, after slip."""
-    left = result.residual
+    left = result.comparisons.residual
     if left is None:
         return []
     status = result.design.in_own_names(result.words.status(left.status))
@@ -165,13 +127,13 @@ def _residual(result: Result) -> list[Factor]:
 
 def methods(result: Result) -> list[Entry]:
     """The methods of columns, which know other mechanics: printed beside, not compared."""
-    if not result.methods:
+    if not result.comparisons.methods:
         return []
     columns: list[Column[tuple[str, float | None]]] = [
         Column("method", lambda row: METHODS[row[0]], "method"),
         Column("factor", itemgetter(1), "factor", show=lambda factor: factor_text(factor).strip()),
     ]
-    rows, other = list(result.methods.items()), "other mechanics: not compared"
+    rows, other = list(result.comparisons.methods.items()), "other mechanics: not compared"
     said = "  ".join(" ".join(column.shown(row) for column in columns) for row in rows)
     return [Table(columns, rows, rest=other, said=f"{said}   ({other})")]
 
@@ -182,30 +144,23 @@ def series(result: Result) -> list[Entry]:
         return []
     horizontal = result.words.horizontal
 
-    def moved(k: int) -> Callable[[ReductionStep], float | None]:
-        return lambda step: None if step.movement is None else float(step.movement.displacement[k]) * 1e3
-
-    east, north, up = (moved(k) for k in range(3))
+    def moved(step: ReductionStep, k: int) -> float | None:
+        return None if step.movement is None else float(step.movement.displacement[k]) * 1e3
 
     def across(step: ReductionStep) -> float | None:
-        x, y = east(step), north(step)
+        x, y = moved(step, 0), moved(step, 1)
         return None if x is None or y is None else x if horizontal == "x" else (x * x + y * y) ** 0.5
 
-    def across_text(step: ReductionStep) -> str:
-        displacement_mm = across(step)
-        return f"{'does not come to rest':>28}" if displacement_mm is None else f"{displacement_mm:16.4f}"
+    def shown(displacement_mm: float | None) -> str:
+        return "no rest" if displacement_mm is None else f"{displacement_mm:.4f}"
 
-    def up_text(step: ReductionStep) -> str:
-        displacement_mm = up(step)
-        return "" if displacement_mm is None else f"{displacement_mm:12.4f}"
-
-    parts = () if horizontal == "x" else (("east", "east_mm", east), ("north", "north_mm", north))
+    parts = () if horizontal == "x" else (("east", 0), ("north", 1))
     columns: list[Column[ReductionStep]] = [
         Column("factor", attrgetter("factor"), "factor", show=".4f", width=-9),
-        Column(f"{horizontal + ' / mm':>16}", across, f"{horizontal}_mm", "mm", width=1, text=across_text),
-        Column(f"{'up / mm':>12}", up, "up_mm", "mm", width=1, text=up_text),
+        Column(f"{horizontal} / mm", across, f"{horizontal}_mm", "mm", shown, 16),
+        Column("up / mm", lambda step: moved(step, 2), "up_mm", "mm", shown, 12),
         Column(f"failed of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=14),
-        *(Column(f"{title} / mm", of, key, "mm", ".4f") for title, key, of in parts),
+        *(Column(f"{title} / mm", partial(moved, k=k), f"{title}_mm", "mm", ".4f") for title, k in parts),
     ]
     return [Table(columns, result.series)]
 
@@ -239,30 +194,21 @@ def _rounded_up(value: float) -> str:
 
 def all_pairs(result: Result) -> list[Entry]:
     """The search of the paper's criterion: its bracket and the failed pairs of its trials."""
-    pairs = result.all_pairs
+    pairs = result.displacements.all_pairs
     if pairs is None:
         return []
     low, high = pairs.bracket
     if result.fos.all_pairs_failed is None:
-        rests = "the blocks rest" if result.findings is not None else "the block rests"
-        return [f"not found: the search met no factor at which {rests} on sticking pairs"]
-    stands = "the blocks still stand there" if result.findings is not None else "the block still stands there"
-    how = "equilibrium lost there" if pairs.lost_equilibrium else stands
+        return ["not found: the search met no factor with equilibrium on sticking pairs"]
+    how = "equilibrium lost there" if pairs.lost_equilibrium else "still in equilibrium there"
     trials = sorted(pairs.history)
-    counts = [count for _, count in trials]
-    shown = [
-        f"{factor:.5f}: {count}"
-        for k, (factor, count) in enumerate(trials)
-        if k in (0, len(trials) - 1) or counts[k - 1] != count or counts[k + 1] != count
-    ]
-    of = f"failed pairs of {result.model.node_pairs}"
     columns: list[Column[tuple[float, int]]] = [
-        Column("strength reduction factor", itemgetter(0), "factor", show=".5f"),
-        Column(of, itemgetter(1), "failed_pairs"),
+        Column("factor", itemgetter(0), "factor", show=".5f", width=9),
+        Column(f"failed pairs of {result.model.node_pairs}", itemgetter(1), "failed_pairs", width=26),
     ]
     return [
         f"bracket {low:.5f} to {high:.5f} ({how}); {result.design.stiffness.in_words()}",
-        Table(columns, trials, said=f"{of} by factor  " + "  ".join(shown)),
+        Table(columns, trials, ends=(_FEW_TRIALS, _FEW_TRIALS), rest="..."),
     ]
 
 
@@ -277,19 +223,14 @@ def judged_on(result: Result, rule: Rule) -> str:
     called = {"limit": "limit", **JUDGED}[name]
     if value is None:
         return f" ({result.design.criterion})" if rule.name == "fos" else ""
-    said = f"{called} {_as_judged(value, rule)}" if rule.name == "fos" else _as_judged(value, rule)
+    said = f"{called} {judged_factor(value, [rule])}" if rule.name == "fos" else judged_factor(value, [rule])
     if rule.name == "fos" and result.design.criterion == "all-pairs":
         other = "the limit" if name == "all_pairs_failed" else "the factor of all pairs"
         said += f", no higher than {other}"
     first = result.findings.mechanisms[0] if result.findings is not None and result.findings.mechanisms else None
     if name == "limit" and first is not None and first.size is not None:
-        said += f" of the critical block or group, {size_number(float(f'{first.size.volume_m3:.4g}'))} m³"
+        said += f" of the critical block or group, {short(first.size.volume_m3)} m³"
     return f" ({said})"
-
-
-def _as_judged(value: float, rule: Rule) -> str:
-    """Return a factor in three decimals, or as many as show on which side of the required one it lies."""
-    return judged_factor(value, [rule])
 
 
 def judged_factor(value: float, rules: Iterable[Rule]) -> str:
@@ -312,11 +253,11 @@ def _judgement(result: Result, rule: Rule) -> str:
         if lowest is None or not (rule.is_on_factor and rule.is_least):
             return "MET"
         if rule.met(lowest):
-            return f"MET (lowest estimate {_as_judged(lowest, rule)})"
-        return f"MET, but not by the lowest estimate {_as_judged(lowest, rule)}"
-    whole = result.without_basal
+            return f"MET (lowest estimate {judged_factor(lowest, [rule])})"
+        return f"MET, but not by the lowest estimate {judged_factor(lowest, [rule])}"
+    whole = result.comparisons.without_basal
     if whole is not None and not whole.meets(rule):
-        return f"NOT MET ({whole.what}: {whole.in_words()})"
+        return f"NOT MET ({whole.WHAT}: {whole.in_words()})"
     if result.agree is False or result.status == "not_converged":
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":
@@ -328,7 +269,7 @@ def _judgement(result: Result, rule: Rule) -> str:
 
 def mechanisms(result: Result) -> list[Entry]:
     """Return the mechanisms of a block above a basal joint: that block, and the whole wedge by its closed form."""
-    if result.without_basal is None:
+    if result.comparisons.without_basal is None:
         return []
     columns: list[Column[MechanismRow]] = [
         Column("FoS", attrgetter("fos"), "fos", show=factor_text, width=9),
@@ -350,20 +291,20 @@ def curved_strength(result: Result) -> list[str]:
     return [
         f"{name} at {line.traction_kpa:.4g} kPa (node pairs {line.range_kpa[0]:.4g} .. {line.range_kpa[1]:.4g}): "
         f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
-        for name, line in result.curved_strength.items()
+        for name, line in result.limit_state.curved_strength.items()
     ]
 
 
 def why_no_sensitivity(result: Result) -> str:
     """Return why SENSITIVITY is not given though the closed form has it; empty where it is given."""
-    if result.governs and (result.moments_govern or result.status == "not_converged"):
+    if result.comparisons.governs and (result.moments_govern or result.status == "not_converged"):
         return "not given: it is read from the closed form, which does not govern here"
     return ""
 
 
 def governs(result: Result) -> list[Entry]:
     """What changes the factor of safety most, by the closed form."""
-    if not result.governs:
+    if not result.comparisons.governs:
         return []
     if reason := why_no_sensitivity(result):
         return [reason]
@@ -376,18 +317,9 @@ def governs(result: Result) -> list[Entry]:
         return result.design.in_own_names(result.words.status(row[2])) if row[2] in STATUSES else row[2]
 
     columns: list[Column[tuple[str, float | None, str]]] = [
-        Column("changed input", itemgetter(0), "change"),
-        Column("closed form", itemgetter(1), "fos", show=lambda factor: factor_text(factor).strip()),
-        Column("change", change, "difference", show=lambda by: "-" if by is None else f"{by:+.4f}"),
-        Column("then", then, "then"),
+        Column("changed input", itemgetter(0), "change", width=-24),
+        Column("closed form", itemgetter(1), "fos", show=lambda factor: factor_text(factor).strip(), width=12),
+        Column("change", change, "difference", show=lambda by: "-" if by is None else f"{by:+.4f}", width=10),
+        Column("then", then, "then", width=1, about="  {}"),
     ]
-    parts = []
-    for row in result.governs:
-        name, factor, _ = row
-        by = change(row)
-        if factor is None:
-            parts.append(f"{name}: {then(row)}")
-        else:
-            parts.append(f"{name}: {factor:.2f}" if by is None or name == "full water" else f"{name} {by:+.2f}")
-    said = " | ".join(parts) + "   (closed form)"
-    return [Table(columns, result.governs, rest="One at a time, by the closed form.", said=said)]
+    return [Table(columns, result.comparisons.governs, rest="One at a time, by the closed form.")]

@@ -13,8 +13,7 @@ from typing import Any
 from slopekit.core.onlooker import Clock, say
 from slopekit.core.records import dataclass
 from slopekit.kinds.protocol import ClosedForm, D
-from slopekit.kinds.single_block.one_block import Cut
-from slopekit.kinds.single_block.one_block_limit import find_limit
+from slopekit.kinds.single_block.one_block_limit import Cut, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.preie.motion.balance import Balance
 from slopekit.preie.one_block.flat_limit import flat_limit, forces_limit, refined_factor
@@ -145,8 +144,7 @@ def _others(result: Result, made: Cut) -> Iterator[float | None]:
     scene = made.scene_at(made.refine)
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
         say("other strengths, divided by", k, head=True)
-        found = find_limit(partial(_reduced, scene, k), made.refine, Clock(), made.limit)
-        limit = found.analysis.governing
+        limit = find_limit(replace(made, scene_at=partial(_reduced, scene, k)), Clock()).limit
         yield k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -11,26 +11,25 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.onlooker import Clock
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
 from slopekit.evidence import (
-    AllPairs,
     AtFactorOne,
+    Comparisons,
     ContactOpening,
+    Displacements,
     FactorsOfSafety,
     Forces,
+    LimitState,
     ModelSize,
-    ReductionStep,
     SecantLine,
     WithoutBasal,
 )
-from slopekit.extents import Geometry
-from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, WhenRead, compare, one_or_error
-from slopekit.kinds.single_block.one_block_limit import FoundLimit, comparable, find_limit
+from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
+from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
+from slopekit.kinds.single_block.one_block_notices import notices as block_notices
 from slopekit.kinds.single_block.one_block_states import (
     ContactModel,
     arrows,
@@ -39,106 +38,26 @@ from slopekit.kinds.single_block.one_block_states import (
     opening_pairs,
     pair_state,
     series_of,
-    turned,
-    turned_back,
 )
 from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_strength
 from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.loads import Hull, Loads
-from slopekit.notices import Facts, Interface, notices_of_factor
-from slopekit.notices import notices as common_notices
+from slopekit.loads import Loads
+from slopekit.notices import those_of_factors
 from slopekit.preie.motion.balance import balance, of_one_block
-from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
+from slopekit.preie.motion.equilibrium import equilibrium
 from slopekit.preie.one_block.flat_limit import lowest_factor
-from slopekit.preie.one_block.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.programs.bound import static_bound
-from slopekit.preie.system.model import Model
 from slopekit.preie.tolerances import PASSES_SETTLED
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds.single_block.closed_forms import OnArrays
     from slopekit.kinds.single_block.ladders import Ladder
-    from slopekit.preie.motion.all_pairs import AllPairsFailed
 
 DILATES = "the closed form knows no dilation: it is printed, not compared"
 _OF_THREE = ("J1", "J2", "basal")  # of a wedge with a basal joint
 _NEARLY_NONE = 1e-6
-
-
-@dataclass(frozen=True, slots=True)
-class Solved:
-    """Everything that PRE-IE says of one scene.
-
-    Attributes
-    ----------
-    found : the limit with the node pairs that carry it
-    bound : the static bound; at_rest : the equilibrium at full strength
-    lowest : the limit with other joint stiffness, or soon after it begins to creep, where that is lower
-    """
-
-    found: FoundLimit
-    bound: float | None = None
-    at_rest: Equilibrium | None = None
-    pairs: "AllPairsFailed | None" = None
-    series: tuple[ReductionStep, ...] = ()
-    lowest: float | None = None
-
-    @property
-    def scene(self) -> ContactModel:
-        """The node pairs with their model."""
-        return self.found.scene
-
-    @property
-    def analysis(self) -> LimitAnalysis:
-        """The limit on them, and whether moments govern."""
-        return self.found.analysis
-
-    @property
-    def limit(self) -> Limit:
-        """The limit that governs."""
-        return self.analysis.governing
-
-
-@dataclass(frozen=True, slots=True)
-class Cut:
-    """A block, cut and loaded, in local axes: what its limit, its result and its support are made from.
-
-    Attributes
-    ----------
-    scene_at : its node pairs and their model, by how often the parts of the joints are split; `refine` times here
-    interfaces : its joints; faces : names of those that water can press on
-    geometry : made where a result asks for it; left_out : what is not modelled
-    face : the free face that bolts go into, None where support is not looked for; hull : the planes that they meet
-    limit : how a model is solved
-    origin : (3,) what takes local coordinates back to the user's
-    axes : (3, 3) rows are the local axes in those of the user, None where they are the same
-    """
-
-    block: Block
-    loads: Loads
-    scene_at: Callable[[int], ContactModel]
-    interfaces: Sequence[Interface]
-    geometry: Callable[[], Geometry]
-    left_out: Sequence[str]
-    faces: Mapping[int, str] = field(default_factory=dict)
-    face: int | None = None
-    hull: Callable[[], Hull] | None = None
-    refine: int = 0
-    limit: Callable[[Model], LimitAnalysis] = limit_analysis
-    origin: Floats = field(default_factory=lambda: np.zeros(3))
-    axes: Floats | None = None
-
-    @property
-    def height_m(self) -> float:
-        """From its lowest to its highest point."""
-        return self.geometry().total_height_m
-
-    @property
-    def joints(self) -> tuple[int, ...]:
-        """The ids of its joints."""
-        return tuple(interface.key for interface in self.interfaces)
 
 
 def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[Strength]) -> list[str]:
@@ -176,40 +95,35 @@ def kind_of_one_block(
         with clock("closed_form"):
             closed = closed_form(design)
         with clock("governs"):
-            forms = [(name, one_or_error(closed_form, other)) for name, other in changes(design)]
-            none = None, f"no {words.block}"
-            governs = tuple(
-                (name, *(none if isinstance(form, GeometryError) else (form.factor, form.status)))
-                for name, form in forms
-            )
-        solved = solve(design, made, clock)
-        status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
-        forces = forces_of(made, solved, water_forces(made.loads, made.faces))
-        of_design = tuple(notices(design))
-        answer = result(
-            own_words(design), design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design
+            governs = tuple((name, *after(other)) for name, other in changes(design))
+        found = solve(design, made, clock)
+        status = block_status(found, made.joints)
+        comparisons = Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design))
+        forces = forces_of(made, found, water_forces(made.loads, made.faces))
+        return result(
+            words_of(design), design, made, found, status, closed, forces, clock, comparisons, tuple(notices(design))
         )
-        return replace(answer, without_basal=without_basal(design))
 
-    def own_words(design: D) -> Words:
+    def after(design: D) -> tuple[float | None, str]:
+        try:
+            closed = closed_form(design)
+        except GeometryError:
+            return None, f"no {words.block}"
+        return closed.factor, closed.status
+
+    def words_of(design: D) -> Words:
         return next((said for key, said in variants.items() if getattr(design, key) is not None), words)
 
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)
-        found_limit = find_limit(made.scene_at, made.refine, Clock())
-        limit, governs = found_limit.analysis.governing, found_limit.analysis.moments_govern
-        status = block_status(limit, found_limit.analysis, found_limit.scene, made.joints)
-        compared = comparable(found_limit)
-        difference, agree = compare(compared, status, closed, design.agree_within)
-
-        def facts() -> Facts:
-            return facts_of(own_words(design), made, Solved(found_limit), status, closed)
-
+        found = find_limit(made, Clock())
+        status = block_status(found, made.joints)
+        difference, agree = compare(found.comparable, status, closed, design.agree_within)
+        said = block_notices(design, made, found, closed.why_not, words.block)
         return Factors(
-            status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
-            limit.settled_to(PASSES_SETTLED),
-            notes=WhenRead(lambda: (*notices(design), *notices_of_factor(design, made.interfaces, facts()))),
-            also=without_basal(design),
+            status, found.limit.factor or None, closed.status, closed.factor or None, difference, agree,
+            found.analysis.moments_govern, found.limit.settled_to(PASSES_SETTLED),
+            notes=those_of_factors((*notices(design), *said)), also=without_basal(design),
         )  # fmt: skip
 
     def ladder(design: D) -> "Ladder":
@@ -224,13 +138,6 @@ def kind_of_one_block(
     )  # fmt: skip
 
 
-def on_one_plane(factor: float | None, status: str, strength: Strength) -> ClosedForm:
-    """The closed form of a block on one plane, as PRE-IE is compared with it."""
-    return ClosedForm(
-        factor, "slides_on_J1" if status == "slides" else status, DILATES if strength.dilation_deg else ""
-    )
-
-
 def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
     """A little more friction and cohesion, or a little more of each parameter of a curved law, by name."""
     yield from changed_laws(strength)
@@ -242,19 +149,18 @@ def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
         yield "c +10 %", replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
 
 
-def solve(design: Design, made: Cut, clock: Clock) -> Solved:
+def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
     """Mesh, limit, static bound, range, displacements, and what else the design asks for."""
-    found_limit = find_limit(made.scene_at, made.refine, clock, made.limit)
-    model, analysis = found_limit.bounded.model, found_limit.analysis
-    limit = analysis.governing
+    found = find_limit(made, clock)
+    model, limit = found.bounded.model, found.limit
     bound = lowest = at_rest = pairs = None
     with clock("bound"):
         if limit.factor:
             velocity = limit.velocity_of(model)
-            bound = static_bound(model, velocity, limit.factor, not analysis.moments_govern).factor
+            bound = static_bound(model, velocity, limit.factor, not found.analysis.moments_govern).factor
     with clock("range"):
-        if limit.factor and found_limit.factors is not None:
-            lowest = lowest_factor(found_limit.factors)
+        if limit.factor and found.factors is not None:
+            lowest = lowest_factor(found.factors)
     stiffness = joint_stiffness(design)
     with clock("displacements"):
         if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
@@ -265,28 +171,13 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
 
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
-        series = tuple(series_of(model, design.factors, stiffness, bound))
-    return Solved(found_limit, bound, at_rest, pairs, series, lowest)
-
-
-def limit_alone(_: Design, made: Cut, clock: Clock) -> Solved:
-    """`solve` without the static bound and what else does not change the limit."""
-    return Solved(find_limit(made.scene_at, made.refine, clock, made.limit))
-
-
-def facts_of(words: Words, made: Cut, solved: Solved, status: str, closed: ClosedForm) -> Facts:
-    """What was found, for the notices to judge."""
-    shaking = made.loads.parts["seismic"]
-    return Facts(
-        status, solved.analysis, solved.scene.pairs, solved.scene.model,
-        solved.found.change, closed.why_not, words.block, shaking if shaking.any() else None,
-    )  # fmt: skip
+        series = tuple(series_of(model, design.factors, stiffness, bound, made.axes))
+    return replace(found, bound=bound, at_rest=at_rest, pairs=pairs, series=series, lowest=lowest)
 
 
 def result(
-    words: Words, design: Design, made: Cut, solved: Solved, status: str, closed: ClosedForm, forces: Forces,
-    clock: Clock, *, governs: tuple[tuple[str, float | None, str], ...] = (),
-    methods: Mapping[str, float | None] | None = None, extra: Sequence[Notice] = (),
+    words: Words, design: Design, made: Cut, found: FoundLimit, status: str, closed: ClosedForm, forces: Forces,
+    clock: Clock, comparisons: Comparisons, extra: Sequence[Notice] = (),
 ) -> Result:  # fmt: skip
     """Put the evidence together.
 
@@ -294,58 +185,47 @@ def result(
     ----------
     extra : notices of the kind, before the common ones
     """
-    analysis, limit, model = solved.analysis, solved.limit, solved.scene.model
-    alone = analysis.forces_only.factor
-    pairs, searched = solved.pairs, solved.pairs.factor if solved.pairs else None
+    analysis, limit, model = found.analysis, found.limit, found.scene.model
+    pairs, searched = found.pairs, found.pairs.factor if found.pairs else None
     if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
         searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
-    compared = comparable(solved.found)
-    difference, agree = compare(compared, status, closed, design.agree_within)
-    rest = solved.at_rest
-    facts = facts_of(words, made, solved, status, closed)
-    origin, turn = made.origin, made.axes
+    difference, agree = compare(found.comparable, status, closed, design.agree_within)
+    rest, origin, axes = found.at_rest, made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
-    plain = solved.found.bounded
+    highest = analysis.forces_only.factor if analysis.moments_govern else None
     size = ModelSize(
-        1, model.unknowns, len(plain.pairs), made.refine, solved.found.change, (*made.left_out, *of_laws),
-        limit.passes,
-        limit.change,
+        1, model.unknowns, len(found.bounded.pairs), made.refine, found.change, (*made.left_out, *of_laws),
+        limit.passes, limit.change,
     )  # fmt: skip
+    state = LimitState(
+        pair_state(found.scene.pairs, model, limit, made.joints, origin, axes),
+        arrows(
+            made.loads, {f"water {face}": f"water on {name}" for face, name in made.faces.items()}, origin, axes,
+            None if limit.pulls is None else limit.pulls * model.force_scale,
+        ),
+        mechanism_of(limit, model, axes), balance(of_one_block(model, analysis)),
+        _openings(found, made.interfaces, origin, axes), _curved(found, made.interfaces),
+    )  # fmt: skip
+    settled = None
+    if rest is not None and rest.stands:
+        moved = movement_of(found.bounded.model, rest.displacement, axes)
+        settled = AtFactorOne(moved, rest.failed_pairs, rest.residual)
     return Result(
         design=design, words=words, status=status,
         fos=FactorsOfSafety(
-            limit.factor or None, closed.factor or None, solved.bound, searched, solved.lowest, _highest(solved)
+            limit.factor or None, closed.factor or None, found.bound, searched, found.lowest, highest
         ),
-        difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
-        static_bound_proved=solved.bound is not None, geometry=made.geometry(), forces=forces, model=size,
-        mechanism=turned(mechanism_of(limit, model), turn),
-        at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
-            turned_back(movement_of(plain.model, rest.displacement), turn), rest.failed_pairs, rest.residual
-        ),
-        all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
-        governs=governs, warnings=(*extra, *common_notices(design, made.interfaces, facts)),
-        node_pairs=pair_state(solved.scene.pairs, model, limit, made.joints, origin, turn),
-        acting=arrows(
-            made.loads, {f"water {face}": f"water on {name}" for face, name in made.faces.items()}, origin, turn,
-            None if limit.pulls is None else limit.pulls * model.force_scale,
-        ),
-        methods=methods or {},
-        series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
-        balance=balance(of_one_block(model, analysis)),
-        openings=_openings(solved, made.interfaces, origin, turn),
-        turns_over=turns_over(limit, model) if status == "topples" else "",
-        curved_strength=_curved(solved, made.interfaces), timing_s=clock.done(),
+        difference=difference, agree=agree, moments_govern=analysis.moments_govern, geometry=made.geometry(),
+        forces=forces, model=size,
+        warnings=(*extra, *block_notices(design, made, found, closed.why_not, words.block)),
+        limit_state=state, displacements=Displacements(settled, pairs, found.series), comparisons=comparisons,
+        timing_s=clock.done(),
     )  # fmt: skip
 
 
-def _highest(solved: Solved) -> float | None:
-    """Return the factor of the forces alone where moments govern."""
-    return solved.analysis.forces_only.factor if solved.analysis.moments_govern else None
-
-
-def _curved(solved: Solved, interfaces: Sequence[Interface]) -> Mapping[str, SecantLine]:
+def _curved(found: FoundLimit, interfaces: Sequence[Interface]) -> Mapping[str, SecantLine]:
     """Return the line of each curved law at the mean normal traction of its joint; empty where no law is curved."""
-    model, limit, lines = solved.scene.model, solved.limit, dict[str, SecantLine]()
+    model, limit, lines = found.scene.model, found.limit, dict[str, SecantLine]()
     if model.lines is None:
         return lines
     per_area = model.force_scale / model.area_scale
@@ -362,10 +242,9 @@ def _curved(solved: Solved, interfaces: Sequence[Interface]) -> Mapping[str, Sec
 
 
 def _openings(
-    solved: Solved, interfaces: Sequence[Interface], origin: Floats, turn: Floats | None
+    found: FoundLimit, interfaces: Sequence[Interface], origin: Floats, axes: Floats
 ) -> Mapping[str, ContactOpening]:
     """Return where joints are pressed at the limit, by their names and in the user's coordinates."""
-    axes = np.eye(3) if turn is None else turn
 
     def place(point: Floats | None) -> Floats | None:
         return None if point is None else point @ axes + origin
@@ -373,20 +252,21 @@ def _openings(
     return {
         interface.name: replace(opening, resultant_m=place(opening.resultant_m), opens_at_m=place(opening.opens_at_m))
         for interface in interfaces
-        if (opening := solved.found.openings.get(interface.key)) is not None
+        if (opening := found.openings.get(interface.key)) is not None
     }
 
 
 # -- reading the answer -------------------------------------------------------------------------------
 
 
-def block_status(limit: Limit, analysis: LimitAnalysis, scene: ContactModel, interfaces: Sequence[int]) -> str:
+def block_status(found: FoundLimit, interfaces: Sequence[int]) -> str:
     """The status from the mechanism: which joints stay closed, which way the block moves.
 
     Parameters
     ----------
     interfaces : the ids of J1 and, where there are such, J2 and the basal joint
     """
+    limit, scene = found.limit, found.scene
     model = scene.model
     if limit.outcome is Outcome.NOT_CONVERGED:
         return "not_converged"
@@ -394,7 +274,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: ContactModel, int
         return "no_driving_force"
     if limit.outcome is Outcome.LIFTED:
         return "falls" if model.normal_rows[:, model.translations - 1].max() <= 0.0 else "lifted"
-    if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and analysis.moments_govern:
+    if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and found.analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
     opens = opening_pairs(limit, model, velocity, by_motion=scene.bedding is not None)
@@ -424,37 +304,20 @@ def _slides_on(limit: Limit, scene: ContactModel, interfaces: Sequence[int], ope
     return "slides_on_" + "_and_".join(_OF_THREE[joint] for joint in closed if joint in two)
 
 
-def turns_over(limit: Limit, model: Model) -> str:
-    """At which strengths a block that topples does so, in words.
-
-    Where the motion opens pairs and makes none slip, neither normal forces nor friction do work against the loads:
-    there is no balance at any friction (virtual work), and what opens has lost its cohesion.
-    """
-    if limit.outcome is Outcome.NO_REST:
-        from slopekit.preie.one_block.cracked import STRONGEST
-
-        return f"at every strength tried (up to {STRONGEST:g} times what forces in balance need)"
-    velocity = limit.velocity_of(model)
-    opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    none = _NEARLY_NONE * float(np.abs(opening).max())
-    freely = slip.max() <= none and opening.min() >= -none and float(model.load @ velocity) > 0.0
-    return "whatever the strength" if freely and not len(model.bolt_capacity) else "and no strength is called on"
-
-
-def forces_of(made: Cut, solved: Solved, water: Mapping[str, float], driven: bool = True) -> Forces:
+def forces_of(made: Cut, found: FoundLimit, water: Mapping[str, float], driven: bool = True) -> Forces:
     """Weight, normal force on each joint at the limit, water, and if `driven` what drives along the movement."""
     normal: dict[str, float | None] = {}
     for interface in made.interfaces:
-        on = solved.scene.pairs.interface == interface.key
-        carried = float(solved.limit.normal_force[on].sum() * solved.scene.model.force_scale)
-        normal[interface.name] = None if solved.limit.outcome is Outcome.NOT_CONVERGED else carried
-    along = _driving_and_resisting(solved) if driven else (None, None)
+        on = found.scene.pairs.interface == interface.key
+        carried = float(found.limit.normal_force[on].sum() * found.scene.model.force_scale)
+        normal[interface.name] = None if found.limit.outcome is Outcome.NOT_CONVERGED else carried
+    along = _driving_and_resisting(found) if driven else (None, None)
     return Forces(float(-made.loads.parts["weight"][2]), normal, water, *along)
 
 
-def _driving_and_resisting(solved: Solved) -> tuple[float | None, float | None]:
+def _driving_and_resisting(found: FoundLimit) -> tuple[float | None, float | None]:
     """What drives along the movement of the forces alone and what resists it (kN)."""
-    model, alone = solved.scene.model, solved.analysis.forces_only
+    model, alone = found.scene.model, found.analysis.forces_only
     if alone.factor is None or model.dilates:  # a dilating joint works on the load as it opens
         return None, None
     along = alone.velocity[: model.translations]

@@ -1,20 +1,26 @@
-"""The limit of one block, on flat joints and, by passes on its node pairs, on a curved surface.
+"""One block, cut and loaded, and its limit: on flat joints and, by passes on its node pairs, on a curved surface.
 
 On flat joints it is the lower of that of the forces alone and that of the block on its elastic bed (`flat_limit` of
 `preie`); where the bed settles it, the points of the bed are the node pairs of the result.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.core.arrays import frozen
+from slopekit.core.arrays import Floats, frozen
 from slopekit.core.onlooker import Clock
 from slopekit.core.records import dataclass
-from slopekit.evidence import ContactOpening
+from slopekit.design.parts import Strength
+from slopekit.evidence import ContactOpening, ReductionStep
+from slopekit.extents import Geometry
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
+from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.one_block_states import Bedding, ContactModel
+from slopekit.loads import Hull, Loads
+from slopekit.preie.motion.equilibrium import Equilibrium
 from slopekit.preie.one_block.cracked import CrackedBase
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
 from slopekit.preie.one_block.limit import LimitAnalysis, governed, limit_analysis
@@ -22,10 +28,62 @@ from slopekit.preie.one_block.passes import Limit, Outcome
 from slopekit.preie.one_block.polygon_bed import PolygonBed
 from slopekit.preie.system.model import Model
 
+if TYPE_CHECKING:
+    from slopekit.preie.motion.all_pairs import AllPairsFailed
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """An interface by its id in the node pairs, its name, and its strength."""
+
+    key: int
+    name: str
+    strength: Strength
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """A block, cut and loaded, in local axes: what its limit, its result and its support are made from.
+
+    Attributes
+    ----------
+    scene_at : its node pairs and their model, by how often the parts of the joints are split; `refine` times here
+    interfaces : its joints; faces : names of those that water can press on
+    geometry : made where a result asks for it; left_out : what is not modelled
+    face : the free face that bolts go into, None where support is not looked for; hull : the planes that they meet
+    limit : how a model is solved
+    origin : (3,) what takes local coordinates back to the user's
+    axes : (3, 3) rows are the local axes in those of the user
+    """
+
+    block: Block
+    loads: Loads
+    scene_at: Callable[[int], ContactModel]
+    interfaces: Sequence[Interface]
+    geometry: Callable[[], Geometry]
+    left_out: Sequence[str]
+    faces: Mapping[int, str] = field(default_factory=dict)
+    face: int | None = None
+    hull: Callable[[], Hull] | None = None
+    refine: int = 0
+    limit: Callable[[Model], LimitAnalysis] = limit_analysis
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
+    axes: Floats = field(default_factory=lambda: np.eye(3))
+
+    @property
+    def height_m(self) -> float:
+        """From its lowest to its highest point."""
+        return self.geometry().total_height_m
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """The ids of its joints."""
+        return tuple(interface.key for interface in self.interfaces)
+
 
 @dataclass(frozen=True, slots=True)
 class FoundLimit:
-    """The limit of a scene on the node pairs that carry it.
+    """The limit of a scene on the node pairs that carry it, and what else PRE-IE was asked of it.
 
     Attributes
     ----------
@@ -33,6 +91,8 @@ class FoundLimit:
     change : what finer points of the bed would do to the limit, None where it is exact or not known
     factors : of forces and bed, None on a curved surface
     openings : interface -> where the joint is pressed, in local axes; empty where the bed did not settle the limit
+    bound : the static bound; at_rest : the equilibrium at full strength
+    lowest : the limit with other joint stiffness, or soon after it begins to creep, where that is lower
     """
 
     scene: ContactModel
@@ -41,6 +101,21 @@ class FoundLimit:
     change: float | None = None
     factors: FlatLimit | None = None
     openings: dict[int, ContactOpening] = field(default_factory=dict)
+    bound: float | None = None
+    at_rest: Equilibrium | None = None
+    pairs: "AllPairsFailed | None" = None
+    series: tuple[ReductionStep, ...] = ()
+    lowest: float | None = None
+
+    @property
+    def limit(self) -> Limit:
+        """The limit that governs."""
+        return self.analysis.governing
+
+    @property
+    def comparable(self) -> float | None:
+        """The factor on the closed form's assumptions: forces with forces, one traction a plane."""
+        return self.limit.factor if self.factors is None else self.factors.forces.factor
 
 
 def moment_limit(scene: ContactModel) -> FoundLimit:
@@ -137,24 +212,13 @@ def _openings(bed: PolygonBed, state: CrackedBase, scene: ContactModel) -> dict[
     return openings
 
 
-def find_limit(
-    scene_at: Callable[[int], ContactModel],
-    refine: int,
-    clock: Clock,
-    analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
-) -> FoundLimit:
-    """Return the limit of a block: mesh and factor of safety, nothing else.
-
-    Parameters
-    ----------
-    scene_at : its node pairs and model by how often the parts of the joints are split; refine : how often that is
-    analyse : what solves the model of a curved surface
-    """
+def find_limit(made: Cut, clock: Clock) -> FoundLimit:
+    """Return the limit of a block: mesh and factor of safety, nothing else."""
     with clock("mesh"):
-        scene = scene_at(refine)
+        scene = made.scene_at(made.refine)
     with clock("solve"):
         if scene.bedding is None:
-            analysis = analyse(scene.model)
+            analysis = made.limit(scene.model)
             scene = scene if analysis.model is None else replace(scene, model=analysis.model)
             return FoundLimit(scene, scene, analysis)
         return moment_limit(scene)
@@ -169,10 +233,3 @@ def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
 
     normal = model.control_area * (-model.normal_rows @ state.opening).clip(0.0)
     return replace(scene, model=drawn(model, normal))
-
-
-def comparable(found_limit: FoundLimit) -> float | None:
-    """Return the factor on the closed form's assumptions: forces with forces, one traction a plane."""
-    if found_limit.factors is None:
-        return found_limit.analysis.governing.factor
-    return found_limit.factors.forces.factor

@@ -60,16 +60,15 @@ def opening_pairs(limit: Limit, model: Model, velocity: Floats, by_motion: bool 
 
 
 def pair_state(
-    pairs: NodePairs, model: Model, limit: Limit, interfaces: Sequence[int], origin: Floats, turn: Floats | None
+    pairs: NodePairs, model: Model, limit: Limit, interfaces: Sequence[int], origin: Floats, axes: Floats
 ) -> NodePairState:
     """The node pairs of one block at the limit, in the user's axes; without a limit state they carry nothing.
 
     Parameters
     ----------
     interfaces : their ids, in the order of the result's joints
-    origin : (3,) of the local axes; turn : (3, 3) rows are the local axes in those of the user
+    origin : (3,) of the local axes; axes : (3, 3) rows are the local axes in those of the user
     """
-    axes = np.eye(3) if turn is None else turn
     velocity = limit.velocity_of(model)
     slip = model.slip(velocity)
     none = limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
@@ -89,7 +88,7 @@ def pair_state(
 
 
 def arrows(
-    loads: Loads, names: Mapping[str, str], origin: Floats, turn: Floats | None, pulls: Floats | None = None
+    loads: Loads, names: Mapping[str, str], origin: Floats, axes: Floats, pulls: Floats | None = None
 ) -> Arrows:  # fmt: skip
     """The loads on one block, in the user's axes; `names` are other names for some of them.
 
@@ -97,7 +96,6 @@ def arrows(
     ----------
     pulls : (b,) kN of the passive bolts at the limit; None where there is none, and their full capacity is given
     """
-    axes = np.eye(3) if turn is None else turn
     acting = [(names.get(name, name), force, at) for name, force, at in loads.acting]
     first = len(acting) - len(loads.passive_forces)  # passive bolts come last
     for k, capacity in enumerate(loads.passive_forces):
@@ -116,7 +114,7 @@ def arrows(
 
 
 def series_of(
-    model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None
+    model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None, axes: Floats
 ) -> Iterator[ReductionStep]:
     """Rest at each factor, from one to the next; above the static bound there is none to look for."""
     standing: Equilibrium | None = None
@@ -128,33 +126,21 @@ def series_of(
         state = equilibrium(model, factor, stiffness, standing)
         if state.stands:
             standing = state
-        movement = movement_of(model, state.displacement) if state.stands else None
+        movement = movement_of(model, state.displacement, axes) if state.stands else None
         yield ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count)
 
 
-def movement_of(model: Model, displacement: Floats) -> Movement:
-    """A displacement (u,) of the model in m and radians."""
+def movement_of(model: Model, displacement: Floats, axes: Floats) -> Movement:
+    """A displacement (u,) of the model in m and radians, in the user's axes."""
     translation, rotation = model.moved(displacement)
-    return Movement(frozen(translation), frozen(rotation))
+    return Movement(frozen(translation @ axes), frozen(rotation @ axes))
 
 
-def turned_back(movement: Movement, turn: Floats | None) -> Movement:
-    """A movement in the user's axes."""
-    if turn is None:
-        return movement
-    return Movement(frozen(movement.displacement @ turn), frozen(movement.rotation @ turn))
-
-
-def turned(movement: Movement | None, turn: Floats | None) -> Movement | None:
-    """The same, where there is one."""
-    return None if movement is None else turned_back(movement, turn)
-
-
-def mechanism_of(limit: Limit, model: Model) -> Movement | None:
+def mechanism_of(limit: Limit, model: Model, axes: Floats) -> Movement | None:
     """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
     if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
         return None
     displacement, rotation = model.moved(limit.velocity_of(model))
     rotation = rotation / model.length_scale
     size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
-    return Movement(frozen(displacement / size), frozen(rotation / size))
+    return Movement(frozen(displacement @ axes / size), frozen(rotation @ axes / size))

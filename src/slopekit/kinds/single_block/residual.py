@@ -16,7 +16,7 @@ def with_residual(kind: "Kind[Design]", result: Result) -> Result:
     design = result.design
     factors = kind.factors(replace(design.at_residual(), rules=()))
     left = ResidualFactors(factors.status, factors.limit, factors.closed_form, factors.difference, factors.agree)
-    held = replace(result, residual=left)
+    held = replace(result, comparisons=replace(result.comparisons, residual=left))
     return replace(held, warnings=(*held.warnings, *_notices(held, left, factors)))
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -19,6 +20,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.ground_water import ground_in_words
 from slopekit.design.parts import MeshFile
+from slopekit.evidence import Comparisons
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.rock.cutting import Block
@@ -34,22 +36,14 @@ from slopekit.geometry.solids.sliding_mass import (
     through,
 )
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
-from slopekit.kinds.single_block.one_block import (
-    DILATES,
-    Cut,
-    Solved,
-    block_status,
-    forces_of,
-    limit_alone,
-    result,
-    solve,
-)
+from slopekit.kinds.single_block.one_block import DILATES, block_status, forces_of, result, solve
+from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
-from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
-from slopekit.notices import Interface, those_of_factors
+from slopekit.loads import Loads, PointForce, block_loads
+from slopekit.notices import those_of_factors
 from slopekit.preie.one_block.limit import curved_limit_analysis
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.one_block.slippage import Slippage, slippable
@@ -89,10 +83,10 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     GeometryError
         Where slip surface and ground make no mass that can move.
     """
-    return _analysed(design, solve)
+    return _analysed(design, partial(solve, design))
 
 
-def _analysed(design: SurfaceDesign, solved_by: Callable[[SurfaceDesign, Cut, Clock], Solved]) -> Result:
+def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -> Result:
     clock = Clock()
     with clock("cut"):
         cut = _cut(design)
@@ -102,18 +96,19 @@ def _analysed(design: SurfaceDesign, solved_by: Callable[[SurfaceDesign, Cut, Cl
     with clock("closed_form"):
         closed, methods, extra = _closed_forms(design, cut)
     made = _made(design, cut, loads, slip, scene)
-    solved = solved_by(design, made, clock)
-    status = block_status(solved.limit, solved.analysis, scene, made.joints)
-    if status in ("slides_on_J1", "slides_up") and _turns(solved.limit.velocity):
+    found = find(made, clock)
+    status = block_status(found, made.joints)
+    if status in ("slides_on_J1", "slides_up") and _turns(found.limit.velocity):
         status = "rotates"
     pressed = {NAME: 0.0 if "water" not in loads.parts else float(np.linalg.norm(loads.parts["water"]))}
     if "pond" in loads.parts:
         pressed["ground"] = float(np.linalg.norm(loads.parts["pond"]))
-    forces = forces_of(made, solved, pressed, driven=status != "rotates")
-    moves = solved.limit.outcome is not Outcome.NO_DRIVING_FORCE
+    forces = forces_of(made, found, pressed, driven=status != "rotates")
+    moves = found.limit.outcome is not Outcome.NO_DRIVING_FORCE
     of_cut = _notices(design, cut, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
-    notes = [*of_cut, *_columns_below(design, solved, methods), *extra]
-    return result(WORDS, design, made, solved, status, closed, forces, clock, methods=methods, extra=notes)
+    notes = [*of_cut, *_columns_below(design, found.limit.factor, methods), *extra]
+    comparisons = Comparisons(found.analysis.forces_only.factor, methods)
+    return result(WORDS, design, made, found, status, closed, forces, clock, comparisons, notes)
 
 
 def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene: ContactModel) -> Cut:
@@ -146,7 +141,7 @@ def _block(mass: SlidingMass) -> Block:
 
 
 def _factors(design: SurfaceDesign) -> Factors:
-    result = _analysed(design, limit_alone)
+    result = _analysed(design, find_limit)
     settled = result.status != "not_converged" and result.model.residual <= PASSES_SETTLED
     return Factors(
         result.status, result.fos.limit, None, result.fos.closed_form, result.difference, result.agree,
@@ -254,11 +249,7 @@ def _refuse_walls(mass: SlidingMass, is_sheet: bool) -> None:
 def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
     mass, pairs = cut.mass, cut.pairs
 
-    def check(name: str, head: Floats, way: Floats, length: float | None, where: str) -> None:
-        leaves, anchored = through(mass, head, way)
-        judge_bolt(name, leaves, anchored, length, where)
-
-    active, passive = bolt_forces(design, cut.origin, check)
+    active, passive = bolt_forces(design, cut.origin, partial(through, mass))
     pushes = {}
     if design.water.mode == "pressures":
         shares = pairs.control_areas[:, None] * pairs.normals * design.water.pressures_kpa[0]
@@ -293,31 +284,34 @@ def _falls(design: SurfaceDesign) -> float:
 # -- closed forms -------------------------------------------------------------------------------------
 
 
-def _closed_forms(
-    design: SurfaceDesign, cut: _Mass
-) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:  # fmt: skip
+def _closed_forms(design: SurfaceDesign, cut: _Mass) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
-    plain = not (design.forces or design.bolts or design.pond_m is not None) and design.strength.law is None
-    rest: list[Notice] = []
-    if design.strength.law is not None:
-        rest.append(Notice("W324", "the methods of columns are left out: they take one cohesion and friction angle"))
-    elif design.pond_m is not None:
-        rest.append(Notice("W324", "the methods of columns are left out: they know no pond"))
-    elif not plain:
-        rest.append(Notice("W324", "the methods of columns are left out: they know no forces and bolts"))
+    rotation, methods, notes = None, dict[str, float | None](), list[Notice]()
+    why = _why_no_columns(design, cut)
     try:
-        rotation = _rotation(design, cut) if plain else None
-        methods = _columns(design, cut, rest) if plain else {}
+        if not (design.forces or design.bolts or design.pond_m is not None) and design.strength.law is None:
+            rotation = _rotation(design, cut)
+        if not why:
+            methods = _columns(design, notes)
     except GeometryError as error:  # ground that turns back over itself has no columns
-        rest.append(Notice("W324", f"the methods of columns are left out: {error.faults[0].message}"))
-        rotation, methods = None, {}
-    if rotation is not None:
-        return rotation, methods, rest
-    return (
-        ClosedForm(None, "", "there is no closed form of this surface: the upper bound alone is beside it"),
-        methods,
-        rest,
-    )
+        rotation, methods, why = None, {}, error.faults[0].message
+    if why:
+        notes.append(Notice("W324", f"the methods of columns are left out: {why}"))
+    none = ClosedForm(None, "", "there is no closed form of this surface: the upper bound alone is beside it")
+    return rotation or none, methods, notes
+
+
+def _why_no_columns(design: SurfaceDesign, cut: _Mass) -> str:
+    """Why the methods of columns do not take a design; empty where they do."""
+    reasons = {
+        "they take one cohesion and friction angle": design.strength.law is not None,
+        "they know no pond": design.pond_m is not None,
+        "they know no forces and bolts": bool(design.forces or design.bolts),
+        "they take analytic surfaces below a profile": design.slip.shape == "mesh" or design.profile_m is None,
+        "the seismic load has a direction of its own": _sideways(design),
+        "they would count all pieces together": bool(cut.mass.pieces),
+    }
+    return next((reason for reason, holds in reasons.items() if holds), "")
 
 
 def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
@@ -350,26 +344,16 @@ def _why_not(design: SurfaceDesign) -> str:
     return "the closed form turns on the true surface" if design.slip.normals == "facet" else ""
 
 
-def _columns(design: SurfaceDesign, cut: _Mass, notes: list[Notice]) -> dict[str, float | None]:
+def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | None]:
     """Factors of the methods of columns; what there is to say of them goes to `notes`."""
-    slip = design.slip
-    if slip.shape == "mesh" or design.profile_m is None:
-        notes.append(Notice("W324", "the methods of columns take analytic surfaces below a profile: none here"))
-        return {}
-    if _sideways(design):
-        notes.append(Notice("W324", "the methods of columns are left out: the seismic load has a direction of its own"))
-        return {}
-    if cut.mass.pieces:
-        notes.append(Notice("W324", "the methods of columns are left out: they would count all pieces together"))
-        return {}
+    slip, profile = design.slip, design.profile_m
+    assert profile is not None
     x, y, z = slip.centre_m
     if slip.shape == "cylinder":
-        made = lem.cylinder_columns(
-            (x, z), slip.radii_m[0], 2.0 * slip.radii_m[1], design.profile_m, design.unit_weight_kn_m3
-        )
+        made = lem.cylinder_columns((x, z), slip.radii_m[0], 2.0 * slip.radii_m[1], profile, design.unit_weight_kn_m3)
         y = 0.0  # the cylinder's columns lie about it
     else:
-        made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, design.profile_m, design.unit_weight_kn_m3)
+        made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, profile, design.unit_weight_kn_m3)
     if made.overhung_share > _OVERHUNG:
         share = f"{made.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
         notes.append(Notice("W324", f"{share}: the columns carry it, that part of the surface holds nothing in them"))
@@ -392,9 +376,8 @@ def _columns(design: SurfaceDesign, cut: _Mass, notes: list[Notice]) -> dict[str
     }
 
 
-def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, float | None]) -> Iterator[Notice]:
+def _columns_below(design: SurfaceDesign, limit: float | None, methods: Mapping[str, float | None]) -> Iterator[Notice]:
     """A rule that the limit meets and a method of columns does not is worth a second look."""
-    limit = solved.limit.factor
     for rule in design.rules:
         below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
                  if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip

@@ -290,7 +290,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield from basal.notices(design)
     water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
     yield from design.ground_notices(toe, toe + height_of(design))
-    if (scaled := scaled_of(design)) is not None and scaled.by is not None:
+    if (scaled := scaled_of(design)) is not None and scaled["by"] is not None:
         places = [
             name for name, has_any in (
                 ("points of forces", any(force.at_m is not None for force in design.forces)),

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -160,7 +161,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
                      "where they and the face meet; what lies above them is not looked at (is "
                      f"{meant} m meant?)")  # fmt: skip
     elif (whole := without_basal(design)) is not None:
-        too = "; acceptance is held against it too" if any(whole.asks(rule) for rule in design.rules) else ""
+        too = "; acceptance is held against it too" if any(rule.is_least for rule in design.rules) else ""
         lost = len(design.bolts) - len(_bolts_of_whole(replace(design, basal=None)))
         within = f" and {lost} of {counted(len(design.bolts), 'bolt')} (that end within it, or miss it)" if lost else ""
         yield Notice(
@@ -194,16 +195,12 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
     whole = replace(design.with_strengths(design.strengths[:2]), basal=None, water=water)
     whole = replace(whole, bolts=_bolts_of_whole(whole))
-    try:
-        solution = closed_form(whole)
-    except GeometryError:
-        if whole.crack is None:
-            return None
-        try:  # the crack may lie behind it
-            solution = closed_form(replace(whole, crack=None, water=replace(water, crack_fill=None)))
-        except GeometryError:
-            return None
-    return WithoutBasal(solution.status, solution.factor)
+    without_crack = replace(whole, crack=None, water=replace(water, crack_fill=None))
+    for wedge in (whole, without_crack) if whole.crack else (whole,):  # the crack may lie behind it
+        with suppress(GeometryError):
+            solution = closed_form(wedge)
+            return WithoutBasal(solution.status, solution.factor)
+    return None
 
 
 def _bolts_of_whole(whole: WedgeDesign) -> tuple[Bolt, ...]:

@@ -3,24 +3,24 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.orientation import Line, line_of
 from slopekit.core.records import dataclass
-from slopekit.extents import Scaled, WedgeGeometry
+from slopekit.extents import WedgeGeometry
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rock.cutting import Block, cut_wedge
 from slopekit.geometry.rock.rockmass import CRACK, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
-from slopekit.kinds.single_block.one_block import Cut, left_out_of_slope
+from slopekit.kinds.single_block.one_block import left_out_of_slope
+from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.one_block_states import Bedding
 from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.loads import Hull, Loads, PointForce, block_loads, check_bolt
-from slopekit.notices import Interface
+from slopekit.loads import Hull, Loads, PointForce, block_loads
 from slopekit.preie.system.model import build_model
 
 if TYPE_CHECKING:
@@ -140,10 +140,7 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
     block, origin = shape.block, np.array(design.origin_m)
     trend = shape.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
     hull = cache(shape.hull)  # which a block without bolts does not need
-    active, passive = bolt_forces(
-        design, origin,
-        lambda name, head, way, length, where: check_bolt(hull(), name, head, way, length, where),
-    )  # fmt: skip
+    active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way))
     pushes: dict[str, PointForce] = {}
     if design.is_wet or design.surcharge_kpa:  # plain wedges do not pay
         from slopekit.kinds import water
@@ -200,7 +197,7 @@ def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:
     )  # fmt: skip
 
 
-def scaled_of(design: WedgeDesign) -> Scaled | None:
+def scaled_of(design: WedgeDesign) -> "Mapping[str, Any] | None":
     if design.limits is None:
         return None
     from slopekit.kinds.wedge import limits

@@ -17,8 +17,7 @@ from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
-from slopekit.extents import Scaled
-from slopekit.kinds.words import size_number
+from slopekit.kinds.words import short
 
 #: What made a wedge smaller.
 LIMITED_BY = ("", "trace length", "persistence", "slope length", "bench width", "max volume")
@@ -140,10 +139,10 @@ def without(
     return np.where(gone, why + (first - 1), outcome).astype(np.int8), np.where(gone, np.nan, factor)
 
 
-def scaled(design: Any) -> Scaled:
-    """What the limits made of one wedge."""
+def scaled(design: Any) -> dict[str, Any]:
+    """What the limits made of one wedge: the factor of its lengths, and by which of them."""
     fit = fitted(design)
-    return Scaled(float(fit.scale[0]), LIMITED_BY[fit.by[0]] or None)
+    return {"factor": float(fit.scale[0]), "by": LIMITED_BY[fit.by[0]] or None}
 
 
 def in_words(design: Any) -> list[str]:
@@ -152,7 +151,7 @@ def in_words(design: Any) -> list[str]:
     if not fit.by[0]:
         return [f"within its limits of size: {listed}"]
     by, scale = LIMITED_BY[fit.by[0]], fit.scale[0]
-    higher = size_number(float(f"{design.height_m * (1.0 - scale):.4g}"))
+    higher = short(design.height_m * (1.0 - scale))
     return [
         f"made smaller by the limit of {by}: lengths times {scale:.4g}, same shape, at the crest, its toe {higher} m "
         f"higher ({listed})"
@@ -181,6 +180,6 @@ def _fault(design: Any, fit: Fitted) -> Fault:
         what, advice = LIMITED_BY[fit.by[0]], "limits.by: scale makes it smaller instead."
         message = f"the wedge is larger than the limit of {what} ({limits_in_words(design)})"
         return Fault("E486", message, "limits", advice)
-    volume = size_number(float(f"{fit.sizes.volume_m3[0]:.4g}"))
+    volume = short(fit.sizes.volume_m3[0])
     least = number(design.limits.min_volume_m3)
     return Fault("E487", f"the wedge has {volume} m³, less than the min volume of {least} m³", "limits")

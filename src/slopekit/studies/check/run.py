@@ -268,9 +268,7 @@ def _findings(
     else:
         above = max(fos.limit / fos.static_bound - 1.0, 0.0)
         words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g}: how far the limit lies above"
-        if not result.static_bound_proved:
-            words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g} (not proved)"
-        yield Finding("upper bound", above, _ALIKE, above <= _ALIKE if result.static_bound_proved else None, words)
+        yield Finding("upper bound", above, _ALIKE, above <= _ALIKE, words)
     yield from _debonding(result)
     if fos.all_pairs_failed is not None:
         yield Finding("all pairs failed", fos.all_pairs_failed, None, None,
@@ -357,7 +355,7 @@ def _debonding(result: Result) -> Iterator[Finding]:
 
 def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Finding]:
     """The forces held against loads and strength: at the limit, or where all blocks last rest before it."""
-    balance = rest or result.balance
+    balance = rest or result.limit_state.balance
     if balance is None:
         yield Finding("forces", None, None, None, "none were kept of this limit: nothing to hold it against")
         return

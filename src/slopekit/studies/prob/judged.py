@@ -124,7 +124,7 @@ def also_of(
     names = tuple(dict.fromkeys(words))
     outcome = np.array([names.index(word) for word in words], dtype=np.int8)
     factor = np.array([np.nan if one is None or one.factor is None else one.factor for one in every])
-    return ClosedForms(names, outcome, factor), known.NAME, known.what
+    return ClosedForms(names, outcome, factor), known.NAME, known.WHAT
 
 
 def _levels(names: Sequence[str], outcome: np.ndarray, factor: Floats) -> Floats:

@@ -19,7 +19,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import cut, kind_of
-from slopekit.kinds.single_block.one_block import Cut
+from slopekit.kinds.single_block.one_block_limit import Cut
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.preie.motion.shaking import Shake, ShakenBlock, Work, inertia_of, shake, shaken_block
 from slopekit.preie.system.contact import SHEAR_TO_NORMAL, JointStiffness
@@ -359,8 +359,7 @@ def _in_space(record: Record, way: str, out: Shake, block: ShakenBlock, made: Cu
     section = block.translations == 2
     moved[:, [0, 2] if section else [0, 1, 2]] = out.motion[:, : block.translations]
     turned[:, [1] if section else [0, 1, 2]] = out.motion[:, block.translations :]
-    if made.axes is not None:
-        moved, turned = moved @ made.axes, turned @ made.axes
+    moved, turned = moved @ made.axes, turned @ made.axes
     return SixMotion(record.name, way, out.times, frozen(moved), frozen(np.degrees(turned)))
 
 

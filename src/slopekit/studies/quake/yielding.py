@@ -133,7 +133,7 @@ def check_stands(static: Design) -> None:
         raise (NoConvergenceError if ends == UNSETTLED else DesignError)([fault])
     also = None if point.factors is None else point.factors.also
     if before > 1.0 and also is not None and also.falls_short(1.0):
-        message = f"the slope does not stand without an earthquake: {also.what}: {also.in_words()}{also.alone}"
+        message = f"the slope does not stand without an earthquake: {also.WHAT}: {also.in_words()}{also.ALONE}"
         raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
     if before <= 1.0:
         shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
@@ -265,13 +265,14 @@ def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[f
     kind = kind_of(static)
     result = analyse(with_values(static, {KEY: k * _JUST_ABOVE}))
     advance(1)
-    if result.mechanism is None or not result.status.startswith("slides"):
+    mechanism = result.limit_state.mechanism
+    if mechanism is None or not result.status.startswith("slides"):
         return None, f"the block does not slide ({result.status})"
     if result.moments_govern and method == "pre_ie":
         return None, "moments govern: it turns as it slides"
     if any(strength.dilation_deg for strength in kind.strengths(static)):
         return None, _DILATES
-    along = result.mechanism.displacement
+    along = mechanism.displacement
     along = along / math.sqrt(float(along @ along))
     weight = result.forces.weight
     push = max(_PUSH * k, _LEAST_PUSH)

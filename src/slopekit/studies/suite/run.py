@@ -282,7 +282,7 @@ def _value(result: Result, reference: Reference) -> float | str | None:
     if quantity in METHODS:
         return result.methods.get(quantity)
     if quantity == "forces_only":
-        return result.forces_only
+        return result.comparisons.forces_only
     if quantity == "volume_m3":
         return result.geometry.volume_m3
     if quantity == "weight_kn":

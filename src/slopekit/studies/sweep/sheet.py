@@ -178,7 +178,7 @@ def _grid(swept: Sweep) -> list[Entry]:
         entries.append("* moments govern")
     known = next((one.factors.also for one in swept.points if one.factors is not None and one.factors.also), None)
     if known is not None:
-        entries.append(f"of what is analysed, not of {known.what}: W507 says where that falls short")
+        entries.append(f"of what is analysed, not of {known.WHAT}: W507 says where that falls short")
     if swept.disagree:
         entries.append("! the methods disagree, or no convergence")
     return entries

@@ -6,10 +6,10 @@ from typing import Any
 
 from slopekit.core.sheet import factor_text
 from slopekit.kinds.sheets.many_blocks import path_in_words
-from slopekit.kinds.words import many_times
 from slopekit.result import JUDGED
 
 _SAME = 0.05  # percent
+_MANY = 1000.0  # percent: as many times as large from there on
 
 
 def factor(value: Any) -> str:
@@ -174,6 +174,9 @@ def _bound(percent: float) -> str:
             f"The upper bound lies {-percent:.2g} % below the limit, which an upper bound cannot: neither is known "
             "better than that."
         )
-    times = many_times(percent / 100.0 + 1.0)
-    lies = f"is {times} the limit" if times else f"lies {percent:.1f} % above the limit"
+    lies = (
+        f"lies {percent:.1f} % above the limit"
+        if percent < _MANY
+        else f"is {percent / 100.0 + 1.0:.3g} times the limit"
+    )
     return f"The upper bound (associated flow) {lies}: it lets joints dilate, and is unsafe as an answer."

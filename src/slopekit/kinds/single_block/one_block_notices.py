@@ -1,0 +1,70 @@
+"""What a reader must know of one analysed block: of its factor, what that rests on, and how it was found."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from slopekit.core.errors import Notice
+from slopekit.design.common import Design
+from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit
+from slopekit.notices import SQUARE, bolt_notices, common_notices, mesh_notices, undrawn_notice
+from slopekit.preie.tolerances import PASSES_SETTLED
+
+_ACROSS = 0.34  # cosine of 70°
+_ALL = 0.999999  # of an interface
+
+
+def notices(design: Design, made: Cut, found: FoundLimit, why_not: str, block: str) -> Iterator[Notice]:
+    """The notices of one analysed block.
+
+    Parameters
+    ----------
+    why_not : why the closed form is not compared; block : what moves
+    """
+    strengths = [interface.strength for interface in made.interfaces]
+    limit, model = found.limit, found.scene.model
+    yield from common_notices(design, strengths)
+    if limit.factor and not limit.settled_to(PASSES_SETTLED):
+        highest = limit.factor / (1.0 - limit.change)
+        swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
+        yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
+    if limit.factor is not None:
+        yield from _lost_contact(made, found)
+        yield from _shaking(made, found)
+        passive = any(bolt.acts == "passive" for bolt in design.bolts)
+        if passive and not (-model.bolt_rows @ limit.velocity_of(model) > SQUARE).any():
+            yield undrawn_notice()
+    held = any(strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths)
+    if not held and not len(model.bolt_capacity):
+        yield Notice("W308", f"the joints have no strength: nothing holds the {block}, there is no factor of safety")
+    if why_not and any(strength.dilation_deg for strength in strengths):
+        yield Notice("W310", why_not)
+    yield from bolt_notices(design)
+    yield from mesh_notices(found.change or 0.0)
+
+
+def _lost_contact(made: Cut, found: FoundLimit) -> Iterator[Notice]:
+    """W307: interfaces that have lost contact where the forces alone govern, or that a curved surface opens on."""
+    if found.analysis.moments_govern:
+        return
+    area = found.scene.model.control_area
+    for interface in made.interfaces:
+        joint = found.scene.pairs.interface == interface.key
+        lost = float(area[joint & (found.limit.bond == 0.0)].sum() / area[joint].sum())
+        if interface.strength.cohesion_kpa > 0.0 and lost > 0.0:
+            opens = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
+            yield Notice("W307", f"{interface.name} {opens} and loses its cohesion there: the factor of safety jumps "
+                         "where that happens")  # fmt: skip
+
+
+def _shaking(made: Cut, found: FoundLimit) -> Iterator[Notice]:
+    """W328: a seismic load that does not drive the movement."""
+    seismic, model = made.loads.parts["seismic"], found.scene.model
+    moved = model.moved(found.limit.velocity_of(model))[0]
+    along, size = float(seismic @ moved), float(np.linalg.norm(seismic) * np.linalg.norm(moved))
+    if along < -0.1 * size:
+        yield Notice("W328", "the seismic load acts against the movement: it raises the factor of safety")
+    elif along < _ACROSS * size:
+        off = math.degrees(math.acos(along / size))
+        yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")
