@@ -98,9 +98,9 @@ def _case(support: Support, case: BoltCase) -> list[str]:
         return notices
     chosen = "the direction given" if support.options.toward else "optimum within the allowed plunge"
     unit, closed, limit = support.unit, case.closed_form.force, case.pre_ie
-    by = f"{_size(closed)} {unit} by the closed form" if closed is not None else "not reached by the closed form"
+    by = f"{_size(closed)} {unit} (closed form)" if closed is not None else "not reached by the closed form"
     if limit is not None:
-        by += f", {_size(limit.force)} {unit} by PRE-IE" if limit.force is not None else ", not reached by PRE-IE"
+        by += f", {_size(limit.force)} (PRE-IE)" if limit.force is not None else ", not reached by PRE-IE"
     lines = [f"{chosen} {line_in_words(case.toward)}: {by}", *notices]
     if case.layout is None or case.each is None:
         return lines
