@@ -1,6 +1,5 @@
 """Cohesion that decides, traces with hidden ends, columns that slide."""
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -65,28 +64,3 @@ def test_traces_of_options_are_not_measured() -> None:
 
 
 # -- columns --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("c", "phi", "slides"), [(0, 40, False), (0, 10, True), (3, 10, True), (60, 10, False)])
-def test_columns_that_slide_on_their_base_are_said(c, phi, slides) -> None:
-    """One column 8 m wide, square on its base: `topple`'s own answer for it, by PRE-IE, says whether it slides."""
-    joints = [replace(one, spacing_m=8.0) for one in joint_list(["72/000", "18/180"]).joints]
-    own = SMALL | {"n": 100, "toe": "bench"}
-    found = sk.bench_design(joints, c=c, phi=phi, **own)
-    assert found.given.every_m is None  # both strike along the bench: their spacing says nothing of places along it
-    assert found.benches[0].modes["toppling"].forms.count == 100
-    assert found.benches[0].modes["toppling"].fails.count == 0
-    said = [str(one) for one in found.warnings if one.code == "W395"]
-    # down the side of the first column, from the crest to the base
-    height = (12.0 - 12.0 / math.tan(math.radians(70)) * math.tan(math.radians(18))) * math.sin(math.radians(72))
-    column = sk.run({
-        "slopekit": 1, "kind": "topple", "columns": {"dip": 72, "width": 8, "heights": [height]},
-        "strength": {"s": {"c": c, "phi": phi}}, "rock": {"density": 2600},
-    })  # fmt: skip
-    assert (column.fos.limit < 1.0) is slides
-    assert bool(said) is slides
-    # where the base is the first joint it fails as a plane too; at the other places nothing else does
-    counted = 100.0 * found.benches[0].modes["any"].fails.share
-    assert 0.0 < counted < 100.0 or not slides
-    assert all("100 of 100 columns" in one for one in said)
-    assert all(f"fails at {counted:.1f} % of the places, with them at 100.0 %" in one for one in said)
