@@ -1,12 +1,8 @@
 """Cohesion that decides, traces with hidden ends, columns that slide."""
 
-from dataclasses import replace
 from typing import Any
 
-import pytest
-
 import slopekit as sk
-from slopekit.design.joint_lists import joint_list
 
 PLANES = ("40/180", "40/181")
 JOINTS = ("52/140", "58/150", "47/128", "61/222", "55/232", "66/215", "44/178", "52/186", "78/004", "18/175")
@@ -42,25 +38,3 @@ def test_the_notice_stands_where_cohesion_decides_and_not_where_it_does_not() ->
     little = sk.bench_design(list(JOINTS), c=0.05, phi=32, **SMALL)
     assert "W422" not in {one.code for one in little.warnings}
     assert little.benches[0].bare.decides is False
-
-
-# -- traces ---------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("ends", "words"), [([2, 2], ""), ([1, 2], "1 with a hidden end"),
-                                             ([None, 2], "1 without a word of their ends")])  # fmt: skip
-def test_traces_taken_as_whole_are_said(ends, words) -> None:
-    listed = joint_list(list(PLANES)).joints
-    joints = [replace(one, trace_m=20.0, ends=seen) for one, seen in zip(listed, ends, strict=True)]
-    found = sk.bench_design(joints, c=0, phi=30, **SMALL)
-    said = [str(one) for one in found.warnings if "taken as whole" in one.message]
-    assert bool(said) == bool(words)
-    assert all(words in one for one in said)
-
-
-def test_traces_of_options_are_not_measured() -> None:
-    found = sk.bench_design(list(PLANES), c=0, phi=30, trace=15, **SMALL)
-    assert not any("taken as whole" in one.message for one in found.warnings)
-
-
-# -- columns --------------------------------------------------------------------------------------------------------

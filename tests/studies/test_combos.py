@@ -472,7 +472,7 @@ def test_json_sheet_and_table() -> None:
     document = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert document.keys() == {
         "slopekit", "format", "study", "kind", "survey", "input_sha256", "inputs", "defaults", "pairs", "counts",
-        "removable", "scaled_down", "target", "worst", "pre_ie", "joints_in_pairs_below", "warnings", "timing_s",
+        "removable", "scaled_down", "target", "worst", "pre_ie", "warnings", "timing_s",
         "line", "sheet",
     }  # fmt: skip
     assert document["defaults"] == ["upper", "height", "density"]

@@ -327,7 +327,7 @@ def test_the_command_and_its_files(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(("arguments", "code"), [
-    ((), "E510"), (("nowhere.csv",), "E147"), (("sine:0.5g",), "E517"), (("0.3",), "E517"), (("0.3g",), "E517"),
+    ((), "E510"), (("nowhere.csv",), "E147"), (("sine:0.5g",), "E517"), (("0.3",), "E147"),
     (("sine:0.5g,1Hz", "--scale-pga", "30"), "E307"),
     (("sine:0.5g,1Hz", "--scale-pga", "x"), "E106"),
     (("sine:0.5g,1Hz", "--toward", "500"), "E122"),

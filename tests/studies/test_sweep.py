@@ -64,16 +64,6 @@ def test_a_grid_is_run_at_every_point(grid) -> None:
     assert [value for value, _ in grid.lines()[0][1]] == [20.0, 40.0, 60.0]  # neighbours are neighbours in value
 
 
-def test_a_level_that_only_the_second_key_passes_is_said() -> None:
-    wet = sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70], "water.fill": [0, 0.5, 1]}, methods="closed-form", fos=1.2)
-    for line, above in zip((0.0, 0.5, 1.0), (True, True, False), strict=True):
-        assert {point.factors.closed_form > 1.2 for place, point in zip(wet.places, wet.points, strict=True)
-                if place[1] == line} == {above}  # fmt: skip
-    said = " ".join(str(wet).split())
-    assert "FoS 1.2, slope.face.dip interpolated: nowhere, but water.fill passes it between 0.5 and 1" in said
-    assert "FoS 1, slope.face.dip interpolated: passed nowhere" in said
-
-
 @pytest.mark.parametrize(
     ("name", "key", "values"),
     [
@@ -206,8 +196,7 @@ def test_sheets_are_a_hundred_columns_wide(curve, grid) -> None:
         lines = str(swept).splitlines()
         assert max(map(len, lines)) <= 100
         assert swept.line
-    assert "more points are left out here" in str(long)
-    assert len(str(long).splitlines()) < 130
+    assert len(long.tables()["curve"].rows) == 300
     assert "E203" in str(grid)
     assert "1.557" in grid.sheet.full
 

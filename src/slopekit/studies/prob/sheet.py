@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
-from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
@@ -52,7 +52,7 @@ def sheet_of(study: Probability) -> Sheet:
             Section("HISTOGRAM", (), details=[_histogram(summary, asked.target)]),
         )),
         Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])], details=_weaker(study)),
-        Section("SIZE", (), details=_sizes(study)),
+        Section("SIZE", _scaled(study), details=_sizes(study)),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [f"{times}  ({study.crew})"]),
@@ -156,6 +156,11 @@ def _leading(study: Probability) -> list[str]:
         return []
     low, high = _percent(lead["low"]), _percent(lead["high"])
     return [f"{_percent(lead['probability'])} by {lead['by']} ({low} to {high}); closed form, which is too low here:"]
+
+
+def _scaled(study: Probability) -> list[str]:
+    scaled = 0 if study.sizes is None else study.sizes.scaled
+    return [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []
 
 
 def _sizes(study: Probability) -> list[Entry]:

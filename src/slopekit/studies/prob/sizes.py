@@ -29,11 +29,13 @@ class SampleSizes:
     Attributes
     ----------
     columns : (n,) each, by key; forming, failing : of the samples that form a block and of those that fail, by key
+    scaled : samples that limits of size made smaller
     """
 
     columns: Mapping[str, Floats] = field(metadata=NO_JSON)  # the samples themselves are in the CSV
     forming: Mapping[str, SizeStatistics]
     failing: Mapping[str, SizeStatistics]
+    scaled: int
 
 
 def sizes_of_samples(fast: Vectorised | None, values: Floats, forms: Bools, fails: Bools) -> SampleSizes | None:
@@ -47,7 +49,8 @@ def sizes_of_samples(fast: Vectorised | None, values: Floats, forms: Bools, fail
     if sizes is None:
         return None
     columns = {key: np.where(forms, column, np.nan) for key, column in sizes.columns.items()}
-    return SampleSizes(columns, _spreads(columns, forms), _spreads(columns, forms & fails))
+    scaled = int((columns["scale"] < 1.0).sum()) if "scale" in columns else 0
+    return SampleSizes(columns, _spreads(columns, forms), _spreads(columns, forms & fails), scaled)
 
 
 def _spreads(columns: Mapping[str, Floats], own: Bools) -> dict[str, SizeStatistics]:

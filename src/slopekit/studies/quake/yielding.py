@@ -109,9 +109,9 @@ def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bo
         return Fault("E253", message, "", f"Kinds with loads.seismic.k: {known}.")
     if toward is None:
         message = "quake needs the direction of the shaking: the blocks do not say which way they fall"
-        return Fault("E253", message, "", f"Give {named} 270 (or 090), or loads: {{seismic: {{toward: 270}}}}.")
-    return Fault("E253", f"{named} is {number(toward)}: a section is shaken toward 090 or 270", "",
-                 "x is east (090), -x west (270).")  # fmt: skip
+    else:
+        message = f"{named} is {number(toward)}: a section is shaken toward 090 or 270"
+    return Fault("E253", message, "", f"Give {named} 270 (or 090): x is east (090), -x west (270).")
 
 
 def check_stands(static: Design) -> None:

@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from operator import itemgetter
 from typing import Any
 
-from slopekit.core.errors import Fault
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.design.common import Design
@@ -102,7 +101,8 @@ def _now(design: Design, point: Point) -> str:
 def _value(solution: Solution) -> list[str]:
     key, answer = solution.key, solution.answer
     if answer is None:
-        return _no_value(solution.pre_ie.reason)
+        reason = solution.pre_ie.reason
+        return ["none"] if reason is None else [f"none. {reason.code} {reason.message}", *filter(None, [reason.advice])]
     way = "rises" if answer.rises else "falls"
     was = "" if key.value is None else f", {_change(key, answer.value)}"
     return [f"{key.shown(answer.value)}{was}; {status_words(solution.design, answer.status)}; FoS {way} with it"]
@@ -116,12 +116,6 @@ def _change(key: Key, value: float) -> str:
     share = f" ({off / key.value * 100:+.3g} %)" if key.value and is_size else ""
     unit = key.unit if key.unit in ("", "°") else f" {key.unit}"
     return f"{off:+.6g}{unit}{share} from now"
-
-
-def _no_value(reason: Fault | None) -> list[str]:
-    if reason is None:
-        return ["none"]
-    return [f"none. {reason.code} {reason.message}", *([reason.advice] if reason.advice else [])]
 
 
 def _put_back(solution: Solution) -> list[str]:

@@ -68,7 +68,8 @@ def read_options(
 
     def positive(value: object, kind: str, name: str, key: str) -> float | None:
         where = f"{named(key)} {value}"
-        return None if value is None else faults.of(lambda: above_zero(value, kind, name, "E307", where))
+        may_lack = key in ("spacing", "length") and value is None
+        return None if may_lack else faults.of(lambda: above_zero(value, kind, name, "E307", where))
 
     target = positive(fos, "ratio", "the target factor of safety", "fos")
     capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "bolt_capacity")
@@ -80,11 +81,8 @@ def read_options(
         lambda: line_of_words(toward, "the bolts", "E307", f"{named('toward')} {toward}")
     )  # fmt: skip
     limits = None if plunge is None else faults.of(lambda: _plunges(plunge, named("plunge")))
-    if target is None and not faults:
-        faults.append(Fault("E307", "the target factor of safety is missing", named("fos"), "For example 1.5."))
-    if faults or target is None or capacity is None or anchorage is None or both is None:
-        where = f"{named('bolt_capacity')}, {named('bond')}"
-        raise DesignError(faults or [Fault("E307", "capacity and bond are needed", where)])
+    faults.refuse()
+    assert target is not None and capacity is not None and anchorage is not None and both is not None  # noqa: PT018
     return SupportOptions(target, both, line, limits, capacity, apart, anchorage, long)
 
 
