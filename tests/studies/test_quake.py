@@ -634,7 +634,6 @@ def test_a_displacement_of_kilometres_is_refused() -> None:
     first = error.value.faults[0].message
     assert first.startswith("rectangular:0.5g,300s: a displacement of ")
     assert f"with a peak velocity of the ground of {0.5 * 9.80665 * 300.0:.3g} m/s" in first
-    assert "hardly stands" not in str(error.value)
 
 
 def test_a_slope_that_hardly_stands_is_named_as_the_reason() -> None:
@@ -643,7 +642,7 @@ def test_a_slope_that_hardly_stands_is_named_as_the_reason() -> None:
     weak = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": phi}}})
     with pytest.raises(sk.DesignError, match=r"E524 north: a displacement of .* km is none of an earthquake") as error:
         sk.quake(weak, record_of("north", *_sine(50, 0.1 * G)))
-    assert error.value.faults[0].advice.startswith("The slope hardly stands")
+    assert error.value.faults[0].advice.endswith("At a k_y next to 0 the slope hardly stands.")
     stands = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": 35.0 + math.degrees(1e-4)}}})
     far = sk.quake(stands, record_of("north", *_sine(50, 0.1 * G)))
     assert 10.0 < far.shaken[0].larger_m < 1000.0

@@ -3,7 +3,9 @@
 from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
-from slopekit.kinds.words import line_in_words, size_number
+from slopekit.design.common import Design
+from slopekit.kinds.sheets.bolts import schedule, schedule_entries
+from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.records import BoltCase, Support, wanted_in_words
 from slopekit.studies.support.search import Answer
@@ -19,6 +21,7 @@ def sheet_of(support: Support) -> Sheet:
     pressure = [] if support.pressure is None else [f"uniform, normal to the face: {size_number(support.pressure)} kPa"]
     return Sheet(head(support.design, "support"), (
         Section("TARGET", _target(support)),
+        Section("BOLTS", _own_bolts(support.design)),
         *(Section(case.acts.upper(), [_ROLES[case.acts], *_case(support, case)]) for case in support.cases),
         Section("PRESSURE", pressure),
         Section("CASES", [cases] if cases.rows else []),
@@ -27,6 +30,12 @@ def sheet_of(support: Support) -> Sheet:
         Section("PASTE", _paste(support)),
         Section("TIME", [f"{support.seconds:.2f} s"]),
     ), {"support.csv": cases})  # fmt: skip
+
+
+def _own_bolts(design: Design) -> list[Entry]:
+    """The bolts that the design has: the schedule of its result, or a few without a head one by one."""
+    of_result = schedule_entries(schedule({"inputs": design.inputs()}))
+    return of_result or [bolt_text(bolt) for bolt in design.bolts]
 
 
 def line_of(support: Support) -> str:
