@@ -418,8 +418,8 @@ def _too_far(one: Shaken, coefficient: float) -> Fault:
         f"{shown_k(coefficient)} in {record.duration_s:.4g} s with a peak velocity of the ground of "
         f"{record.pgv_m_s:.3g} m/s (the highest measured are about 4)"
     )
-    return Fault("E524", message, record.name, "Write times in s and name the unit: time (s),acceleration (g). Correct a "
-                 "baseline that drifts. At a k_y next to 0 the slope hardly stands.")  # fmt: skip
+    advice = "Write times in s, correct a baseline that drifts. At a k_y next to 0 the slope hardly stands."
+    return Fault("E524", message, record.name, advice)
 
 
 def _beside(moves: SixMotion, static: Design, ours: Yield, records: Sequence[Record]) -> Motion | None:
