@@ -47,7 +47,6 @@ from slopekit.studies.support.search import (
     least_force,
     least_forces,
     limit_answer,
-    pre_ie,
     site_of,
 )
 
@@ -157,7 +156,7 @@ class _Search:
 
     def __init__(self, site: Site, options: SupportOptions) -> None:
         self.site, self.options, self.target = site, options, options.target
-        self.bare, self.bare_limit = site.closed_form(site.design), pre_ie(site.design)
+        self.bare, self.bare_limit = site.closed_form(site.design), limit_answer(factors_of(site.design))
         self.dilates = dilates(site.design)
         strengths = kind_of(site.design).strengths(site.design)
         self.has_strength = any(one.cohesion_kpa or one.friction_angle_deg for one in strengths)
@@ -283,7 +282,9 @@ class _Search:
         """The least force by PRE-IE, and what stands against it."""
         if self.bare_limit.reaches(self.target):
             return Need(0.0, self.bare_limit)
-        need = least_force(lambda force: pre_ie(changed(force)), self.target, guess, self.bare_limit.search_level)
+        need = least_force(
+            lambda force: limit_answer(factors_of(changed(force))), self.target, guess, self.bare_limit.search_level
+        )
         if need.force is not None:
             return self._jumping(need)
         turning = "moments turn the block" if need.answer.moments_govern else "its limit lies below the closed form's"

@@ -17,7 +17,7 @@ from slopekit.core.orientation import Line, line_of
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
-from slopekit.kinds import factors_of, kind_of
+from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.loads import Hull
@@ -169,11 +169,6 @@ class Site:
         """A point in local axes in the coordinates of the user."""
         east, north, up = (float(part) for part in self.world(point) + self.origin)
         return east, north, up
-
-
-def pre_ie(design: Design) -> Answer:
-    """PRE-IE's answer to a design."""
-    return limit_answer(factors_of(design))
 
 
 def limit_answer(factors: Factors) -> Answer:
