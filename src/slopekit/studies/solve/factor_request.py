@@ -191,7 +191,7 @@ def _together(jumps: list[SolvedValue], span: float) -> list[SolvedValue]:
 def _found(method: Method, asked: FactorRequest, crossing: Crossing[Point]) -> SolvedValue:
     best = crossing.best
     if crossing.how != "root" and asked.drives_blocks and not crossing.rises:
-        best = crossing.before  # the last that stands
+        best = replace(crossing.before, label=crossing.after.label)  # the last that stands, and how it goes
     ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
     factor = factor_at(best.found, method) or 0.0
     notes = tuple(said_of_factor(asked, best.at, best.found)) if method == "pre_ie" else ()
