@@ -10,7 +10,7 @@ from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Tab
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
 from slopekit.studies.sweep.run import Critical, Sweep
-from slopekit.studies.words import METHODS, cell, check_word, head
+from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
 _CELL = 9
 _BRIEFLY = {
@@ -29,8 +29,8 @@ def sheet_of(swept: Sweep) -> Sheet:
     return Sheet(head(swept.design, "sweep"), (
         *(Section("KEY", [text]) for text in keys),
         Section("CURVE", [_curve(swept)]) if one else Section("GRID", _grid(swept), hang=0),
-        Section("RANGE", _range(swept)),
         Section("PASSES", _critical(swept) if one else []),
+        Section("COUNTED", [_counted(swept)]),
         Section("REASONS", _reasons(swept)),
         Section("TIME", [f"{swept.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in swept.warnings]),
@@ -199,20 +199,6 @@ def _unit(key: Key) -> str:
 # -- what it comes to -------------------------------------------------------------------------------------------------
 
 
-def _range(swept: Sweep) -> list[str]:
-    """The least and the greatest factor by each method, and where they are."""
-    entries = []
-    for method in swept.asked:
-        factors = [
-            (factor, place) for place, point in zip(swept.places, swept.points, strict=True)
-            if (factor := factor_at(point, method)) is not None and is_number(factor)
-        ]  # fmt: skip
-        if factors:
-            least, most = (f"{cell(factor)} at {_place(swept, at)}" for factor, at in (min(factors), max(factors)))
-            entries.append(f"{METHODS[method]}: least {least}, greatest {most}")
-    return entries
-
-
 def _place(swept: Sweep, place: tuple[float, ...]) -> str:
     return ", ".join(key.shown(value, 6) for key, value in zip(swept.keys, place, strict=True))
 
@@ -246,6 +232,12 @@ def _passed(swept: Sweep, one: Critical) -> str:
         return f"between {a} and {b}, {one.how}"
     how = one.how if one.how == "at a point" else f"{one.how} between {a} and {b}"
     return f"{key.shown(one.at, 5)}, {how}"
+
+
+def _counted(swept: Sweep) -> str:
+    parts = ", ".join(f"{status_words(swept.design, name)} {count}" for name, count in swept.counts.items())
+    end = f"; {swept.disagree} disagree or did not converge" if len(swept.asked) > 1 or swept.disagree else ""
+    return f"{counted(len(swept.points), 'point')}: {parts}{end}"
 
 
 def _reasons(swept: Sweep) -> list[str]:

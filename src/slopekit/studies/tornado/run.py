@@ -46,6 +46,7 @@ RULE = (
 _NORMAL_TAIL = 1.6448536269514722  # standard deviations
 _CONSTANTS = ("rock.gravity", "water.unit_weight")
 _NO_CHANGE = 1e-9
+_OF_ENDS = "W310"  # the closed form is not compared: of ends that only the study made so it says nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +129,10 @@ class Tornado(StudyOutcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         short = also_short(self.points, self._where, method, self.design.accepted_fos or 1.0)
-        said = (*short, *said_at(self.points, self._where, self.of_inputs))
+        notes = () if self.base.factors is None else self.base.factors.notes
+        compared = all(note.code != _OF_ENDS for note in notes)
+        there = said_at(self.points, self._where, self.of_inputs)
+        said = (*short, *(note for note in there if not (compared and note.code == _OF_ENDS)))
         if not bare:
             return (*said, *self.of_inputs)
         ends = "end has" if len(bare) == 1 else "ends have"
