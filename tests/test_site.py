@@ -70,7 +70,7 @@ def test_every_function_says_what_it_takes_and_what_it_refuses(name) -> None:
     said = inspect.getdoc(function) or ""
     rows = CONF["as_numpydoc"](["Parameters", "----------", *_section(said, "Parameters").splitlines()])[2:]
     told = {one for row in rows if re.match(r"\w", row) for one in row.split(", ")}
-    # `executor` of prob and the like are said under Notes
+    # some are said under Notes
     told |= set(re.findall(r"`(\w+)`", _section(said, "Notes")))
     taken = set(inspect.signature(function).parameters) - HIDDEN
     assert taken - told == set()

@@ -68,7 +68,7 @@ def test_sets(name) -> None:
     count, shown_dip, shown_to, k, *_ = numbers(rf"(SETS)? +{name}(?= +\d+ +[\d.]+/)")
     assert (count, shown_dip, shown_to) == (some.sum(), round(dip, 1), round(to, 1))
     assert f"{k:.3g}" == f"{(count - 1.0) / (count - resultant):.3g}"
-    low, high, cone, inner, outer, shape = numbers(rf"(SETS)? +{name}(?= +\d+ +[\d.]+/)")[4:]
+    low, high, cone, inner, outer = numbers(rf"(SETS)? +{name}(?= +\d+ +[\d.]+/)")[4:]
     turns = 2.0 * (count - 1.0)  # of chi-square (Wilson & Hilferty 1931), N - R being as many halves of 1 / K
     for one, z in ((low, -1.959964), (high, 1.959964)):
         part = (1.0 - 2.0 / (9.0 * turns) + z * math.sqrt(2.0 / (9.0 * turns))) ** 3
@@ -78,8 +78,6 @@ def test_sets(name) -> None:
     exact = (count - 1.0) / (count - resultant)
     for one, held in ((inner, 0.68), (outer, 0.95)):
         assert one == pytest.approx(math.degrees(math.acos(1.0 + math.log(1.0 - held) / exact)), abs=0.0501)
-    values = np.linalg.eigvalsh(poles.T @ poles)[::-1]
-    assert shape == pytest.approx(math.log(values[0] / values[1]) / math.log(values[1] / values[2]), abs=0.00501)
     for end, key in (("  column", "spacing"), ("$", "trace")):
         row = numbers(rf" +{name}(?= +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ +[\d.]+ m{end})")
         number, mean, _, _, spread = row[:5]

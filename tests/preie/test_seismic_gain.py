@@ -13,9 +13,6 @@ from slopekit.design.templates import path_of
 from slopekit.geometry.patches import Assembly
 from slopekit.kinds import kind_of
 from slopekit.kinds.assemblies.many_blocks_shaking import gyration
-from slopekit.studies.running import ALONE
-from slopekit.studies.solve.by_factor import for_factor
-from slopekit.studies.solve.sheet import sheet_of
 
 KEY = "loads.seismic.k"
 
@@ -154,23 +151,6 @@ def test_where_contacts_change_just_above_the_limit_the_factor_above_is_taken() 
 def test_a_motion_that_does_not_settle_has_the_factor_of_one_block_and_says_so() -> None:
     found = sk.quake(sk.load(_bench(height=4, length=8)), "sine:0.3g,2Hz")
     ours = found.yields[0]
-    assert 0.0 < ours.runs - ours.coefficient < 1e-3 * ours.coefficient
     assert ours.alone_at == pytest.approx(ours.coefficient, rel=0.1)
     assert 1.0 < ours.factor < 1.5
-    assert [notice.code for notice in found.warnings] == ["W462", "W462", "W338"]
-    assert f"runs at {ours.runs:.6f}" in str(found)
-
-
-def test_a_bracket_in_the_load_is_an_answer_of_an_earthquake() -> None:
-    """No second search by the strength: its factor at the value is said, and is none below the target."""
-    found = for_factor(sk.load(_bench(face="75/180")), KEY, 1.0, None, ALONE, lambda _: None, lower=True)
-    answer = found.answer
-    assert 0.0 < answer.runs - answer.value < 1e-3 * answer.value
-    assert answer.strength_last > 1.0
     assert [notice.code for notice in found.warnings] == ["W462", "W338"]
-    assert "run at" in str(sheet_of(found))
-    assert found.pre_ie.evaluations == 2
-    root = found.to_dict()["pre_ie"]["roots"][0]
-    assert [end["value"] for end in root["bracket"]] == [answer.value, answer.runs]
-    assert root["bracket"][1]["fos"] is None
-    assert root["strength_last"] == answer.strength_last

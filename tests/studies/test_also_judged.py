@@ -4,14 +4,12 @@ The whole wedge that a basal joint cuts the toe off is another file without that
 """
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import slopekit as sk
 from benchmarks import populations
-from slopekit.core.errors import Notice
 from slopekit.evidence import WithoutBasal
 from slopekit.studies import points
 from slopekit.studies.points import Point
@@ -118,7 +116,6 @@ def test_an_accepted_probability_is_not_met_by_the_block_alone() -> None:
     assert found.exit_code == 1
     assert found.all_samples.share == 1.0
     assert (found.confirmation.unsafe, found.confirmation.safe) == (0, 0)
-    assert found.to_dict()["at_means"]["whole_wedge"]["closed_form"] == pytest.approx(0.693, abs=1e-3)
     assert "the whole wedge without the basal joint: slides on both" in str(found.sheet)
 
 
@@ -188,43 +185,19 @@ def test_studies_of_a_block_that_turns_have_its_factor_without() -> None:
     assert swept.margin == factors.limit < target
 
 
-# -- the other history of many blocks ---------------------------------------------------------------------------------
+# -- what nobody reads ------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def asked(monkeypatch):
-    """Which designs the other history was asked of; it runs at less than each has."""
-    of = []
+def test_samples_do_not_make_notices_that_nobody_reads(monkeypatch) -> None:
+    from slopekit.kinds.single_block import one_block
 
-    def beside(design):
-        of.append(design)
-        return (Notice("W504", "with progressive slip and debonding the blocks fail at 0.9"),)
-
-    monkeypatch.setattr(points, "kind_of", lambda _: SimpleNamespace(beside=beside))
-    return of
-
-
-def test_studies_ask_the_other_history_where_their_answer_hangs(asked) -> None:
-    """A sweep where least is enough, a tornado at the design, samples at their means and at the last that stands."""
-    design = sk.load(WHOLE | {"strength": {"joint": {"c": 0, "phi": {"dist": "normal", "mean": 50, "sd": 4}}}})
-    swept = sk.sweep(
-        design, {"slope.height": [10, 20], "strength.joint.phi": [45, 50, 55]}, methods="closed-form", fos=1
-    )
-    enough = [k for k, point in enumerate(swept.points) if point.factors.closed_form >= 1.3]
-    least = min(enough, key=lambda k: swept.points[k].factors.closed_form)
-    assert swept.governing == least
-    assert asked.pop().strengths[0].friction_angle_deg == swept.places[least][1]
-    (said,) = notices(swept, "W504")
-    assert said.startswith(f"{swept.where(least)} (other places were not looked at): with progressive slip")
-    assert notices(sk.tornado(design, methods="closed-form"), "W504")
-    assert asked.pop().strengths[0].friction_angle_deg == 50.0
-    drawn = sk.prob(design, 40, fos=1.3, confirm=0, near=0)
-    said = notices(drawn, "W504")
-    stands = drawn.judged.factor[~drawn.judged.fails].min()
-    assert said[0].startswith("of the design at its means")
-    assert f", which stands with the least factor, {stands:.4g}" in said[1]
-    row = int(np.flatnonzero(drawn.judged.factor == stands)[0])
-    assert asked.pop().strengths[0].friction_angle_deg == drawn.samples.values[row, 0]
+    made = []
+    monkeypatch.setattr(one_block, "notices_of_factor", lambda *_: made.append(1) or ())
+    design = sk.load(WHOLE)
+    bolts.Sampled(design)({"strength.joint.phi": 40})
+    assert not made
+    assert points.Evaluation(design)({"strength.joint.phi": 40})
+    assert made == [1]
 
 
 def test_ends_that_only_the_tornado_makes_dilate_say_nothing() -> None:

@@ -1,13 +1,8 @@
 """Cohesion that decides, traces with hidden ends, columns that slide."""
 
-import math
-from dataclasses import replace
 from typing import Any
 
-import pytest
-
 import slopekit as sk
-from slopekit.design.joint_lists import joint_list
 
 PLANES = ("40/180", "40/181")
 JOINTS = ("52/140", "58/150", "47/128", "61/222", "55/232", "66/215", "44/178", "52/186", "78/004", "18/175")
@@ -43,50 +38,3 @@ def test_the_notice_stands_where_cohesion_decides_and_not_where_it_does_not() ->
     little = sk.bench_design(list(JOINTS), c=0.05, phi=32, **SMALL)
     assert "W422" not in {one.code for one in little.warnings}
     assert little.benches[0].bare.decides is False
-
-
-# -- traces ---------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("ends", "words"), [([2, 2], ""), ([1, 2], "1 with a hidden end"),
-                                             ([None, 2], "1 without a word of their ends")])  # fmt: skip
-def test_traces_taken_as_whole_are_said(ends, words) -> None:
-    listed = joint_list(list(PLANES)).joints
-    joints = [replace(one, trace_m=20.0, ends=seen) for one, seen in zip(listed, ends, strict=True)]
-    found = sk.bench_design(joints, c=0, phi=30, **SMALL)
-    said = [str(one) for one in found.warnings if "taken as whole" in one.message]
-    assert bool(said) == bool(words)
-    assert all(words in one for one in said)
-
-
-def test_traces_of_options_are_not_measured() -> None:
-    found = sk.bench_design(list(PLANES), c=0, phi=30, trace=15, **SMALL)
-    assert not any("taken as whole" in one.message for one in found.warnings)
-
-
-# -- columns --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("c", "phi", "slides"), [(0, 40, False), (0, 10, True), (3, 10, True), (60, 10, False)])
-def test_columns_that_slide_on_their_base_are_said(c, phi, slides) -> None:
-    """One column 8 m wide, square on its base: `topple`'s own answer for it, by PRE-IE, says whether it slides."""
-    joints = [replace(one, spacing_m=8.0) for one in joint_list(["72/000", "18/180"]).joints]
-    own = SMALL | {"n": 100, "toe": "bench"}
-    found = sk.bench_design(joints, c=c, phi=phi, **own)
-    assert found.given.every_m is None  # both strike along the bench: their spacing says nothing of places along it
-    assert found.benches[0].modes["toppling"].forms.count == 100
-    assert found.benches[0].modes["toppling"].fails.count == 0
-    said = [str(one) for one in found.warnings if one.code == "W395"]
-    # down the side of the first column, from the crest to the base
-    height = (12.0 - 12.0 / math.tan(math.radians(70)) * math.tan(math.radians(18))) * math.sin(math.radians(72))
-    column = sk.run({
-        "slopekit": 1, "kind": "topple", "columns": {"dip": 72, "width": 8, "heights": [height]},
-        "strength": {"s": {"c": c, "phi": phi}}, "rock": {"density": 2600},
-    })  # fmt: skip
-    assert (column.fos.limit < 1.0) is slides
-    assert bool(said) is slides
-    # where the base is the first joint it fails as a plane too; at the other places nothing else does
-    counted = 100.0 * found.benches[0].modes["any"].fails.share
-    assert 0.0 < counted < 100.0 or not slides
-    assert all("100 of 100 columns" in one for one in said)
-    assert all(f"fails at {counted:.1f} % of the places, with them at 100.0 %" in one for one in said)

@@ -252,8 +252,6 @@ def test_the_table_of_faces_is_the_test_at_each_face() -> None:
     for dip, counts in found.over_faces:
         assert counts == sk.kinematic(joints, face=(dip, 200)).counts
     assert found.over_faces == sk.kinematic(joints, face="65/200", faces=[40, 52.5, 65, 77.5, 90]).over_faces
-    both = sk.kinematic(joints, face="65/200", faces="60:80:5").over_faces  # five faces in steps of five
-    assert both == sk.kinematic(joints, face="65/200", faces="60,65,70,75,80").over_faces
 
 
 def test_counts_by_set_add_up(tmp_path) -> None:
@@ -266,14 +264,10 @@ def test_counts_by_set_add_up(tmp_path) -> None:
         assert sum(counts[kind] for counts in found.by_set().values()) == found.counts[kind]
     for kind in OF_LINES:
         assert sum(counts[kind] for counts in found.by_set_pair().values()) == found.counts[kind]
-        assert sum(times for _, times in found.partners(kind)) == 2 * found.counts[kind]
     assert sum(counts["lines"] for counts in found.by_set_pair().values()) == 435
     assert "A x single" in str(found)
     rows = {name: len(table.rows) for name, table in found.tables().items()}
-    assert rows == {"joints": 30, "intersections": 435, "sets": 3, "sets_2": len(found.by_set_pair()), "sets_3": 2}
-    for of in found.to_dict()["set_statistics"]:  # the same numbers as those of sets
-        one = next(one for one in sk.sets(tmp_path / "joints.csv").sets if one.name == of["set"])
-        assert (of["k"], of["cone_of_mean_deg"]) == (one.axes.k, one.axes.cone_deg)
+    assert rows == {"joints": 30, "intersections": 435, "sets": 3, "sets_2": len(found.by_set_pair())}
     assert sk.kinematic(survey(6), face="70/180").by_set() == {}
 
 
@@ -294,7 +288,6 @@ def test_counts_by_set_add_up(tmp_path) -> None:
         ("E312", {"faces": "90:45:+5"}, "faces: steps of +5 do not lead from 90° to 45°"),
         ("E312", {"faces": "45:90:+0"}, "steps of +0"),
         ("E312", {"faces": "40:90:12.5"}, "12.5 is no number of values from 2 to 200; steps are written with +"),
-        ("E312", {"faces": "45:90:5"}, "faces: 45:90:5 could be steps of 5, as it was at first, or 5 faces"),
         ("E312", {"faces": "45:95:+5"}, "a face of 95° is none"),
         ("E312", {"faces": "1:89:+0.1"}, "881 values are more than 200"),
         ("E312", {"faces": list(range(1, 203))}, "faces has 202 values, more than 200"),

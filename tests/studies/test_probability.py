@@ -481,7 +481,6 @@ def test_dips_beyond_the_vertical_are_planes_that_dip_the_other_way_and_that_is_
     assert 0.1 < over.mean() < 0.35
     assert dips.max() <= 90.0
     assert set(directions.tolist()) == {115.0, 295.0}
-    assert "joints.J1.plane: 21.19 % of the dips lie beyond 0 to 90°" in " ".join(str(study).split())
     one = int(np.flatnonzero(over & np.isfinite(study.judged.factor))[0])
     there = point_of(design, {"joints.J1.plane": f"{float(dips[one])!r}/295"}, pre_ie=False)
     assert study.judged.factor[one] == pytest.approx(there.factors.closed_form, rel=1e-9)

@@ -273,27 +273,13 @@ def test_toward_another_trend_a_symmetric_wedge_sees_the_part_along_its_line(wed
     assert aside.toward_deg == 150.0
 
 
-def test_toward_into_the_slope_is_said_with_the_way_out(wedge) -> None:
-    """The wedge goes toward 180: toward 000 it would have to be pushed up, at seven times the k_y."""
-    into = sk.quake(wedge.design, "sine:0.5g,1Hz", toward=0)
-    assert into.yields[0].status == "slides_up"
-    assert [notice.code for notice in into.warnings] == ["W328", "W379"]
-    assert "toward 180 pushes out of it" in into.warnings[0].message
-    nowhere = sk.quake(sk.load(PLANE), "sine:0.5g,1Hz", toward=20)
-    assert nowhere.coefficient is None
-    assert [notice.code for notice in nowhere.warnings] == ["W328", "W462"]
-    assert "--toward 200" in nowhere.warnings[0].message
-    for trend in (100, 240):
-        assert "W328" not in [n.code for n in sk.quake(sk.load(PLANE), "sine:0.5g,1Hz", toward=trend).warnings]
-
-
 def test_peaks_are_scaled() -> None:
     found = sk.quake(sk.load(PLANE), ["sine:0.5g,1Hz", "triangular:0.2g,1s"], scale_pga=0.3)
     assert [one.record.pga_g for one in found.shaken] == pytest.approx([0.3, 0.3], rel=1e-14)
     sine = record_of("sine", *_sine(2000, 0.3 * 9.80665, after=0.0))
     exact = slide(sine.times_s, sine.accelerations, found.coefficient * G).displacement_m
     assert found.shaken[0].newmark_m == pytest.approx(exact, rel=1e-12)
-    assert found.percentiles()["mean"]["median"] == pytest.approx(np.mean([one.mean_m for one in found.shaken]))
+    assert found.leading.median_m == pytest.approx(np.mean([one.mean_m for one in found.shaken]))
 
 
 def test_percentiles_ask_for_seven_records(wedge) -> None:
@@ -301,12 +287,12 @@ def test_percentiles_ask_for_seven_records(wedge) -> None:
     seven = sk.quake(wedge.design, pulses)
     means = [one.mean_m for one in seven.shaken]
     low, median, high = np.percentile(means, (16, 50, 84))
-    assert seven.percentiles()["mean"] == pytest.approx({"p16": low, "median": median, "p84": high}, rel=1e-14)
-    assert "over 7 records 16 % cm median cm 84 % cm" in " ".join(str(seven).split())
+    assert (seven.leading.p16_m, seven.leading.median_m, seven.leading.p84_m) == pytest.approx((low, median, high))
+    assert "OVERALL 16th percentile" in " ".join(str(seven).split())
     six = sk.quake(wedge.design, pulses[:6])
-    assert six.percentiles()["mean"] == {"p16": None, "median": pytest.approx(np.median(means[:6])), "p84": None}
-    assert "over 6 records median cm as recorded" in " ".join(str(six).split())
-    assert "16 %" not in str(six)
+    assert (six.leading.p16_m, six.leading.p84_m) == (None, None)
+    assert six.leading.median_m == pytest.approx(np.median(means[:6]))
+    assert "OVERALL" not in str(six)
 
 
 # -- as users meet it --------------------------------------------------------------------------------------------------
@@ -341,7 +327,7 @@ def test_the_command_and_its_files(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(("arguments", "code"), [
-    ((), "E510"), (("nowhere.csv",), "E147"), (("sine:0.5g",), "E517"), (("0.3",), "E517"), (("0.3g",), "E517"),
+    ((), "E510"), (("nowhere.csv",), "E147"), (("sine:0.5g",), "E517"), (("0.3",), "E147"),
     (("sine:0.5g,1Hz", "--scale-pga", "30"), "E307"),
     (("sine:0.5g,1Hz", "--scale-pga", "x"), "E106"),
     (("sine:0.5g,1Hz", "--toward", "500"), "E122"),
@@ -483,7 +469,7 @@ def test_six_degrees_of_freedom(tmp_path) -> None:
     assert moved < 0.95 * exact[0]
     document = json.loads(json.dumps(alone.to_dict(), allow_nan=False))
     assert document["six"][1]["slid_m"] == alone.six[1].slid_m
-    assert alone.tables()["six"].records()[0]["friction_kj"] == alone.six[0].work_kj.friction
+    assert document["six"][0]["work_kj"]["friction"] == alone.six[0].work_kj.friction
     assert "to rest" not in str(alone)
     assert f"{100.0 * alone.six[0].slid_m:.4g}" in str(alone)
 
@@ -518,7 +504,6 @@ def test_what_was_asked_for_leads_and_the_other_stands_beside() -> None:
     document = found.to_dict()
     keys = list(document)
     assert keys.index("leading") < keys.index("beside") < keys.index("yield")
-    assert next(iter(document["percentiles_m"])) == "six"
     assert sk.quake(sk.load(PLANE), "sine:0.4g,2Hz").leading.model == "one_way"
 
 
@@ -627,7 +612,6 @@ def test_where_a_block_tips_before_it_slides_the_factor_jumps() -> None:
     assert found.agree is None
     assert [notice.code for notice in found.warnings] == ["W462", "W353", "W302", "W302"]
     assert " cm (W353)  not compared  W462  W353" in found.line
-    assert "no displacement stands for what follows" in str(found)
 
 
 def test_a_plain_wedge_loads_nothing_of_it() -> None:
@@ -650,7 +634,6 @@ def test_a_displacement_of_kilometres_is_refused() -> None:
     first = error.value.faults[0].message
     assert first.startswith("rectangular:0.5g,300s: a displacement of ")
     assert f"with a peak velocity of the ground of {0.5 * 9.80665 * 300.0:.3g} m/s" in first
-    assert "hardly stands" not in str(error.value)
 
 
 def test_a_slope_that_hardly_stands_is_named_as_the_reason() -> None:
@@ -659,7 +642,7 @@ def test_a_slope_that_hardly_stands_is_named_as_the_reason() -> None:
     weak = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": phi}}})
     with pytest.raises(sk.DesignError, match=r"E524 north: a displacement of .* km is none of an earthquake") as error:
         sk.quake(weak, record_of("north", *_sine(50, 0.1 * G)))
-    assert error.value.faults[0].advice.startswith("The slope hardly stands")
+    assert error.value.faults[0].advice.endswith("At a k_y next to 0 the slope hardly stands.")
     stands = sk.load(PLANE | {"strength": {"bedding": {"c": 0, "phi": 35.0 + math.degrees(1e-4)}}})
     far = sk.quake(stands, record_of("north", *_sine(50, 0.1 * G)))
     assert 10.0 < far.shaken[0].larger_m < 1000.0

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -21,11 +20,9 @@ from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one
 SQUARES = [number * number for number in range(60)]
 
 
-def test_processes_and_executors_give_what_one_process_gives() -> None:
+def test_processes_give_what_one_process_gives() -> None:
     assert run_all(square, range(60)) == SQUARES
     assert run_all(square, range(60), checked_crew(2), at_once=7) == SQUARES
-    with ThreadPoolExecutor(2) as executor:
-        assert run_all(square, range(60), checked_crew(1, None, executor), at_once=1) == SQUARES
 
 
 def test_a_worker_that_dies_loses_no_task(tmp_path) -> None:

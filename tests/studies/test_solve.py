@@ -74,9 +74,6 @@ def test_a_wedge(key, target) -> None:
     assert found.agree
     assert found.moments_govern == (key == "water.fill")  # uplift opens the joints
     assert found.seconds < 30.0  # 0.3 to 0.6 s on a free core
-    value, factor = found.rounded
-    assert target - 1e-6 <= factor < 1.02 * target
-    assert abs(value / found.answer.value - 1.0) < 1e-3
 
 
 @pytest.mark.parametrize(
@@ -366,7 +363,7 @@ def test_json_is_strict_and_the_same_twice_but_for_times() -> None:
     for document in (first, second):
         del document["timing_s"]
     assert first == second
-    assert first.keys() >= {"study", "key", "unit", "target", "before", "value", "rounded", "closed_form", "pre_ie",
+    assert first.keys() >= {"study", "key", "unit", "target", "before", "value", "closed_form", "pre_ie",
                             "agree", "moments_govern", "reason", "warnings"}  # fmt: skip
     assert first["pre_ie"]["roots"][0]["put_back"]["limit"] == pytest.approx(2.0, abs=1e-6)
     infinite = solve(sk.load(WEDGE), "support.bolts.0.force", fos=1e6).to_dict()  # past the force that nothing drives

@@ -64,16 +64,6 @@ def test_a_grid_is_run_at_every_point(grid) -> None:
     assert [value for value, _ in grid.lines()[0][1]] == [20.0, 40.0, 60.0]  # neighbours are neighbours in value
 
 
-def test_a_level_that_only_the_second_key_passes_is_said() -> None:
-    wet = sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70], "water.fill": [0, 0.5, 1]}, methods="closed-form", fos=1.2)
-    for line, above in zip((0.0, 0.5, 1.0), (True, True, False), strict=True):
-        assert {point.factors.closed_form > 1.2 for place, point in zip(wet.places, wet.points, strict=True)
-                if place[1] == line} == {above}  # fmt: skip
-    said = " ".join(str(wet).split())
-    assert "FoS 1.2, slope.face.dip interpolated: nowhere, but water.fill passes it between 0.5 and 1" in said
-    assert "FoS 1, slope.face.dip interpolated: passed nowhere" in said
-
-
 @pytest.mark.parametrize(
     ("name", "key", "values"),
     [
@@ -135,18 +125,7 @@ def test_changes_of_status_are_marked() -> None:
     assert all(one.at is None for one in over)
     assert swept.warnings[0].code == "W359"
     curve = sweep(sk.load(WET), {"water.pressures.J1": [0, 300, 360]}, methods="closed-form")
-    assert "between 300 kPa and 360 kPa: slides on both planes -> slides on J2" in str(curve)
     assert [line[31] for line in str(curve).splitlines()[3:6]] == [" ", " ", ">"]
-
-
-def test_how_the_factor_goes() -> None:
-    design = sk.load(WEDGE)
-    for key, values, shape in (("strength.weak.phi", [25, 20, 15], "rises"), ("slope.height", [10, 20], "falls"),
-                               ("strength.weak.tension", [0, 10], "stays")):  # fmt: skip
-        assert sweep(design, {key: values}, methods="closed-form").shape("closed_form") == shape
-    bolt = sk.load(WEDGE, {"support.bolts": [{"force": 1, "toward": "000/-05"}]})
-    turns = sweep(bolt, {"support.bolts.0.force": [1e5, 2e6, 4e6]}, methods="closed-form")
-    assert turns.shape("closed_form") == "turns"
 
 
 def test_methods_alone() -> None:
@@ -217,8 +196,7 @@ def test_sheets_are_a_hundred_columns_wide(curve, grid) -> None:
         lines = str(swept).splitlines()
         assert max(map(len, lines)) <= 100
         assert swept.line
-    assert "more points are left out here" in str(long)
-    assert len(str(long).splitlines()) < 130
+    assert len(long.tables()["curve"].rows) == 300
     assert "E203" in str(grid)
     assert "1.557" in grid.sheet.full
 
@@ -230,7 +208,7 @@ def test_json_is_strict_and_the_same_twice_but_for_times(curve) -> None:
         del document["timing_s"]
     assert first == second
     assert first.keys() >= {"study", "keys", "methods", "levels", "points", "counts", "disagree", "changes", "critical",
-                            "shape", "warnings"}  # fmt: skip
+                            "warnings"}  # fmt: skip
     assert first["points"][0] | {"code": "E203", "values": [20.0], "limit": None} == first["points"][0]
 
 
@@ -330,17 +308,6 @@ def test_means_that_are_taken_are_said_by_every_study(varied, named) -> None:
         tornado = sk.tornado(design, methods="closed-form")
         assert [notice.message for notice in tornado.warnings if notice.code == "W320"] == told
         assert tornado.line.endswith("W320")
-
-
-@pytest.mark.parametrize(("given", "written"), [
-    ("60:75:5", "60:75:+5"), ("10:30:4", "10:30:+4"), ("60:80:5", ""), ("20:60:5", ""), ("60:75:+5", ""),
-    ("500:3000:4", ""), ("0:1:3", ""), ("60:70:4", ""), ("60,70,75", ""), ([60, 62.5], ""),
-])  # fmt: skip
-def test_a_count_that_was_meant_as_a_step_is_asked_about(given, written) -> None:
-    """Whole ends, parts between them, and a step that leads from one to the other in whole numbers."""
-    swept = sweep(sk.load(WEDGE), {"slope.height": given}, methods="closed-form")
-    asked = [notice.message for notice in swept.warnings if notice.code == "W432"]
-    assert [message.rpartition(" ")[2] for message in asked] == ([written] if written else [])
 
 
 def test_what_did_not_settle_is_no_slope_that_nothing_holds() -> None:

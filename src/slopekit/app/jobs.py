@@ -209,14 +209,13 @@ def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
     ]  # fmt: skip
     cases = study.cases if isinstance(study, Support) else ()  # load cases have no bolts in common
     built = next((case for case in cases if case.bolts), next(iter(cases), None))
-    pattern = getattr(built, "pattern", None)
     toward = getattr(built, "toward", None)
     return {
         "words": words, "line": study.line, "reached": bool(getattr(study, "reached", False)),
         "stands": bool(getattr(study, "stands", False)), "target": target,
         "force": getattr(built, "force", None), "unit": getattr(study, "unit", "kN"),
         "direction": None if toward is None else {"trend": toward.trend_deg, "plunge": toward.plunge_deg},
-        "pattern": None if pattern is None else pattern.to_dict(),
+        "pattern": getattr(built, "pattern", None),
         "bolts": None if built is None or built.support is None else built.support["bolts"],
         "notices": [answers.notice_of(one) for one in getattr(study, "warnings", ())],
     }  # fmt: skip

@@ -49,13 +49,6 @@ class Axes:
     confidence: float
 
     @property
-    def woodcock(self) -> tuple[float, float]:
-        """Shape ln(S1/S2) / ln(S2/S3), above 1 a cluster and below 1 a girdle, and strength ln(S1/S3)."""
-        first, second, third = (float(value) for value in np.maximum(self.eigenvalues, 1e-300))
-        along, across = math.log(first / second), math.log(second / third)
-        return along / across if across > 0.0 else math.inf, math.log(first / third)
-
-    @property
     def scatter_deg(self) -> float:
         """Root mean square angle to the mean, √(2 / K): what `scatter` of a bench's joint set is; nan of one joint."""
         return math.degrees(math.sqrt(2.0 / self.k)) if self.k > 0.0 else math.nan

@@ -15,7 +15,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
 from operator import attrgetter
-from typing import Any, ClassVar, Generic, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.codec import json_of
@@ -25,6 +25,10 @@ from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
 from slopekit.studies.words import head
+
+if TYPE_CHECKING:
+    from slopekit.studies.solve.for_cases import SolutionForAll
+    from slopekit.studies.support.for_cases import SupportForAll
 
 #: Studies that find one thing for all cases: the module with `for_all`, and `options` of each case.
 _FOR_ALL: Mapping[str, str] = {
@@ -72,37 +76,6 @@ def in_each_case(with_what: str, inside: Sequence[InCase], last: Column[InCase])
     return Table(columns, inside)
 
 
-class ForAll(Protocol):
-    """What a study finds for all cases at once."""
-
-    @property
-    def exit_code(self) -> int:
-        """0 found, 1 there is none, 4 the methods disagree."""
-        ...
-
-    @property
-    def governing(self) -> str:
-        """The case that governs, empty where none does."""
-        ...
-
-    @property
-    def line(self) -> str:
-        """On one line."""
-        ...
-
-    def sections(self) -> Sequence[Section]:
-        """On the sheet."""
-        ...
-
-    def files(self) -> dict[str, str]:
-        """To be put into a design."""
-        ...
-
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON values."""
-        ...
-
-
 #: A case and what came of it.
 _CaseRow: TypeAlias = tuple[LoadCase, Shown]
 
@@ -124,7 +97,7 @@ class Cases(Shown, Generic[Found]):
     design: Design
     what: str
     cases: Mapping[str, Found]
-    for_all: ForAll | None = None
+    for_all: "SolutionForAll | SupportForAll | None" = None
     keys: tuple[str, ...] = ()
 
     @property
@@ -197,7 +170,6 @@ class Cases(Shown, Generic[Found]):
         width = min(max(len(case.name) for case, _ in rows), 24) + 2
         room = _ROOM - width - sum(abs(column.width) for column in more if abs(column.width) > 1) - _LAST
         room = max(min(room, max(len(case.in_words) for case, _ in rows) + 2), 8)
-        is_cut = any(len(case.in_words) > room - 2 for case, _ in rows)
         own: list[Column[_CaseRow]] = [
             Column("case", lambda row: row[0].name, "case", width=-max(width, 6)),
             Column("sets", lambda row: row[0].in_words, "sets", width=-room,
@@ -208,8 +180,8 @@ class Cases(Shown, Generic[Found]):
         table = Table(own, rows)
         own_name = "cases.csv" if self.what == "run" else f"{self.what}-cases.csv"
         sections = [Section("CASES", [table])]
-        if is_cut:
-            sections.append(Section("SETS", [f"{case.name}: {case.in_words}" for case, _ in rows if case.sets]))
+        cut = [f"{case.name}: {case.in_words}" for case, _ in rows if len(case.in_words) > room - 2]
+        sections.append(Section("SETS", cut))
         if not more:
             sections.append(Section("EACH", [f"{case.name}: {found.line}" for case, found in rows]))
         if self.for_all is not None:

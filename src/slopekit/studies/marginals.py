@@ -16,7 +16,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.fields import Field, declare, field_in
+from slopekit.design.fields import declare, field_in
 from slopekit.design.scatter.distributions import Distribution, Variable
 
 #: The largest share that is left to a study, which counts such samples as impossible.
@@ -100,23 +100,8 @@ def tails(distribution: Distribution, least: float, most: float) -> tuple[float,
 # -- beyond the limits of a design -------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Beyond:
-    """The shares of a variable below and above the values that a design takes."""
-
-    variable: Variable
-    limits: Field
-    below: float
-    above: float
-
-    @property
-    def share(self) -> float:
-        """Of both ends."""
-        return self.below + self.above
-
-
-def checked_limits(design: Design) -> tuple[Beyond, ...]:
-    """The shares of every variable of a design, each of them small, exactly.
+def checked_limits(design: Design) -> None:
+    """Refuse variables of which more than 1 % lies beyond the values that a design takes.
 
     Nothing of an orientation is beyond: past 90° it is a plane written otherwise. Limits that depend on other values
     (dilation below φ, a step lower than the columns) are seen in samples only.
@@ -136,35 +121,29 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
          design: strength.weak.c = {dist: …, mean: …, sd: …}
          Add min: 0 to the distribution, or make it narrower.
     """
-    shares = []
+    faults = []
     root = None if design.source is None else design.source.root
     for variable in design.variables:
         own, limits = variable.distribution, field_in(type(design), root, variable.path) or declare(variable.path)
-        ends = (0.0, 0.0)
         if isinstance(own, Distribution) and not limits.limits.turns:
-            ends = tails(own, limits.limits.least, limits.limits.most)
-        shares.append(Beyond(variable, limits, *ends))
-    faults = [_fault(one) for one in shares if one.share > MOST_BEYOND]
+            below, above = tails(own, limits.limits.least, limits.limits.most)
+            if below + above > MOST_BEYOND:
+                faults.append(_fault(variable, own, (below, limits.limits.least), (above, limits.limits.most)))
     if faults:
         raise DesignError(faults)
-    return tuple(shares)
 
 
-def _fault(one: Beyond) -> Fault:
-    own = one.variable.distribution
-    assert isinstance(own, Distribution)
+def _fault(variable: Variable, own: Distribution, below: tuple[float, float], above: tuple[float, float]) -> Fault:
+    """E281 of a variable: the shares below and above the limits."""
     ends, cures = [], []
-    for key, side, share, limit in (
-        ("min", "below", one.below, one.limits.limits.least),
-        ("max", "above", one.above, one.limits.limits.most),
-    ):
+    for key, side, (share, limit) in (("min", "below", below), ("max", "above", above)):
         if share > _NEVER:
-            ends.append(f"{share * 100:.3g} % of {one.variable.path} lies {side} {number(limit)}")
+            ends.append(f"{share * 100:.3g} % of {variable.path} lies {side} {number(limit)}")
             cures.append(f"{key}: {number(limit)}")
     verb = "Give it" if any(cure.partition(":")[0] in own.parameters for cure in cures) else "Add"
     to = "" if verb == "Give it" else " to the distribution"
     advice = f"{verb} {' and '.join(cures)}{to}, or make it narrower."
-    return Fault("E281", f"{', '.join(ends)}, where no design can be", one.variable.where, advice)
+    return Fault("E281", f"{', '.join(ends)}, where no design can be", variable.where, advice)
 
 
 # -- the ways to a value ----------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Bolt
 from slopekit.design.reading.files import with_values
 from slopekit.evidence import WithoutBasal
-from slopekit.kinds import also_falls_short, cut, factors_of, kind_of
+from slopekit.kinds import also_falls_short, cut, factors_of
 from slopekit.kinds.protocol import Factors
 from slopekit.notices import new_notices
 from slopekit.studies.running import Crew, Journal, Record, run_all
@@ -278,21 +278,6 @@ def also_short(
     if short:
         (first, also), many = short[0], f"{len(short)} of {len(points)} {called}, "
         yield from also_falls_short(also, level, f"{many if len(points) > 1 else ''}{where(first)}:")
-
-
-def other_history(design: Design, values: Mapping[str, object], where: str) -> Iterator[Notice]:
-    """W504 of a design at some values: what `beside` of its kind says there; nothing where it has no blocks.
-
-    Parameters
-    ----------
-    where : the place, in words
-    """
-    try:
-        said = kind_of(design).beside(with_values(design, values))
-    except SlopekitError:
-        return
-    for notice in said:
-        yield Notice(notice.code, f"{where} (other places were not looked at): {notice.message}")
 
 
 def rules_left_out(design: Design, judged: Container[str]) -> tuple[Notice, ...]:

@@ -2,10 +2,10 @@
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NoReturn, TypeAlias
 
-from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
 from slopekit.core.units import unit_of
 from slopekit.studies.keys import Key
@@ -13,8 +13,6 @@ from slopekit.studies.keys import Key
 #: Two ends: a pair, or a text `lo:hi`.
 Within: TypeAlias = str | Sequence[float | str]
 MOST = 100_000
-_LISTED = 7  # values in a notice
-_MEANT = 30  # values in steps that somebody may have meant
 _DASHED = re.compile(r"\d[\d.]*\s*(-|–|\.\.\.?|to)\s*\d[\d.]*")  # 50-80
 _LAST = 1e-9  # of a step: so near its end the last value is the end
 
@@ -96,42 +94,6 @@ def _turn(key: Key, low: float, high: float) -> float:
 def how_written(path: str) -> str:
     """How values are written, for advice."""
     return f"Write {path}=60:80:5 (from, to, how many), {path}=60:80:+5 (in steps of 5), or {path}=60,70,80."
-
-
-def as_steps(key: Key, given: str, values: Sequence[float]) -> str:
-    """How `a:b:n` is written if steps of n are meant; empty where those are the same values, or it is no such text."""
-    parts = [part.strip() for part in given.split(":")]
-    if len(parts) != 3 or parts[2].startswith(("+", "-")):
-        return ""
-    steps = f"{parts[0]}:{parts[1]}:+{parts[2]}"
-    try:
-        return "" if parse_values(key, steps) == tuple(values) else steps
-    except DesignError:
-        return steps
-
-
-def meant_in_steps(key: Key, given: object, values: Sequence[float]) -> Iterator[Notice]:
-    """W432 where somebody who wrote 60:75:5 got 63.75 among five values, and 5 leads from 60 to 75 in whole steps.
-
-    >>> face = Key("face", "angle", None, 1.0, 90.0)
-    >>> [str(one) for one in meant_in_steps(face, "60:75:5", parse_values(face, "60:75:5"))]
-    ['W432 face: 60:75:5 is 5 values, 60, 63.75, 67.5, 71.25, 75; in steps of 5 it is written 60:75:+5']
-    """
-    if not isinstance(given, str) or not (steps := as_steps(key, given, values)):
-        return
-    count = given.rpartition(":")[2].strip()
-    try:
-        stepped = parse_values(key, steps, _MEANT)
-    except DesignError:
-        return
-    if (
-        stepped[-1] == values[-1]
-        and not all(value.is_integer() for value in values)
-        and all(value.is_integer() for value in stepped)
-    ):
-        listed = ", ".join(number(value) for value in values[:_LISTED]) + (", ..." if len(values) > _LISTED else "")
-        message = f"{key.path}: {given} is {count} values, {listed}; in steps of {count} it is written {steps}"
-        yield Notice("W432", message)
 
 
 def _evenly(key: Key, given: str, most: int) -> tuple[float, ...]:

@@ -1,6 +1,6 @@
 """Many tasks, one after the other, on several processes or on a Dask cluster: the same results in the same order.
 
-Any `concurrent.futures.Executor` will do. What is done goes to a journal, so that an interrupted run goes on where it
+What is done goes to a journal, so that an interrupted run goes on where it
 stopped; a worker that dies loses no task.
 
 A journal keeps what is done line by line, so that an interrupted study goes on where it stopped.
@@ -120,12 +120,10 @@ class Crew:
     jobs : processes of this machine; 1 works in the process that asks
     scheduler : address of a Dask scheduler instead, tls://host:8786 or tcp://host:8786; Dask sends pickles, which run
         code where they are read, and over tcp:// neither encrypted nor signed
-    executor : or any executor that is there already
     """
 
     jobs: int = 1
     scheduler: str | None = None
-    executor: Executor | None = None
 
 
 ALONE = Crew()
@@ -137,7 +135,7 @@ class Interrupted(SlopekitError):
     exit_code = 130
 
 
-def checked_crew(jobs: object = 1, scheduler: str | None = None, executor: Executor | None = None) -> Crew:
+def checked_crew(jobs: object = 1, scheduler: str | None = None) -> Crew:
     """A crew from what a user gave.
 
     Raises
@@ -146,7 +144,7 @@ def checked_crew(jobs: object = 1, scheduler: str | None = None, executor: Execu
         E313 for a number of jobs that is none, or for more than one kind of workers.
 
     >>> checked_crew("2")
-    Crew(jobs=2, scheduler=None, executor=None)
+    Crew(jobs=2, scheduler=None)
     """
     text = str(jobs).strip()
     if not text.isdigit() or not 1 <= int(text) <= _MOST_JOBS:
@@ -157,7 +155,7 @@ def checked_crew(jobs: object = 1, scheduler: str | None = None, executor: Execu
     if scheduler is not None and "://" not in scheduler:
         message = f"{scheduler} is not the address of a scheduler"
         raise DesignError([Fault("E313", message, "", "Write --scheduler tcp://host:8786.")])
-    return Crew(int(text), scheduler, executor)
+    return Crew(int(text), scheduler)
 
 
 def run_all(
@@ -298,9 +296,6 @@ def _refuse_without_guard(executor: Executor) -> None:
 
 @contextmanager
 def _executor(crew: Crew) -> Iterator[Executor]:
-    if crew.executor is not None:
-        yield crew.executor
-        return
     with ExitStack() as stack:
         if crew.scheduler is not None:
             yield stack.enter_context(_dask(crew.scheduler))
@@ -434,6 +429,4 @@ def crew_in_words(crew: Crew) -> str:
     """Who did the work, for a sheet."""
     if crew.scheduler is not None:
         return f"Dask at {crew.scheduler}"
-    if crew.executor is not None:
-        return type(crew.executor).__name__
     return "1 process" if crew.jobs == 1 else f"{crew.jobs} processes"

@@ -4,10 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
-import numpy as np
-
 from slopekit._version import FORMAT, __version__
-from slopekit.core.arrays import Floats, Ints
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, own_or_given
@@ -59,18 +57,6 @@ def survey_entry(joints: JointList) -> str:
     n, sets = len(joints), len(joints.sets())
     in_sets = f" in {counted(sets, 'set')}" if sets else ""
     return f"{counted(n, 'joint')}{in_sets}, {counted(n * (n - 1) // 2, 'pair')}"
-
-
-def partners(joints: JointList, first: Ints, second: Ints) -> tuple[tuple[str, int], ...]:
-    """Joints by how many of some pairs (m,), (m,) they take part in, most first; none that is in none."""
-    times = np.bincount(first, minlength=len(joints)) + np.bincount(second, minlength=len(joints))
-    order = np.argsort(-times, kind="stable")
-    return tuple((joints.joints[k].name, int(times[k])) for k in order if times[k])
-
-
-def partners_entry(label: str, most: Sequence[tuple[str, int]]) -> list[str]:
-    """The first of them as an entry of a sheet."""
-    return [f"{label}: " + ", ".join(f"{name} ({times})" for name, times in most)] if most else []
 
 
 def range_of(values: Floats, own: int) -> dict[str, float | int]:

@@ -89,7 +89,7 @@ MOST_FOLLOWED = 24  # cohesive blocks whose history is followed unasked: it take
 _HISTORY = 100.0  # seconds of work that a history may take: of 501 blocks some 60
 _DEBONDING = 0.02  # of a limit: a history that ends lower by more than this is its lowest factor (METHOD-4, 16)
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
-_SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
+_SAME_K = 1e-2  # of a yield coefficient: the path in the load ends so near to it that its motion is that one
 _ENDS = {
     "count": "more mechanisms were not asked for",
     "stands": "what is left stands without any strength",

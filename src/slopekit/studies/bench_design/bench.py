@@ -258,50 +258,6 @@ def _columns(ground: BenchSite, trials: Trials, height: float, face: float) -> _
     return part
 
 
-@dataclass(frozen=True, slots=True)
-class SlidingColumns:
-    """Columns of a bench that stand against toppling.
-
-    Attributes
-    ----------
-    slide, stand : how many slide on their base all the same, of how many
-    uncounted : of those that slide, where nothing else fails at their place; failing, places : places of the bench
-        where something is counted as failing, of how many
-    """
-
-    slide: int
-    stand: int
-    uncounted: int
-    failing: int
-    places: int
-
-
-def sliding_columns(ground: BenchSite, trials: Trials, bench: Bench) -> SlidingColumns:
-    """How many of the columns that stand against toppling slide on their base all the same.
-
-    The first column of each place, by its weight: F = (c b + W cos ψ_b tan φ) / (W sin ψ_b), W = γ y Δx, b = Δx /
-    sin(ψ_d + ψ_b). Those whose width is not known are left out.
-    """
-    stands = np.flatnonzero(bench.forms[TOPPLING] & ~bench.fails[TOPPLING])
-    first, second = trials.first[stands], trials.second[stands]
-    # else it is the steep one, into the slope
-    is_base = beside_deg(ground.dip_directions_deg[first], ground.toward_deg) < 90.0
-    base, steep = np.where(is_base, first, second), np.where(is_base, second, first)
-    cohesion, friction = (np.where(is_base, part[0, stands], part[1, stands]) for part in strengths_at(ground, trials))
-    dip, out, widths = ground.dips_deg[steep], ground.dips_deg[base], ground.spacing_m[steep]
-    known = np.isfinite(widths)
-    widths = np.where(known, widths, 1.0)
-    high = column_sizes(dip, out, bench.face_dip_deg, bench.block_height_m[TOPPLING, stands], widths).height_m
-    along, weight = np.radians(out), ground.unit_weight_kn_m3 * high * widths
-    bond = cohesion * widths / np.sin(np.radians(dip) + along)
-    factor = (bond + weight * np.cos(along) * np.tan(np.radians(friction))) / (weight * np.sin(along))
-    slides = known & ~(factor >= ground.target)
-    any_fails: Bools = np.logical_or.reduce(bench.fails)
-    return SlidingColumns(
-        int(slides.sum()), int(known.sum()), int((slides & ~any_fails[stands]).sum()), int(any_fails.sum()), len(trials)
-    )
-
-
 def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target: float) -> tuple[Floats, Bools]:
     """The factor where something slides, and what fails: below the target, or without any contact."""
     words = [name.startswith("slides") for name in names]

@@ -11,7 +11,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Strength, Water
 from slopekit.kinds.plane import PlaneDesign
-from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench, strengths_at
+from slopekit.studies.bench_design.bench import PLANE, WEDGE, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.points import Point, falls_short, kept_points
@@ -28,14 +28,11 @@ class Confirmed:
 
     Attributes
     ----------
-    said : over the blocks of all benches; by_mode : blocks looked at of each mode, by its word
-    blocks : different ones among those, which were solved
+    said : over the blocks of all benches
     doubted : heights and faces of benches in which a block fails by PRE-IE alone, or has no answer of it
     """
 
     said: Confirmation
-    by_mode: dict[str, int]
-    blocks: int
     doubted: frozenset[tuple[float, float]]
 
 
@@ -67,13 +64,12 @@ def confirmed(
         index, tuple(points[key] for key in keys), forms, np.ones(len(forms), dtype=bool), fails, target, within,
         asked.number("confidence"),
     )  # fmt: skip
-    modes = [key[0] for key in keys]
     stands = ~fails[index[0]]
     doubted = frozenset(
         (benches[part // len(_MODES)].height_m, benches[part // len(_MODES)].face_dip_deg)
         for (part, _), key, stood in zip(rows, keys, stands, strict=True) if stood and _is_doubted(points[key], target)
     )  # fmt: skip
-    return Confirmed(said, {MODES[mode]: modes.count(mode) for mode in _MODES}, len(different), doubted), journal
+    return Confirmed(said, doubted), journal
 
 
 def _is_doubted(point: Point, target: float) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from slopekit.closed_form.berms import catch_width
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import digest, json_of
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, normals, number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
@@ -20,7 +20,7 @@ from slopekit.design.words import between
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import BenchSite
 from slopekit.studies.keys import Key
-from slopekit.studies.ranges import meant_in_steps, parse_values
+from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import range_of, slope_of, strengths_of_joints
 
 #: Trials where none are asked for; the most of them, and of benches times trials.
@@ -67,7 +67,7 @@ class BenchInputs:
     own : how many joints have c, φ, a trace and a spacing of their own
     numbers : by name, those of `_NUMBERS`; None where nothing was said
     every_m : along the bench, by the height of a bench where None
-    defaults : names of the inputs that were left out; meant : ranges that may have been meant as steps
+    defaults : names of the inputs that were left out
     """
 
     joints: JointList
@@ -85,7 +85,6 @@ class BenchInputs:
     numbers: Mapping[str, float | None]
     every_m: float | None
     defaults: tuple[str, ...]
-    meant: tuple[Notice, ...] = ()
 
     def number(self, name: str) -> float:
         """A number that is there, given or its default."""
@@ -187,10 +186,6 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     if every is None:
         every = _apart(listed, spacings, toward)
     (cohesion, own_c), (friction, own_phi) = strengths
-    meant = [
-        notice for name, values in read.items()
-        for notice in meant_in_steps(_key(name), given[name], values or ())
-    ]  # fmt: skip
     may_be_left = (
         "berm", "catch", "every", "density", "n", "reliability", "fos", "lateral", "lateral_toppling", "swell",
         "repose", "toe",
@@ -200,7 +195,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         defaults.remove("density")
     return BenchInputs(
         listed, slope, heights, dips, read["berm"] or None, toward, toe, cohesion, friction, traces, spacings,
-        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults), tuple(meant),
+        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults),
     )  # fmt: skip
 
 

@@ -100,7 +100,7 @@ class OfBench:
     Attributes
     ----------
     modes : by the words of `MODES`, and `any`
-    backbreak : along the bench, m; if_failed : of places where something fails, None where nothing does
+    backbreak : along the bench, m
     curve_m : backbreak at 0, 1 ... 100 % of the length; face_curve_deg : the effective face angle likewise, falling
     effective_face_deg : at the reliability wanted
     volume_m3, crest_lost : on 100 m of bench: what fails, and the part of the crest above it
@@ -114,7 +114,6 @@ class OfBench:
     catch_width_m: float
     modes: Mapping[str, OfMode] = field(metadata={"json": "probability"})
     backbreak: SizeStatistics = field(metadata={"json": "backbreak_m"})
-    if_failed: SizeStatistics | None = field(metadata={"json": "backbreak_where_something_fails_m"})
     curve_m: tuple[float, ...] = field(metadata={"json": "backbreak_curve_m"})
     face_curve_deg: tuple[float, ...] = field(metadata={"json": "effective_face_curve_deg"})
     effective_face_deg: float
@@ -178,8 +177,7 @@ def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     volumes, crest_lost = along(bench, steps)
     curve = quantiles(lost, _CURVE, steps)
     return OfBench(
-        height, face, catch, modes, along_the_bench(lost, steps),
-        along_the_bench(lost[failed]) if failed.any() else None, tuple(curve),
+        height, face, catch, modes, along_the_bench(lost, steps), tuple(curve),
         tuple(effective_face_angle(height, face, curve).tolist()), float(effective_face_angle(height, face, loss_at)),
         along_the_bench(volumes) if len(volumes) else None, crest_lost,
         along_the_bench(bench.spill_m[failed]) if failed.any() else None, needed,

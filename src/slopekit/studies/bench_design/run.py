@@ -21,7 +21,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
-from slopekit.studies.bench_design.bench import SlidingColumns, bench_of, sliding_columns
+from slopekit.studies.bench_design.bench import bench_of
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
@@ -35,7 +35,6 @@ _FEW = 30  # joints: below it, a survey says little of its sets
 
 def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
     """Yield what a reader must know of the survey, of the options and of what was not counted."""
-    yield from asked.meant
     yield from left_out(asked.joints)
     n = len(asked.joints)
     ways = len({joint.plane for joint in asked.joints.joints})
@@ -49,8 +48,6 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
             f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large"
         )
         yield Notice("W391", message)
-    if asked.own[2]:
-        yield from _hidden_ends(asked)
     if not np.isfinite(asked.spacing_m).all():
         without = int((~np.isfinite(asked.spacing_m)).sum())
         message = f"{without} of {n} joints have no spacing: columns between them form and are not judged"
@@ -112,38 +109,6 @@ def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
         f"{number(bench.face_dip_deg)}° {of_formed:.3g} % of the blocks that form fail, with c = 0 "
         f"{100.0 * (bare.fails_if_formed['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
         f"{bare.berm_needed_m:.3g} m",
-    )
-
-
-def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
-    """W391, of traces that were measured: they run at least so far."""
-    measured = [joint for joint in asked.joints.joints if joint.trace_m is not None]
-    hidden, unknown = (sum(test) for test in (
-        [joint.ends is not None and joint.ends < 2 for joint in measured], [joint.ends is None for joint in measured]
-    ))  # fmt: skip
-    if not hidden and not unknown:
-        return
-    parts = [f"{hidden} with a hidden end"] if hidden else []
-    parts += [f"{unknown} without a word of their ends"] if unknown else []
-    yield Notice(
-        "W391",
-        f"{len(measured)} traces are taken as whole as measured ({', '.join(parts)}): longer ones make more and larger "
-        "blocks",
-    )
-
-
-def sliding_column_notices(benches: Sequence[OfBench], sliding: Sequence[SlidingColumns]) -> Iterator[Notice]:
-    """W395, with the bench in which most of what slides is not counted."""
-    slide, stand = sum(one.slide for one in sliding), sum(one.stand for one in sliding)
-    if not slide:
-        return
-    bench, most = max(zip(benches, sliding, strict=True), key=lambda one: one[1].uncounted)
-    counted, with_them = (100.0 * part / most.places for part in (most.failing, most.failing + most.uncounted))
-    where = f"at {number(bench.height_m)} m and {number(bench.face_dip_deg)}°"
-    yield Notice(
-        "W395",
-        f"{slide} of {stand} columns that stand against toppling slide on their base and do not count as failing "
-        f"columns; {where} something fails at {counted:.1f} % of the places, with them at {with_them:.1f} %",
     )
 
 
@@ -222,8 +187,7 @@ class BenchDesigns(StudyOutcome):
             "best": {name: getattr(best, name) for name in ("height_m", "face_dip_deg", "berm_needed_m")}
             | {"inter_ramp_deg": best.inter_ramp_deg, "reliability": self.given.number("reliability")},
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
-            "pre_ie": None if self.checked is None else record_of(self.checked.said)
-            | {"by_mode": self.checked.by_mode, "different_blocks": self.checked.blocks},
+            "pre_ie": None if self.checked is None else record_of(self.checked.said),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -328,9 +292,8 @@ def bench_design(
         "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
         "total": end - began,
     }  # fmt: skip
-    sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
-    notices = [*notices_of(asked, outcomes, checked), *sliding_column_notices(outcomes, sliding)]
-    study = BenchDesigns(asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal)
+    notices = tuple(notices_of(asked, outcomes, checked))
+    study = BenchDesigns(asked, tuple(outcomes), checked, crew_in_words(crew), notices, times, journal)
     if desk.folder is None:
         study.done()
     return study

@@ -1,6 +1,6 @@
 """The sheet of a study of benches: what fails by height and face, what berm keeps the catch width, what PRE-IE says."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -84,18 +84,15 @@ def _sizes(study: BenchDesigns) -> str:
     return "; ".join(texts)
 
 
-def _listed(values: Sequence[float]) -> str:
-    """Values in full, the middle of many left out."""
-    texts = [number(value) for value in values]
-    return ", ".join(texts if len(texts) <= _LISTED else [*texts[: _LISTED - 2], "...", texts[-1]])
-
-
 def _trials(study: BenchDesigns) -> list[str]:
     asked = study.given
     every = "one each bench height" if asked.every_m is None else f"one each {asked.every_m:.3g} m"
     toe = "anywhere on the face" if asked.toe == "anywhere" else "at the toe of the bench, as large as the joints allow"
-    ranges = [f"heights {_listed(asked.heights_m)} m", f"faces {_listed(asked.face_dips_deg)}°"]
-    ranges += [] if asked.berms_m is None else [f"berms {_listed(asked.berms_m)} m"]
+    ranges = [
+        f"heights {', '.join(map(number, asked.heights_m))} m",
+        f"faces {', '.join(map(number, asked.face_dips_deg))}°",
+    ]
+    ranges += [] if asked.berms_m is None else [f"berms {', '.join(map(number, asked.berms_m))} m"]
     return [
         "; ".join(ranges),
         f"{int(asked.number('n'))} places along the bench ({every}), two joints drawn at each; faces toward "
@@ -263,11 +260,10 @@ def _in_words(berm: OfBerm) -> str:
 def _pre_ie(study: BenchDesigns) -> list[str]:
     if study.checked is None:
         return ["not asked, or no wedge and no plane forms"]
-    checked, said = study.checked, study.checked.said
-    modes = ", ".join(f"{counted(count, mode)}" for mode, count in checked.by_mode.items())
+    said = study.checked.said
     largest = "" if said.largest is None else f", largest difference {100.0 * said.largest:.2g} %"
     rows = [
-        f"{said.samples} blocks ({modes}; {checked.blocks} different): {said.at_random} at random, {said.near} within "
+        f"{said.samples} blocks: {said.at_random} at random, {said.near} within "
         f"{number(100.0 * said.within)} % of the target",
         f"{said.agree} agree, {said.disagree} disagree, {said.not_compared} not compared{largest}",
         f"judged otherwise: {said.unsafe} fail by PRE-IE alone, {said.safe} by the closed form alone; of those at "
@@ -294,7 +290,6 @@ def _defaults(study: BenchDesigns) -> list[str]:
     return [", ".join(words[name] for name in asked.defaults)] if asked.defaults else []
 
 
-_LISTED = 9  # values in full
 _OF_PLACES = "per cent of the places: a block forms, and fails; topple: columns"
 _OF_COHESION = (
     "per cent of the blocks that form which fail, as given and without cohesion; the berm needed likewise, m; decides: "
@@ -352,8 +347,7 @@ def _benches_table(study: BenchDesigns) -> Table[OfBench]:
         return value
 
     for of, name, unit in (
-        ("backbreak", "backbreak", "m"), ("if_failed", "backbreak_where_something_fails", "m"),
-        ("volume_m3", "volume_per_100_m", "m3"), ("spill", "spill_width", "m"),
+        ("backbreak", "backbreak", "m"), ("volume_m3", "volume_per_100_m", "m3"), ("spill", "spill_width", "m"),
     ):  # fmt: skip
         columns += [
             Column("", spread(of, "mean"), f"{name}_mean_{unit}"),

@@ -7,7 +7,6 @@
 (True, 'the closed form')
 """
 
-import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
@@ -60,8 +59,6 @@ class Check(StudyOutcome):
     result : the analysis, with the all-pairs factor where it was looked for
     ladder : the rungs of effort; errors : (n,) of each, relative to `reference`, None where a rung has no factor
     reference, against : what errors are measured against; None where there is no factor of safety
-    orders : observed orders of convergence from one mesh to the next, empty where the mesh does not matter
-    cheapest : index of the cheapest rung of PRE-IE within `agree_within`, None where none is
     findings : what was looked at
     """
 
@@ -71,8 +68,6 @@ class Check(StudyOutcome):
     errors: tuple[float | None, ...]
     reference: float | None
     against: str
-    orders: tuple[float, ...]
-    cheapest: int | None = field(compare=False)
     findings: tuple[Finding, ...]
     seconds: float = field(default=0.0, compare=False)
 
@@ -136,11 +131,9 @@ class Check(StudyOutcome):
             "ladder": [
                 record_of(rung) | {"error": error} for rung, error in zip(self.ladder, self.errors, strict=True)
             ],
-            "orders": list(self.orders),
             "balance": result["balance"],
             "timing_s": {
                 "total": self.seconds,
-                "cheapest": None if self.cheapest is None else self.ladder[self.cheapest].setting,
                 "ladder": [{"setting": rung.setting, "seconds": rung.seconds} for rung in self.ladder],
             },
             **self.words(),
@@ -168,7 +161,7 @@ def check(
     -----
     Each finding stands beside what it is held against: the balance of forces and moments, admissible forces in every
     node pair, the closed form, finer node pairs, reduced strength (F of the strength over k is F / k), scale. Errors of
-    the ladder are relative, ``|F - reference| / reference``; an observed order is log₂ of two successive ones.
+    the ladder are relative, ``|F - reference| / reference``.
 
     Examples
     --------
@@ -184,69 +177,34 @@ def check(
     evidence = kind_of(design).ladder(design)
     evidence = replace(evidence, result=with_all_said(evidence.result))
     result, ladder = evidence.result, evidence.rungs
-    reference, against, own = _reference(result, ladder)
+    reference, against = _reference(result, ladder)
     errors = tuple(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
-    orders = _orders(ladder)
-    findings = tuple(_findings(result, ladder, orders, evidence))
-    cheapest = None
-    if not any(finding.met is False for finding in findings):
-        cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
-    return Check(result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began)
+    findings = tuple(_findings(result, ladder, evidence))
+    return Check(result, ladder, errors, reference, against, findings, time.perf_counter() - began)
 
 
-def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str, Rung | None]:
-    """The closed form where it is compared, else the finest of our own, with its rung."""
+def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str]:
+    """The closed form where it is compared, else the finest of our own."""
     if result.fos.limit is None:
-        return None, "nothing: there is no factor of safety", None
+        return None, "nothing: there is no factor of safety"
     if result.agree is not None and not result.moments_govern and result.fos.closed_form is not None:
-        return result.fos.closed_form, "the closed form", None
+        return result.fos.closed_form, "the closed form"
     finest = [rung for rung in ladder if rung.method == "mesh" and rung.factor is not None]
     if finest:
-        return finest[-1].factor, f"the finest node pairs ({finest[-1].node_pairs})", finest[-1]
-    return result.fos.limit, "the settled limit", None
+        return finest[-1].factor, f"the finest node pairs ({finest[-1].node_pairs})"
+    return result.fos.limit, "the settled limit"
 
 
-def _orders(ladder: tuple[Rung, ...]) -> tuple[float, ...]:
-    """log₂ of how much less each halving of the mesh changes the factor than the one before it."""
-    factors = [rung.factor for rung in ladder if rung.method == "mesh"]
-    orders = []
-    for a, b, c in zip(factors, factors[1:], factors[2:], strict=False):  # three neighbours: none is left out
-        if a is None or b is None or c is None or min(abs(b - a), abs(c - b)) <= _EXACT * c:
-            continue
-        orders.append(math.log2(abs(b - a) / abs(c - b)))
-    return tuple(orders)
-
-
-def _cheapest(
-    ladder: tuple[Rung, ...], errors: tuple[float | None, ...], within: float, own: Rung | None, moments_govern: bool
-) -> int | None:
-    """The quickest rung that is near enough: not the reference, other joints, or what leaves out what governs."""
-    fit, missed = list[int](), set[str]()
-    for k in reversed(range(len(ladder))):  # from the most effort down: what passes only by the way does not count
-        error, rung = errors[k], ladder[k]
-        if rung is own or rung.method in ("closed form", "stiffness"):
-            continue
-        if moments_govern and rung.method == "forces alone":
-            continue
-        if error is None or error > within:
-            missed.add(rung.method)
-        if rung.method not in missed:
-            fit.append(k)
-    return min(fit, key=lambda k: ladder[k].seconds, default=None)
-
-
-def _findings(
-    result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], evidence: Ladder
-) -> Iterator[Finding]:
+def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Iterator[Finding]:
     design, fos, others = result.design, result.fos, evidence.others
     yield _agreement(result)
     if fos.limit is None:
         met = False if result.status == "not_converged" else None
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
-    yield _convergence(result, ladder, orders, evidence.unrefined)
+    yield _convergence(result, ladder, evidence.unrefined)
     settled = result.model.residual <= PASSES_SETTLED
     last = "what it changed of the factor (0: solved exactly)"
     if result.findings is not None:
@@ -273,11 +231,6 @@ def _findings(
     if fos.all_pairs_failed is not None:
         yield Finding("all pairs failed", fos.all_pairs_failed, None, None,
                       f"the paper's criterion, no safety factor: {design.stiffness.in_words()}")  # fmt: skip
-    else:
-        why = "not looked for among so many blocks" if result.all_pairs is None else (
-            "equilibrium on the elastic bed is lost before the last pair fails"
-        )  # fmt: skip
-        yield Finding("all pairs failed", None, None, None, why)
 
 
 def _agreement(result: Result) -> Finding:
@@ -294,7 +247,7 @@ def _agreement(result: Result) -> Finding:
     return Finding(name, result.difference, within, result.agree, f"the {what} against the closed form")
 
 
-def _convergence(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], unrefined: str) -> Finding:
+def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Finding:
     """Self-convergence: how far the limit and the finest two meshes lie apart."""
     name, within = "node pairs", result.design.agree_within
     meshes = [rung for rung in ladder if rung.method == "mesh"]
@@ -312,15 +265,12 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, 
     if not limit or not last or not other:
         return Finding(name, None, None, False, "a mesh gave no factor to compare with")
     off = max(abs(limit / last - 1.0), abs(other / last - 1.0))
-    shown = ", ".join(f"{order:.1f}" for order in orders)
     if off > within:
         words = "finer ones change the factor: it is not settled"
     elif off < _EXACT:
         words = "finer ones leave the factor as it is"
-    elif not orders or min(orders) <= 0.0:
-        words = "limit and last two meshes; they come closer in no order"
     else:
-        words = f"limit and last two meshes; observed order {shown}"
+        words = "how far the limit and the last two meshes lie apart"
     return Finding(name, off, within, off <= within, words)
 
 

@@ -24,7 +24,6 @@ def sheet_of(checked: Check) -> Sheet:
         Section("LOOKED AT", [Table(_FINDING, checked.findings, headless=True)], hang=42),
         Section("COLUMNS", methods(result)),
         Section("LADDER", _ladder(checked)),
-        Section("CHEAPEST", _cheapest(checked), timed=True),
         Section("ACCEPT", accept(result)),
         Section("VERDICT", [_verdict(checked), _MEANING]),
         Section("TIME", [f"{checked.seconds:.2f} s"], timed=True),
@@ -125,14 +124,6 @@ def _steps(checked: Check, base: float) -> Iterator[_Rung]:
 
 def _brief(value: float) -> str:
     return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"
-
-
-def _cheapest(checked: Check) -> list[str]:
-    within = f"{checked.result.design.agree_within * 100:g} %, agree_within"
-    if checked.cheapest is None:
-        return [f"no setting that may be used comes within {within}"] if checked.ladder else []
-    rung, error = checked.ladder[checked.cheapest], checked.errors[checked.cheapest]
-    return [f"{rung.method}, {rung.setting}: {_brief(rung.seconds * 1e3)} ms, error {error:.1e} (wanted {within})"]
 
 
 def _verdict(checked: Check) -> str:

@@ -28,7 +28,7 @@ from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, JointPairs, PairInputs, evaluated, pair_inputs
 from slopekit.studies.protocol import DESK, Jobs, Option, Scheduler, StudyOutcome, Workplace, documented
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, partners, survey_head
+from slopekit.studies.surveys import AFace, AJointList, Columns, Convention, SkipBad, left_out, survey_head
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
@@ -94,7 +94,6 @@ class Target:
     removable, pairs : how many there are
     """
 
-    JSON_ALSO: ClassVar = ("share_of_removable", "share_of_pairs")
     fos: float
     below: int
     judged_by_pre_ie: int
@@ -103,16 +102,6 @@ class Target:
     median_m3: float | None = field(metadata={"json": "median_volume_m3"})
     removable: int = field(metadata={"json": None})
     pairs: int = field(metadata={"json": None})
-
-    @property
-    def share_of_removable(self) -> float | None:
-        """The part of the removable pairs that lies below, None of none."""
-        return self.below / self.removable if self.removable else None
-
-    @property
-    def share_of_pairs(self) -> float | None:
-        """The part of all pairs."""
-        return self.below / self.pairs if self.pairs else None
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -202,11 +191,6 @@ class Combos(StudyOutcome):
         message = f"moments govern {len(governed)} of the {len(self.worst)} pairs that PRE-IE looked at"
         return (Notice("W353", ", ".join([message, *by]) + last), *own)
 
-    def partners(self) -> tuple[tuple[str, int], ...]:
-        """Joints by how many pairs below the target (else below 1) they take part in, most first."""
-        below, shapes = self.below(1.0 if self.given.target is None else self.given.target), self.pairs.shapes
-        return partners(self.joints, shapes.first[below], shapes.second[below])
-
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; times stand in a block of their own."""
         return {
@@ -232,7 +216,6 @@ class Combos(StudyOutcome):
                     (pair.difference for pair in self.worst if pair.difference is not None), default=None
                 ),
             },
-            "joints_in_pairs_below": [{"joint": name, "pairs": times} for name, times in self.partners()],
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip

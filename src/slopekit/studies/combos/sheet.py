@@ -13,7 +13,7 @@ from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck, Target
-from slopekit.studies.surveys import codes_of, head, partners_entry, survey_entry
+from slopekit.studies.surveys import codes_of, head, survey_entry
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -28,7 +28,6 @@ _SHORT = {
     "slides_on_both": "both", "slides_on_J1": "first", "slides_on_J2": "second", "slides_up": "up", "rotates": "turns",
     "no_driving_force": "stands", "not_converged": "no conv.",
 }  # fmt: skip
-_MOST_JOINTS = 10
 _MOST_ROWS = 50
 _NAME = 11
 
@@ -52,10 +51,9 @@ def sheet_of(combos: Combos) -> Sheet:
         Section("WORST", [_no_worst(combos) if not combos.worst else pairs]),
         Section("PRE-IE", _checked(combos)),
         Section("AGAIN", _again(combos), hang=2),
-        Section("JOINTS", _joints(combos)),
         Section("READS AS", [_MEANING]),
         Section("DEFAULTS", _defaults(combos)),
-        Section("TIME", [_time(combos)]),
+        Section("TIME", [f"{combos.timing_s['total']:.2f} s"]),
         Section("NOTE", [str(notice) for notice in combos.warnings]),
     ), {"pairs.csv": pairs})  # fmt: skip
 
@@ -276,11 +274,6 @@ def _again(combos: Combos) -> list[str]:
     return [" ".join(parts)]
 
 
-def _joints(combos: Combos) -> list[str]:
-    target = 1.0 if combos.target is None else combos.target.fos
-    return partners_entry(f"in pairs below {target:g}", combos.partners()[:_MOST_JOINTS])
-
-
 def _defaults(combos: Combos) -> list[str]:
     slope = combos.given.slope
     names = {
@@ -288,15 +281,6 @@ def _defaults(combos: Combos) -> list[str]:
         "seismic.trend": f"seismic trend ({kind_named('wedge').words.seismic})",
     }  # fmt: skip
     return [", ".join(names[name] for name in combos.given.defaults)] if combos.given.defaults else []
-
-
-def _time(combos: Combos) -> str:
-    times, m = combos.timing_s, len(combos.pairs)
-    rate = m / max(times["closed_form"], 1e-9)
-    text = (
-        f"reading {times['read'] * 1e3:.0f} ms  closed form {times['closed_form'] * 1e3:.0f} ms ({rate:,.0f} pairs/s)"
-    )
-    return f"{text}  PRE-IE {times['pre_ie'] * 1e3:.0f} ms" if combos.worst else text
 
 
 _MEANING = (

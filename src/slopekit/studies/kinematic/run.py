@@ -17,7 +17,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.codec import digest, json_of
+from slopekit.core.codec import digest
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, number
 from slopekit.core.records import dataclass
@@ -26,7 +26,6 @@ from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.design.parts import Strength
 from slopekit.design.words import between
-from slopekit.studies.axes import Axes, axes_of
 from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import (
     OF_JOINTS,
@@ -34,11 +33,10 @@ from slopekit.studies.kinematic.criteria import (
     Modes,
     lines_of,
     modes_of,
-    planes_of_poles,
     tested_pairs,
 )
 from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented
-from slopekit.studies.ranges import as_steps, parse_values
+from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import (
     MOST_JOINTS,
     AFace,
@@ -47,7 +45,6 @@ from slopekit.studies.surveys import (
     Convention,
     SkipBad,
     left_out,
-    partners,
     range_of,
     survey_head,
 )
@@ -55,7 +52,6 @@ from slopekit.studies.surveys import (
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 SEED = 1  # of the pairs that are drawn where there are too many
 _MOST_FACES = 200
-_MOST_LISTED = 12
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -116,11 +112,6 @@ class Kinematic(StudyOutcome):
         is_critical = self.modes.of_joints()[what]
         return tuple(joint.name for joint, critical in zip(self.joints.joints, is_critical, strict=True) if critical)
 
-    def partners(self, what: str) -> tuple[tuple[str, int], ...]:
-        """Joints by how many critical lines (`OF_LINES`) they take part in, most first; none that is in none."""
-        critical = self.modes.of_lines()[what]
-        return partners(self.joints, self.lines.first[critical], self.lines.second[critical])
-
     def by_set(self) -> dict[str, dict[str, int]]:
         """Joints of each set, and those of them that could move; joints without a set stand under an empty name."""
         if not self.joints.sets():
@@ -132,14 +123,6 @@ class Kinematic(StudyOutcome):
             name: {"joints": int((own == name).sum())}
             | {kind: int((critical & (own == name)).sum()) for kind, critical in kinds.items()}
             for name in names
-        }
-
-    def statistics(self) -> dict[str, Axes]:
-        """Mean and scatter of the poles of each set that is named, by quantity."""
-        poles, own = -self.joints.normals(), np.array([joint.set_name for joint in self.joints.joints])
-        return {
-            name: axes_of(poles[own == name], np.ones((own == name).sum()), self.joints.quantities[own == name])
-            for name in self.joints.sets()
         }
 
     def by_set_pair(self) -> dict[tuple[str, str], dict[str, int]]:
@@ -194,22 +177,10 @@ class Kinematic(StudyOutcome):
             "intersections": m,
             "counts": counts,
             "percent": dict(self.percent),
-            "secondary_zone_of_dips": int(self.modes.secondary_of_dips.sum()),
             "direct_toppling": direct,
             "oblique_toppling": oblique,
             "critical_joints": {kind: list(self.joint_names(kind)) for kind in OF_JOINTS},
-            "joints_in_critical_lines": {
-                kind: [{"joint": name, "lines": times} for name, times in self.partners(kind)]
-                for kind in ("wedge", "direct", "oblique")
-            },
             "sets": [{"set": name} | tally for name, tally in self.by_set().items()],
-            "set_statistics": [
-                {
-                    "set": name, "plane": str(mean_plane(axes)), "k": json_of(axes.k), "k_low": json_of(axes.k_low),
-                    "k_high": json_of(axes.k_high), "cone_of_mean_deg": json_of(axes.cone_deg),
-                }
-                for name, axes in self.statistics().items()
-            ],
             "set_pairs": [{"sets": list(names)} | tally for names, tally in self.by_set_pair().items()],
             "faces": [
                 {"dip_deg": dip, "counts": dict(tally), "percent": dict(part)}
@@ -299,12 +270,6 @@ def kinematic(
     )  # fmt: skip
 
 
-def mean_plane(axes: Axes) -> Plane:
-    """The mean plane of a set, to a tenth of a degree."""
-    planes = planes_of_poles(axes.mean[None])
-    return Plane(round(float(planes.dips_deg[0]), 1), round(float(planes.dip_directions_deg[0]), 1) % 360.0)
-
-
 def _friction(value: object, where: str) -> float:
     friction_deg = quantity(value, "angle", "phi", where)
     return fields_of(Strength)["friction_angle_deg"].checked(friction_deg, "phi", where, str(value))
@@ -319,16 +284,11 @@ def _faces(given: Any, key: Key) -> tuple[float, ...]:
     """Dips of the face, as values of a sweep are written."""
     if given is None:
         return ()
-    dips, where = parse_values(key, given, _MOST_FACES), f"{key.path}={given}"
-    if isinstance(given, str) and (steps := as_steps(key, given, dips)):
-        count = given.rpartition(":")[2].strip()
-        message = f"{key.path}: {given} could be steps of {count}, as it was at first, or {count} faces"
-        listed = ",".join(number(dip) for dip in dips) if len(dips) <= _MOST_LISTED else "all of them, with commas"
-        raise DesignError([Fault("E312", message, where, f"Write {steps} for the steps, or {listed}.")])
+    dips = parse_values(key, given, _MOST_FACES)
     bad = [dip for dip in dips if not 0.0 < dip <= 90.0]
     if bad:
         message = f"a face of {number(bad[0])}° is none, a face dips more than 0 and up to 90"
-        raise DesignError([Fault("E312", message, where, f"Write {key.path}=45:90:+5 for steps of 5.")])
+        raise DesignError([Fault("E312", message, f"{key.path}={given}", f"Write {key.path}=45:90:+5 for steps of 5.")])
     return dips
 
 

@@ -1,6 +1,5 @@
 """The sheet of the kinematic tests: which joints and pairs could move, by set and by face."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any, TypeAlias
@@ -18,8 +17,8 @@ from slopekit.studies.kinematic.criteria import (
     SECONDARY,
     SLIDING_BASE,
 )
-from slopekit.studies.kinematic.run import SEED, Kinematic, mean_plane
-from slopekit.studies.surveys import codes_of, head, partners_entry, survey_entry
+from slopekit.studies.kinematic.run import SEED, Kinematic
+from slopekit.studies.surveys import codes_of, head, survey_entry
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set
@@ -147,19 +146,13 @@ def _limits(analysis: Kinematic) -> str:
 def _wedge(analysis: Kinematic, of: _Shares) -> list[str]:
     counts = analysis.counts
     on_one = counts["wedge_primary"] - counts["wedge_on_both"]
-    entries = [
+    return [
         f"primary    {of('wedge_primary')} lines daylight and plunge steeper than friction: "
         f"{counts['wedge_on_both']} slide on both joints, {on_one} on one",
-        f"secondary  {of('wedge_secondary')} plunge flatter, the wedge slides on one steeper joint "
-        f"(Dips draws this zone otherwise: {int(analysis.modes.secondary_of_dips.sum())} lines)",
+        f"secondary  {of('wedge_secondary')} plunge flatter, the wedge slides on one steeper joint",
         f"friction alone does not hold {counts['wedge_by_friction']} of the {counts['wedge']}; the others stick "
         "between their joints (c = 0, dry: F > 1)",
     ]
-    return entries + _partners(analysis, "wedge")
-
-
-def _partners(analysis: Kinematic, kind: str) -> list[str]:
-    return partners_entry("most often", analysis.partners(kind)[:8])
 
 
 def _direct(analysis: Kinematic, of: _Shares) -> list[str]:
@@ -178,7 +171,6 @@ def _direct(analysis: Kinematic, of: _Shares) -> list[str]:
         f"edges  {of('direct')} lines plunge steeply into the slope; {counts['oblique']} oblique",
         f"bases  {of('base_sliding', 'base_release')} joints, on {counts['base_sliding']} of them columns may slide "
         f"as well; {counts['base_oblique']} oblique",
-        *_partners(analysis, "direct"),
     ]
 
 
@@ -199,21 +191,7 @@ def _sets(analysis: Kinematic) -> list[Entry]:
         Table([named("sets"), _count("lines", "lines", 7), _count("primary", "wedge_primary", 9),
                _count("secondary", "wedge_secondary", 11), _count("by friction", "wedge_by_friction", 13),
                _count("direct", "direct", 8), _count("oblique", "oblique", 9)], by_pair),
-        Table([named("set"), Column("mean", lambda row: str(mean_plane(row[1])), "plane", width=13),
-               Column("K", lambda row: row[1].k, "k", show=_number, width=9),
-               Column("from", lambda row: row[1].k_low, "k_low", show=_number, width=8),
-               Column("to", lambda row: row[1].k_high, "k_high", show=_number, width=8),
-               Column("mean ±", lambda row: row[1].cone_deg, "cone_of_mean", "°", _degrees, 9)],
-              list(analysis.statistics().items())),
     ]  # fmt: skip
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "-"
-
-
-def _degrees(value: float) -> str:
-    return f"{value:.1f}°" if math.isfinite(value) else "-"
 
 
 def _faces(analysis: Kinematic, n: int, m: int) -> list[Entry]:

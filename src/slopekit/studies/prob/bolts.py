@@ -4,9 +4,8 @@ Both methods judge each sample with the same bolts: those that hold its block.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import partial
-from typing import ClassVar
 
 import numpy as np
 
@@ -81,54 +80,18 @@ def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:
     return holds
 
 
-@dataclass(frozen=True, slots=True)
-class WithoutForce:
-    """Samples in which bolts give no force.
-
-    Attributes
-    ----------
-    samples : in which one or more do; of : samples that form a block
-    every : samples in which none of the bolts with heads does
-    bolts : how many of them have heads; each : (b,) samples in which each bolt gives none
-    left : (n,) bolts without force in each sample
-    """
-
-    samples: int
-    of: int
-    every: int
-    bolts: int
-    each: tuple[int, ...]
-    left: np.ndarray = field(metadata={"json": None})
-
-    JSON_ALSO: ClassVar = ("most",)
-
-    @property
-    def most(self) -> int:
-        """The most bolts without force in one sample."""
-        return int(self.left.max(initial=0))
-
-
-def without_force(design: Design, holds: Bools, forms: Bools) -> WithoutForce | None:
-    """How often bolts give no force; None where no bolt has a head.
+def without_force(design: Design, holds: Bools, forms: Bools) -> Iterator[Notice]:
+    """W311: in how many samples bolts give no force.
 
     Parameters
     ----------
     holds : (b, n); forms : (n,) samples that form a block
     """
-    if not has_heads(design):
-        return None
-    lost = ~holds & forms
-    left, bolts = lost.sum(axis=0), sum(bolt.head_m is not None for bolt in design.bolts)
-    each = tuple(int(count) for count in lost.sum(axis=1))
-    return WithoutForce(int((left > 0).sum()), int(forms.sum()), int((left == bolts).sum()), bolts, each, left)
-
-
-def notices_of_bolts(lost: WithoutForce | None) -> Iterator[Notice]:
-    """What a reader must know of bolts that give no force: W311."""
-    if lost is None or not lost.samples:
-        return
-    yield Notice(
-        "W311",
-        f"bolts give no force in {lost.samples} of {counted(lost.of, 'sample')} that form a block (up to {lost.most} "
-        f"of {lost.bolts}): there they miss it, or end within it. Heads stand on each sample's own face",
-    )
+    left, most = (~holds & forms).sum(axis=0), sum(bolt.head_m is not None for bolt in design.bolts)
+    if most and left.any():
+        lost, of = int((left > 0).sum()), counted(int(forms.sum()), "sample")
+        yield Notice(
+            "W311",
+            f"bolts give no force in {lost} of {of} that form a block (up to {int(left.max())} of {most}): there they "
+            "miss it, or end within it. Heads stand on each sample's own face",
+        )

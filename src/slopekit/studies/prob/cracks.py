@@ -10,12 +10,10 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.ground_water import WORST
 from slopekit.design.reading.files import with_values
 from slopekit.design.scatter.distributions import Distribution, Variable
-from slopekit.kinds.single_block.worst_crack import WHERE
 from slopekit.studies.prob.sampling import Samples
 from slopekit.studies.prob.vectorised import vectorised
 
@@ -23,37 +21,11 @@ PLACE = "crack.distance"
 _MOST_ALONE = 200  # samples: a second or more each
 
 
-@dataclass(frozen=True, slots=True)
-class WorstCracks:
-    """Where the crack is worst in the samples.
+def cracked(design: Design, samples: Samples) -> tuple[Design, Samples, Bools] | None:
+    """A design with its crack at a place, which its samples say, and those (n,) in which no place gives a factor.
 
-    Attributes
-    ----------
-    mean_m, least_m, most_m : of those that have such a place, None where none has
-    where : how many of each kind, see `kinds.single_block.worst_crack.WHERE`
+    None where no crack was looked for, or it is looked for in each sample alone.
     """
-
-    mean_m: float | None
-    least_m: float | None
-    most_m: float | None
-    where: dict[str, int]
-
-
-@dataclass(frozen=True, slots=True)
-class Cracked:
-    """A design with its crack at a place, which each of its samples says.
-
-    `nowhere` (n,): of samples in which no place gives a factor.
-    """
-
-    design: Design
-    samples: Samples
-    nowhere: Bools
-    found: WorstCracks
-
-
-def cracked(design: Design, samples: Samples) -> Cracked | None:
-    """The samples of a design whose crack was looked for, with its place; None where each is looked for alone."""
     searched, crack = getattr(design, "crack_searched", ""), getattr(design, "crack", None)
     if not searched or crack is None or any(bolt.acts == "passive" for bolt in design.bolts):
         return None
@@ -74,13 +46,8 @@ def cracked(design: Design, samples: Samples) -> Cracked | None:
     variable = Variable(PLACE, Distribution("uniform", {"min": float(own.min()), "max": float(own.max())}, "length"))
     values = np.asfortranarray(np.column_stack([samples.values, places]))
     values.setflags(write=False)
-    counts = np.bincount(lowest.where[blocks], minlength=len(WHERE))
-    where = {name: int(count) for name, count in zip(WHERE, counts, strict=True) if count}
-    said = WorstCracks(None, None, None, where)
-    if known.any():
-        said = WorstCracks(float(own.mean()), float(own.min()), float(own.max()), where)
     placed = Samples((*samples.variables, variable), (*samples.names, PLACE), values, samples.replicate)
-    return Cracked(replace(fixed, variables=(*fixed.variables, variable)), placed, blocks & ~known, said)
+    return replace(fixed, variables=(*fixed.variables, variable)), placed, blocks & ~known
 
 
 def checked_alone(design: Design, count: int) -> None:

@@ -5,7 +5,6 @@ samples -> outcome and factor of each -> PRE-IE where it matters -> shares with 
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import field
 from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar, Literal
@@ -26,18 +25,16 @@ from slopekit.evidence import WithoutBasal
 from slopekit.kinds import dilates, kind_of, likely_slips, peak_only
 from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import Point, kept_points, lower_of, other_history, point_of
+from slopekit.studies.points import Point, kept_points, lower_of, point_of
 from slopekit.studies.prob.bolts import (
     Sampled,
-    WithoutForce,
     as_laid_out,
     has_heads,
     holding,
-    notices_of_bolts,
     standing,
     without_force,
 )
-from slopekit.studies.prob.cracks import WorstCracks, checked_alone, cracked
+from slopekit.studies.prob.cracks import checked_alone, cracked
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
@@ -113,9 +110,7 @@ class Probability(StudyOutcome):
     all_samples, forming : the probability of failure among all possible samples, and among those that form a block
     confirmation : what PRE-IE says, None where it was not asked apart
     journals : of a run with a folder, kept until its results are written
-    bolts : how often they give no force; None where no bolt has a head
     sizes : how large it is what the samples form; None where it is not known
-    cracks : where a crack that is looked for is worst, all samples at once; None without, or where each is alone
     """
 
     name: ClassVar[str] = "prob"
@@ -130,9 +125,7 @@ class Probability(StudyOutcome):
     of_samples: tuple[Notice, ...]
     timing_s: Mapping[str, float]
     journals: tuple[Journal, ...] = field(default=(), compare=False)
-    bolts: WithoutForce | None = None
     sizes: SampleSizes | None = None
-    cracks: WorstCracks | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -163,18 +156,7 @@ class Probability(StudyOutcome):
         notes = new_notices(() if self.means.factors is None else self.means.factors.notes, self.of_samples)
         at_means = (Notice(note.code, f"of the design at its means: {note.message}") for note in notes)
         peak = peak_only(self.design, "samples are judged by factors")
-        return (*self.of_samples, *at_means, *self._other_history(), *peak)
-
-    def _other_history(self) -> tuple[Notice, ...]:
-        """W504 of the design at its means, and of the sample that stands with the least factor."""
-        judged = self.judged
-        factor = np.where(judged.fails | np.isnan(judged.factor), np.inf, judged.factor)
-        row = int(factor.argmin()) if factor.size else 0
-        said = [*other_history(self.design, {}, "of the design at its means")]
-        if factor.size and np.isfinite(factor[row]):
-            where = f"of sample {row}, which stands with the least factor, {factor[row]:.4g}"
-            said += other_history(self.design, self.samples.settings(row), where)
-        return tuple(said)
+        return (*self.of_samples, *at_means, *peak)
 
     @cached_property
     def sensitivities(self) -> tuple[tuple[str, float], ...]:
@@ -278,17 +260,13 @@ class Probability(StudyOutcome):
                 "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
                 "above": summary.above, "failing_without_factor": int((judged.fails & np.isnan(judged.factor)).sum()),
             } | self._at_random(),
-            "at_means": self._at_means(),
-            "lowest": self._lowest(),
             "variables": json_of(self.variables),
             "correlation": [{"between": [a, b], "rank": value} for a, b, value in self.design.correlation],
             "sensitivity": [
                 {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
             ],
             "pre_ie": json_of(self.confirmation),
-            **({} if self.bolts is None else {"bolts_without_force": json_of(self.bolts)}),
             "sizes": json_of(self.sizes),
-            **({} if self.cracks is None else {"worst_crack": json_of(self.cracks)}),
             "defaults": list(self.design.defaults),
             "timing_s": dict(self.timing_s),
             **self.words(),
@@ -305,21 +283,6 @@ class Probability(StudyOutcome):
             "pre_ie_at_random": sorted(factor for factor in levels if 0.0 < factor < np.inf),
             "pre_ie_without_factor": levels.count(0.0), "pre_ie_samples": len(levels),
         }  # fmt: skip
-
-    def _at_means(self) -> dict[str, Any] | None:
-        factors = self.means.factors
-        if factors is None:
-            return {"code": self.means.code, "message": self.means.message} if self.means.code else None
-        also = {} if factors.also is None else {factors.also.NAME: record_of(factors.also)}
-        names = ("status", "limit", "closed_form", "agree", "moments_govern")
-        return {name: getattr(factors, name) for name in names} | also
-
-    def _lowest(self) -> dict[str, Any] | None:
-        """The sample with the lowest factor, as values to put into the design."""
-        if self.summary is None:
-            return None
-        row = int(np.nanargmin(self.judged.factor))
-        return {"sample": row, "fos": float(self.judged.factor[row]), "values": dict(self.samples.settings(row))}
 
 
 #: Largest probability accepted; the old word is still understood.
@@ -346,7 +309,6 @@ def prob(
     seed: Seed = 1,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
-    executor: Executor | None = None,
     desk: Workplace = DESK,
 ) -> Probability:
     """Probability of failure: Monte Carlo or Latin hypercube on the distributions of a design.
@@ -364,7 +326,7 @@ def prob(
     -----
     Of n samples m fail (F below the target, or no equilibrium): p = m / n. Monte Carlo has limits by Clopper & Pearson,
     a Latin hypercube by replicates; the standard error of plain sampling is √(p (1 - p) / n). Correlations are those of
-    ranks, by a Gaussian copula. In Python `executor` takes any of `concurrent.futures` in place of jobs.
+    ranks, by a Gaussian copula.
 
     References
     ----------
@@ -381,7 +343,7 @@ def prob(
     >>> share.count, share.of, round(share.low, 3), round(share.high, 3)
     (75, 1000, 0.059, 0.093)
     """
-    crew = checked_crew(jobs, scheduler, executor)
+    crew = checked_crew(jobs, scheduler)
     if design.partial is not None:
         message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
@@ -395,7 +357,7 @@ def prob(
         cracks = cracked(design, samples)
         if cracks is None and bool(getattr(design, "crack_searched", "")):
             checked_alone(design, asked.n)
-        placed, those = (design, samples) if cracks is None else (cracks.design, cracks.samples)
+        placed, those = (design, samples) if cracks is None else cracks[:2]
         journals = list[Journal]()
         ask = partial(_points, placed, asked, crew, desk, journals)
         fast = vectorised(placed, those.values, those.settings)
@@ -403,9 +365,9 @@ def prob(
             checked_alone(design, asked.n)  # no block at the mean values
         judged = _judge(those, placed, asked, ask, fast)
         if cracks is not None:
-            judged = nowhere(judged, cracks.nowhere)
-        bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
-        sizes = sizes_of_samples(placed, fast, those.values, judged.forms, judged.fails)
+            judged = nowhere(judged, cracks[2])
+        of_bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
+        sizes = sizes_of_samples(fast, those.values, judged.forms, judged.fails)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
@@ -414,9 +376,8 @@ def prob(
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     probability = Probability(
         design, asked, samples, judged, all_samples, forming, confirmation, crew_in_words(crew),
-        (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
-         *not_as_given(design), *likely_slips(design)), clock.done(), tuple(journals), bolts, sizes,
-        None if cracks is None else cracks.found,
+        (*notices_of(asked.target, judged, samples, all_samples, confirmation), *of_bolts,
+         *not_as_given(design), *likely_slips(design)), clock.done(), tuple(journals), sizes,
     )  # fmt: skip
     if desk.folder is None:
         probability.done()

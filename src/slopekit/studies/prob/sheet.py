@@ -4,20 +4,16 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter, itemgetter
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
-from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
-from slopekit.design.scatter.distributions import Angles, Distribution
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
-from slopekit.studies.marginals import tails
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
 from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.prob.run import Probability
-from slopekit.studies.prob.sizes import SHARES, LimitedSamples, SizeStatistics
+from slopekit.studies.prob.sizes import SHARES, SizeStatistics
 from slopekit.studies.words import head, status_words
 
 _ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
@@ -34,7 +30,6 @@ NO_BLOCK = {
     "E486": "larger than its limits of size", "E487": "smaller than the least volume",
     "E213": "strikes across the slope", "impossible": "a value that no design can have",
 }  # fmt: skip
-_SHARE_OVER = 1e-4  # of the dips drawn: fewer are not worth a line
 #: What else acceptance is held against, by what its outcomes begin with.
 _ALSO = {WithoutBasal.NAME: WithoutBasal.WHAT}
 _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube"}
@@ -46,18 +41,18 @@ def sheet_of(study: Probability) -> Sheet:
     samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.judged.evaluator}"
     times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
     return Sheet(head(study.design, "prob"), (
-        Section("RANDOM", _inputs(study), details=_ranks(study)),
+        Section("RANDOM", _inputs(study), details=[
+            f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation
+        ]),
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
-        Section("AT MEANS", (), details=[_at_means(study)]),
         *(() if summary is None else (
             Section("FoS", [_mean(summary, asked.target)], details=[_quantiles(summary)]),
             Section("HISTOGRAM", (), details=[_histogram(summary, asked.target)]),
         )),
         Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])], details=_weaker(study)),
-        Section("SIZE", [] if study.sizes is None else _limited(study.sizes.limits), details=_sizes(study)),
-        Section("BOLTS", _bolts(study)),
+        Section("SIZE", _scaled(study), details=_sizes(study)),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [f"{times}  ({study.crew})"]),
@@ -133,31 +128,7 @@ def _inputs(study: Probability) -> list[Entry]:
         columns.append(Column(title, attrgetter(name), title, show=".5g", width=width))
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
-    cracks = study.cracks
-    placed = [] if cracks is None or cracks.mean_m is None else [
-        f"crack at the worst place of each sample by the closed form: {cracks.mean_m:.4g} m from the crest on "
-        f"average, {cracks.least_m:.4g} to {cracks.most_m:.4g} m"
-    ]  # fmt: skip
-    table = Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest)
-    return [table, *_overturned(study), *placed]
-
-
-def _ranks(study: Probability) -> list[str]:
-    return [f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation]
-
-
-def _overturned(study: Probability) -> list[str]:
-    """Dips that are drawn past the horizontal or the vertical: planes that dip the other way."""
-    said = []
-    for variable in study.design.variables:
-        angles = variable.distribution
-        if not (isinstance(angles, Angles) and angles.of == "plane" and isinstance(angles.steep, Distribution)):
-            continue
-        below, above = tails(angles.steep, 0.0, 90.0)
-        if below + above > _SHARE_OVER:
-            said.append(f"{variable.path}: {_percent(below + above)} of the dips lie beyond 0 to 90°, those planes dip "
-                        "the other way: 92/115 is 88/295")  # fmt: skip
-    return said
+    return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest)]
 
 
 def _outcomes(study: Probability) -> Table[tuple[str, int]]:
@@ -185,6 +156,11 @@ def _leading(study: Probability) -> list[str]:
         return []
     low, high = _percent(lead["low"]), _percent(lead["high"])
     return [f"{_percent(lead['probability'])} by {lead['by']} ({low} to {high}); closed form, which is too low here:"]
+
+
+def _scaled(study: Probability) -> list[str]:
+    scaled = 0 if study.sizes is None else study.sizes.scaled
+    return [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []
 
 
 def _sizes(study: Probability) -> list[Entry]:
@@ -216,32 +192,8 @@ def _four(value: float) -> str:
     return number(float(f"{value:.4g}"))
 
 
-def _limited(limits: LimitedSamples | None) -> list[str]:
-    if limits is None:
-        return []
-    by = ", ".join(f"{count} by {name}" for name, count in limits.scaled_by.items())
-    said = [f"{counted(limits.scaled, 'sample')} made smaller" + (f": {by}" if by else "")] * (limits.by == "scale")
-    said += [f"{counted(limits.filtered, 'sample')} left out, larger than a limit"] * (limits.by == "filter")
-    said += [f"{counted(limits.too_small, 'sample')} left out, smaller than the least volume"] * bool(limits.too_small)
-    none = limits.filtered + limits.too_small
-    return [f"limits of size: {'; '.join(said)}" + (" (those left out form no wedge)" if none else "")]
-
-
 _SIZES = {"volume_m3": "volume / m³", "height_m": "height / m", "face_width_m": "face width / m",
           "setback_m": "setback / m"}  # fmt: skip
-
-
-def _bolts(study: Probability) -> list[str]:
-    """In how many samples bolts give no force."""
-    lost = study.bolts
-    if lost is None:
-        return []
-    said = f"{lost.bolts} with their heads on the face"
-    if not lost.samples:
-        return [f"{said}: all hold the block of every sample"]
-    kept = np.bincount(lost.left, minlength=lost.most + 1)[: lost.most + 1]
-    counts = "  ".join(f"{k}: {count}" for k, count in enumerate(kept.tolist()) if count)
-    return [f"{said}; samples by bolts without force: {counts}"]
 
 
 def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
@@ -270,16 +222,6 @@ def _limits(share: Share) -> str:
         return "no sample to judge by"
     low, high = _percent(share.low), _percent(share.high)
     return f"{share.confidence * 100:g} % limits {low} to {high} ({share.limits_by})"
-
-
-def _at_means(study: Probability) -> str:
-    at_means = study.means.factors
-    if at_means is None:
-        return f"{study.means.code} {study.means.message}".strip() or "not asked"
-    named = ((at_means.limit, "PRE-IE"), (at_means.closed_form, "closed form"))
-    factors = [f"{factor_text(value)} {name}" for value, name in named if value is not None]
-    words = status_words(study.design, at_means.status)
-    return f"{words}: F {', '.join(factors)}" if factors else words
 
 
 def _mean(summary: Summary, target: float) -> str:

@@ -26,8 +26,8 @@ def sheet_of(quake: Quake) -> Sheet:
         Section("NOW", [_now(quake)]),
         Section("YIELD", [*(_yield(quake, one) for one in quake.yields), *_agree(quake)], hang=14),
         Section("SIX", [*_leading(quake), _six(quake), *_six_notes(quake)] if quake.six else []),
-        Section("SLIDES", [*_beside(quake), records, *_stands_for_none(quake)]),
-        Section("OVERALL", [_percentiles(quake)] if len(quake.shaken) > 1 else []),
+        Section("SLIDES", [*_beside(quake), records]),
+        Section("OVERALL", _overall(quake.leading)),
         Section("MODEL", [_model(quake)]),
         Section("TIME", [f"{quake.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in quake.warnings]),
@@ -96,13 +96,7 @@ def _yield(quake: Quake, one: Yield) -> str:
     status = status_words(quake.design, one.status)
     factor = f"factor {one.factor:.6f}" if one.factor is not None else f"no factor: {one.why_not}"
     of = f" of {one.factor_of}" if one.factor_of else ""
-    runs = "" if one.runs is None else f", runs at {one.runs:.6f}"
-    return f"{name}k_y {one.coefficient:.6f} g{runs}   {factor}{of}   {status}"
-
-
-def _stands_for_none(quake: Quake) -> list[str]:
-    """Where a joint opens at k_y."""
-    return ["W353: a joint opens at k_y, no displacement stands for what follows"] if quake.yields[0].jumps else []
+    return f"{name}k_y {one.coefficient:.6f} g   {factor}{of}   {status}"
 
 
 def _agree(quake: Quake) -> list[str]:
@@ -150,19 +144,12 @@ def _cut(name: str, width: int = _NAME) -> str:
     return name if len(name) < width else f"{name[:kept]}…{name[-kept:]}"
 
 
-def _percentiles(quake: Quake) -> Table[Any]:
-    called = {
-        "six": "six degrees of freedom", "as_recorded": "as recorded", "reversed": "reversed", "mean": "mean of both",
-        "larger": "larger of both", "newmark": "mean of both, factor 1",
-    }  # fmt: skip
-    rows = [(called[name], values) for name, values in quake.percentiles().items()]
-
-    def column(title: str, key: str) -> Column[Any]:
-        return Column(title, lambda row: row[1][key], key + "_m", "m", lambda m: f"{m * 100.0:.4g}", 13)
-
-    low, median, high = column("16 % cm", "p16"), column("median cm", "median"), column("84 % cm", "p84")
-    over = Column[Any](f"over {counted(len(quake.shaken), 'record')}", itemgetter(0), "over", width=-_NAME)
-    return Table([over, *([low, median, high] if quake.has_spread else [median])], rows)
+def _overall(lead: Displacement) -> list[str]:
+    """The spread over the records, where they are enough."""
+    if lead.p16_m is None or lead.p84_m is None:
+        return []
+    low, high = _centimetres(lead.p16_m), _centimetres(lead.p84_m)
+    return [f"16th percentile {low} cm, {_moves(lead)}, 84th percentile {high} cm"]
 
 
 def _six(quake: Quake) -> Table[Any]:
@@ -176,9 +163,6 @@ def _six(quake: Quake) -> Table[Any]:
     def part(title: str, name: str, width: int) -> Column[Any]:
         return Column(title, of(name), name, show=lambda share: f"{share * 100.0:.3g}", width=width)
 
-    def work(name: str) -> Column[Any]:
-        return Column("", lambda row: getattr(row[0].work_kj, name), f"{name}_kj", "kJ")
-
     columns: list[Column[Any]] = [
         Column("record", of("record"), "record", width=-16, text=lambda row: _cut(row[0].record, 16)),
         Column("way", of("way"), "way", width=-11),
@@ -187,15 +171,9 @@ def _six(quake: Quake) -> Table[Any]:
         Column("turned °", of("rotation_deg"), "rotation_deg", "°", ".3f", 9),
         part("slips %", "slipped", 8), part("open %", "opened", 7), part("loose %", "debonded", 8),
         Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
-        *(Column("", _moved(k), f"{name}_m", "m") for k, name in enumerate(("east", "north", "up"))),
         Column("", of("steps"), "steps"), Column("", of("halved"), "halved"),
-        *map(work, ("put_in", "friction", "stored", "kinetic", "damped", "unbalanced")),
     ]  # fmt: skip
     return Table(columns, rows)
-
-
-def _moved(k: int) -> Any:
-    return lambda row: float(row[0].displacement_m[k])
 
 
 def _six_notes(quake: Quake) -> list[str]:

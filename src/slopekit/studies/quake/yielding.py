@@ -39,7 +39,6 @@ _CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones
 _MOST_STEPS = 25
 NO_FORM = "it says nothing of shaking that way"
 _DILATES = "its joints dilate: it rises as it slides"
-_OTHER_HISTORY = "k_y is of another history than the motion as the shaking comes on last"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
 
 
@@ -56,9 +55,6 @@ class Yield:
     factor_of : of several blocks the one whose centroid it is for, the farthest; "" of one block
     alone_at : where the motion of all did not settle, the k_y of that block with all others held, whose factor it is
     first_factor : the factor right at the coefficient, where contacts change just above it and it becomes `factor`
-    runs : where the coefficient is that of the last state at rest, the first at which the blocks run
-    not_compared : of many blocks, why the other of the two histories of the shaking says nothing of the coefficient
-    beyond : where no k up to 2 moves them, that at which they fail as the shaking comes on last
     notes : what a run says of the factor at the coefficient, without one of that without an earthquake
     before : the factor of safety without an earthquake; inf where nothing drives
     agree : whether the methods agree there on the same assumptions; None where that is not judged
@@ -74,9 +70,6 @@ class Yield:
     factor_of: str = ""
     alone_at: float | None = None
     first_factor: float | None = None
-    runs: float | None = None
-    not_compared: str = ""
-    beyond: float | None = None
     notes: tuple[Notice, ...] = field(default=(), metadata=NO_JSON)
 
     @property
@@ -116,9 +109,9 @@ def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bo
         return Fault("E253", message, "", f"Kinds with loads.seismic.k: {known}.")
     if toward is None:
         message = "quake needs the direction of the shaking: the blocks do not say which way they fall"
-        return Fault("E253", message, "", f"Give {named} 270 (or 090), or loads: {{seismic: {{toward: 270}}}}.")
-    return Fault("E253", f"{named} is {number(toward)}: a section is shaken toward 090 or 270", "",
-                 "x is east (090), -x west (270).")  # fmt: skip
+    else:
+        message = f"{named} is {number(toward)}: a section is shaken toward 090 or 270"
+    return Fault("E253", message, "", f"Give {named} 270 (or 090): x is east (090), -x west (270).")
 
 
 def check_stands(static: Design) -> None:
@@ -146,20 +139,18 @@ def check_stands(static: Design) -> None:
 
 def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:
     """The yield coefficient by PRE-IE, and by the closed form where there is one, of a slope that stands."""
-    solution = for_factor(static, KEY, 1.0, None, crew, advance, lower=True)
+    solution = for_factor(static, KEY, 1.0, None, crew, advance)
     reason = solution.pre_ie.reason
     if reason is not None and (solution.is_open or reason.code in ("E318", "E319")):  # not found is not "no k moves it"
         raise (NoConvergenceError if solution.is_open else DesignError)([reason])
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
     yields = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
     if yields and yields[0].method == "pre_ie":
-        why = "" if solution.answer is None else solution.answer.not_compared
-        beyond = solution.load_last_beyond if yields[0].coefficient is None else None
         at_answer = solution.answer is not None and solution.answer.value == yields[0].coefficient
         notes = solution.answer.notes if solution.answer is not None and at_answer else ()
         if yields[0].coefficient is None and solution.before.factors is not None:
             notes = tuple(solution.before.factors.notes)
-        yields[0] = replace(yields[0], not_compared=why, beyond=beyond, notes=notes)
+        yields[0] = replace(yields[0], notes=notes)
     if len(yields) > 1 and yields[1].coefficient is None and yields[0].coefficient is not None:
         at = point_of(static, {KEY: yields[0].coefficient})
         advance(1)
@@ -175,17 +166,17 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         return None
     if before <= 1.0:
         return Yield(method, None, status_of(solution.before, method), None, "it does not hold at k = 0", before)
-    agree = runs = None
+    agree = None
     answers = solution.pre_ie if method == "pre_ie" else solution.closed_form
     if answers is None:  # a closed form that comes with PRE-IE: columns
         k, status = _beside(static, solution, advance)
     else:
         roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
         first = min(roots, key=lambda one: one.value, default=None)
-        k, status, runs = (None, "", None) if first is None else (first.value, first.status, first.runs)
+        k, status = (None, "") if first is None else (first.value, first.status)
         if first is not None and first.both.factors is not None:
             agree = first.both.factors.agree
-        if first is not None and first.how != "root" and method == "pre_ie":
+        if first is not None and first.how != "root" and first not in answers.roots and method == "pre_ie":
             (_, stands), (_, falls) = first.bracket
             why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"
             return Yield(method, k, status, None, why, before, agree)
@@ -194,32 +185,14 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
     kind = kind_of(static)
     if kind.seismic_gain is None:
         factor, why = _gain(static, method, k, advance)
-        return Yield(method, k, status, factor, why, before, agree, runs=runs)
+        return Yield(method, k, status, factor, why, before, agree)
     if any(strength.dilation_deg for strength in kind.strengths(static)):
-        return Yield(method, k, status, None, _DILATES, before, agree, runs=runs)
-    if solution.by_other_history:
-        return Yield(method, k, status, None, _OTHER_HISTORY, before, agree, runs=runs)
+        return Yield(method, k, status, None, _DILATES, before, agree)
     gain = kind.seismic_gain(static, with_values(static, {KEY: 1.0}), k, method == "closed_form")
     advance(1)
     if gain is None:
-        return Yield(method, k, status, None, "the motion of the blocks did not settle", before, agree, runs=runs)
-    return Yield(method, k, status, gain.factor, "", before, agree, gain.block, gain.alone_at, gain.first, runs)
-
-
-def other_way(static: Design, ours: Yield, advance: Advance) -> tuple[float, float] | None:
-    """The trend away from that of the shaking and a k above its k_y, where that is far the lower one; else None.
-
-    Far lower is half; where the block goes up the slope, lower at all.
-    """
-    trend = static.seismic.trend_deg
-    if trend is None:
-        return None
-    k = MOST_K if ours.coefficient is None else ours.coefficient
-    at = k if ours.status.endswith("slides_up") else 0.5 * k
-    away = (trend + 180.0) % 360.0
-    factor = factor_at(point_of(static, {KEY: at, TOWARD: away}), "pre_ie")
-    advance(1)
-    return (away, at) if factor is not None and factor < 1.0 else None
+        return Yield(method, k, status, None, "the motion of the blocks did not settle", before, agree)
+    return Yield(method, k, status, gain.factor, "", before, agree, gain.block, gain.alone_at, gain.first)
 
 
 def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:

@@ -20,7 +20,6 @@ import math
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.orientation import downward
 from slopekit.core.records import dataclass
 
 MOST_SETS = 8
@@ -85,26 +84,6 @@ def clusters_of(poles: Floats, weights: Floats, sets: int | None, rng: np.random
 def best(clusterings: list[Clusters]) -> int:
     """Which of several has the least BIC."""
     return int(np.argmin([one.bic for one in clusterings]))
-
-
-def girdle_of(poles: Floats, weights: Floats) -> tuple[Floats, float]:
-    """The axis (3,), downward, of the great circle nearest to poles, and the BIC of poles scattered about it.
-
-    Their density times 2π is exp(-κ t²) / ∫ exp(-κ t²) dt from 0 to 1, t the cosine to the axis (Watson 1965,
-    Biometrika 52, 193-201 (m)), κ = 1 / (2 mean t²) where they are near it; three parameters.
-
-    >>> turn = np.linspace(0.0, 3.0, 50)[:, None]
-    >>> poles = np.cos(turn) * [1.0, 0.0, 0.0] + np.sin(turn) * [0.0, 0.0, -1.0] + [0.0, 0.01, 0.0]
-    >>> axis, bic = girdle_of(poles, np.ones(50))
-    >>> np.abs(axis).round(1).tolist(), bic < -300.0
-    ([0.0, 1.0, 0.0], True)
-    """
-    tensor = (poles.T * weights) @ poles / weights.sum()
-    values, vectors = np.linalg.eigh(tensor)
-    kappa = 1.0 / (2.0 * max(float(values[0]), _SMALLEST))
-    whole = 0.5 * math.sqrt(math.pi / kappa) * math.erf(math.sqrt(kappa))
-    likelihood = float(weights.sum()) * (-kappa * float(values[0]) - math.log(whole))
-    return downward(vectors[:, 0]), -2.0 * likelihood + 3.0 * math.log(max(float(weights.sum()), 2.0))
 
 
 def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Clusters:

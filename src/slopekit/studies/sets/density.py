@@ -16,7 +16,6 @@ from slopekit.core.arrays import Floats
 
 _SIGMA = 3.0
 _AT_ONCE = 4_000_000  # cosines
-_GRID = 41
 
 
 def density(at: Floats, poles: Floats, weights: Floats, joints: float) -> Floats:
@@ -40,17 +39,3 @@ def density(at: Floats, poles: Floats, weights: Floats, joints: float) -> Floats
         unit = math.sqrt(joints * (f / 2.0 - 1.0) / f**2)
         densities[piece] = (np.exp(f * (cosine - 1.0)) @ each * joints - 0.5) / unit
     return np.maximum(densities, 0.0)
-
-
-def densest(poles: Floats, weights: Floats, joints: float) -> tuple[Floats, float]:
-    """The downward direction (3,) of a grid over the net where poles lie densest, and the density there."""
-    middle = (np.arange(_GRID) + 0.5) / _GRID * 2.0 - 1.0
-    x, y = (part.ravel() for part in np.meshgrid(middle, middle))
-    square = x * x + y * y
-    inside = square < 1.0
-    x, y, square = x[inside], y[inside], square[inside]
-    scale = np.sqrt(2.0 - square)
-    grid = np.column_stack([x * scale, y * scale, square - 1.0])
-    values = density(grid, poles, weights, joints)
-    best = int(np.argmax(values))
-    return grid[best], float(values[best])

@@ -18,7 +18,7 @@ import numpy as np
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import digest, json_of
 from slopekit.core.errors import Fault, Faults, Notice
-from slopekit.core.orientation import Line, Plane, line_of
+from slopekit.core.orientation import Line, Plane
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList, joint_list
@@ -26,8 +26,7 @@ from slopekit.design.words import between, line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
 from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented, whole_number
-from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of, girdle_of
-from slopekit.studies.sets.density import densest
+from slopekit.studies.sets.clustering import MOST_SETS, Clusters, best, clusters_of
 from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
 from slopekit.studies.surveys import (
     MOST_JOINTS,
@@ -90,7 +89,7 @@ class FoundSet:
 
     def to_dict(self) -> dict[str, Any]:
         """The set as JSON values."""
-        axes, (shape, strength) = self.axes, self.axes.woodcock
+        axes = self.axes
         record: dict[str, Any] = json_of({
             "set": self.name, "joints": len(self.members), "counts_as": axes.joints, "plane": str(tenths(self.plane)),
             "dip_deg": self.plane.dip_deg, "dip_direction_deg": self.plane.dip_direction_deg,
@@ -98,7 +97,7 @@ class FoundSet:
             "k": axes.k, "k_low": axes.k_low, "k_high": axes.k_high, "confidence": axes.confidence,
             "cone_of_mean_deg": axes.cone_deg,
             "variability_deg": {f"{share:.0%}": axes.cone_of(share) for share in SHARES},
-            "scatter_deg": axes.scatter_deg, "woodcock": {"shape": shape, "strength": strength},
+            "scatter_deg": axes.scatter_deg,
             "elongated": axes.is_elongated, "angles": self.angles, "spacing": self.spacing, "trace": self.trace,
         })  # fmt: skip
         return record
@@ -115,8 +114,6 @@ class JointSets(StudyOutcome):
     tried : where they were found: what each number of sets comes to; () where the list names them
     weights : (n,) against the bias of the scanline, 1 without one; capped : joints whose weight is cut off
     share : (n,) what of each joint belongs to its set, nan where the list names it; angle_deg : (n,) to its mean
-    densest : the plane of the pole where poles lie densest, and how dense
-    girdle : the axis of the great circle that tells more of the poles than sets do, and its BIC; None without one
     """
 
     name: ClassVar[str] = "sets"
@@ -131,8 +128,6 @@ class JointSets(StudyOutcome):
     capped: int
     share: Floats
     angle_deg: Floats
-    densest: tuple[Plane, float]
-    girdle: tuple[Line, float] | None
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
@@ -195,10 +190,6 @@ class JointSets(StudyOutcome):
             "tried": [
                 {"sets": len(one), "bic": json_of(one.bic)} for one in self.tried
             ],
-            "girdle": None if self.girdle is None else {
-                "trend_deg": self.girdle[0].trend_deg, "plunge_deg": self.girdle[0].plunge_deg, "bic": self.girdle[1],
-            },
-            "densest": {"plane": str(tenths(self.densest[0])), "density": self.densest[1]},
             "orientations": [
                 {"joint": name, "set": "" if k < 0 else self.sets[k].name, "dip_deg": dip,
                  "dip_direction_deg": direction, "weight": weight}
@@ -287,10 +278,9 @@ def sets(
     angles = np.full(len(listed), math.nan)
     for k, one in enumerate(joint_sets):
         angles[of == k] = np.degrees(np.arccos(np.clip(np.abs(poles[of == k] @ one.axes.mean), 0.0, 1.0)))
-    at, dense = densest(poles, each, float(each.sum()))
     outcome = JointSets(
-        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles, (_plane(at), dense),
-        _girdle(poles, each, tried), tuple(defaults), (), time.perf_counter() - began,
+        listed, joint_sets, of, tried, n, line, angle, weights, capped, share, angles,
+        tuple(defaults), (), time.perf_counter() - began,
     )  # fmt: skip
     return _with_notices(outcome)
 
@@ -350,18 +340,6 @@ def _found(name: str, members: Ints, joints: JointList, poles: Floats, weights: 
         name, members, axes, plane, _angles(poles[members], weights[members] * joints.quantities[members], axes, plane),
         spacings_of(own, axes.mean, None if line is None else line.vector(), CONFIDENCE), traces_of(own, CONFIDENCE),
     )  # fmt: skip
-
-
-def _girdle(poles: Floats, weights: Floats, tried: tuple[Clusters, ...]) -> tuple[Line, float] | None:
-    if len(tried) < 2:
-        return None
-    axis, bic = girdle_of(poles, weights)
-    line = line_of(axis)
-    return (
-        (Line(round(line.trend_deg, 1) % 360.0, round(line.plunge_deg, 1) + 0.0), bic)
-        if bic < min(one.bic for one in tried)
-        else None
-    )
 
 
 def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> SetAngles:

@@ -43,9 +43,6 @@ def notices_of(joint_sets: JointSets) -> list[Notice]:
 
 
 def _of_number(joint_sets: JointSets) -> list[Notice]:
-    if joint_sets.girdle is not None:
-        message = f"the poles lie along one great circle, about {joint_sets.girdle[0]}, as those of folded beds do"
-        return [Notice("W404", f"{message}: sets are pieces of it; divide the survey into domains first")]
     if joint_sets.asked is None:
         by = {len(one): one.bic for one in joint_sets.tried}
         chosen = min(by, key=lambda count: by[count])
@@ -58,10 +55,4 @@ def _of_number(joint_sets: JointSets) -> list[Notice]:
             others = " or ".join(map(str, near))
             message = f"{counted(chosen, 'set')} or {others}: the joints hardly tell which (BIC within 6)"
             return [Notice("W404", f"{message}; look at the stereonet, --sets N takes another number")]
-    elif len(joint_sets.sets) < joint_sets.asked:
-        message = (
-            f"{joint_sets.asked} sets were asked for, {len(joint_sets.sets)} hold joints that are likelier "
-            "theirs than not"
-        )
-        return [Notice("W404", message)]
     return []

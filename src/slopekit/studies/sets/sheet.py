@@ -17,7 +17,6 @@ _MOST_NAMES = 24
 def sheet_of(joint_sets: JointSets) -> Sheet:
     """The sheet of joint sets."""
     words = _WORDS.format(share=100.0 * CONFIDENCE)
-    densest = f"pole of {tenths(joint_sets.densest[0])}: {joint_sets.densest[1]:.1f} σ above uniform (Kamb)"
     return Sheet(head("sets", joint_sets.joints, joint_sets.input_hash()), (
         Section("SURVEY", _survey(joint_sets)),
         Section("NUMBER", _number(joint_sets)),
@@ -25,8 +24,6 @@ def sheet_of(joint_sets: JointSets) -> Sheet:
         Section("ANGLES", [_angles(joint_sets)] if joint_sets.sets else []),
         Section("SPACING", _spacing(joint_sets)),
         Section("TRACE", _trace(joint_sets)),
-        Section("DENSEST", [densest]),
-        Section("GIRDLE", _girdle(joint_sets)),
         Section("NO SET", _alone(joint_sets)),
         Section("BENCH", ["for a design of kind bench:", Verbatim(joint_sets.block)] if joint_sets.sets else []),
         Section("PROB", ["for slopekit prob, a wedge takes two of them:", Verbatim(joint_sets.scatter_block)]
@@ -85,7 +82,6 @@ def _table(joint_sets: JointSets) -> Table[FoundSet]:
         Column("mean ±", lambda one: one.axes.cone_deg, "cone_of_mean", "°", _degrees, 9),
         Column("68 % in", lambda one: one.axes.cone_of(0.68), "variability_68", "°", _degrees, 9),
         Column("95 % in", lambda one: one.axes.cone_of(0.95), "variability_95", "°", _degrees, 9),
-        Column("shape", lambda one: one.axes.woodcock[0], "woodcock_shape", show=_index, width=8),
     ], list(joint_sets.sets))  # fmt: skip
 
 
@@ -97,7 +93,6 @@ def _angles(joint_sets: JointSets) -> Table[FoundSet]:
         Column("dip direction", lambda one: one.angles.dip_direction_mean_deg, "dip_direction_mean", "°", _degrees, 16),
         Column("sd", lambda one: one.angles.dip_direction_sd_deg, "dip_direction_sd", "°", _degrees, 8),
         Column("scatter", lambda one: one.axes.scatter_deg, "scatter", "°", _degrees, 10),
-        Column("strength", lambda one: one.axes.woodcock[1], "woodcock_strength", show=".2f", width=11),
     ], list(joint_sets.sets))  # fmt: skip
 
 
@@ -140,13 +135,6 @@ def _alone(joint_sets: JointSets) -> list[Entry]:
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
     why = "the list gives them none" if joint_sets.are_given else "likelier joints that lie anywhere than of a set"
     return [f"{counted(len(names), 'joint')}, {why}: " + ", ".join(names[:_MOST_NAMES]) + more]
-
-
-def _girdle(joint_sets: JointSets) -> list[Entry]:
-    if joint_sets.girdle is None:
-        return []
-    axis, bic = joint_sets.girdle
-    return [f"all poles lie along one great circle, about the axis {axis} (BIC {bic:.1f}): see W404"]
 
 
 def _joints(joint_sets: JointSets) -> Table[int]:
@@ -219,13 +207,9 @@ def _metres(value: Any) -> str:
     return "-" if value is None or math.isnan(value) else f"{metres(value)} m"
 
 
-def _index(value: float) -> str:
-    return f"{value:.2f}" if math.isfinite(value) else "-"
-
-
 _WORDS = (
     "mean ±: the cone that holds the true mean ({share:.0f} %); 68 %, 95 % in: the cone about the mean that holds so "
-    "many of the joints; shape (Woodcock): above 1 a cluster, below 1 a girdle"
+    "many of the joints"
 )
 _MEANING = (
     "statistics of the joints that were measured, not of those that were not: a scanline or a face misses joints along "

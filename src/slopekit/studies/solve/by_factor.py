@@ -1,33 +1,24 @@
 """The value of one number of a design at which its factor of safety is a target, by both methods."""
 
-import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
-from itertools import pairwise
 
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.design.common import Design
 from slopekit.design.parts import ON_FACTOR
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import also_falls_short, dilates, kind_of, peak_only
-from slopekit.kinds.protocol import AtLoad, Factors
-from slopekit.notices import lost_cohesion_notices
 from slopekit.preie.solvers import work_limit
 from slopekit.studies.keys import key_of, values_of
 from slopekit.studies.points import (
-    UNSETTLED,
     Point,
-    factor_at,
     rules_left_out,
-    status_of,
 )
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
-from slopekit.studies.running import ALONE, Crew
+from slopekit.studies.running import Crew
 from slopekit.studies.solve.factor_request import (
-    SAME,
     FactorRequest,
     answers_of,
     crossings_of,
@@ -39,187 +30,44 @@ from slopekit.studies.solve.factor_request import (
 from slopekit.studies.solve.roots import Crossing, RootSearch, Sample
 from slopekit.studies.solve.solutions import (
     ALIKE,
-    TOLERANCE,
     Answers,
     Solution,
     SolvedValue,
-    cut_short,
     notices,
     refuse_as_run,
     target_of,
 )
 
-_K, _UNIT_LOAD = "loads.seismic.k", 1.0
-_OF_PATH = 0.5  # of the work that is allowed, for the path in a load
-_PUT_BACK = 0.1 * work_limit.MOST  # for the factor of a limit state: it vouches for itself
-_ABOVE = 1e-4  # of a value: a factor that falls on this by more than a jump does so at once
-_FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value of the path in a load, where the factor is above the target
-_SECANTS = 10  # from there to the value where it is the target
-_LOAD_RESOLUTION, _LOAD_NEAR, _LOAD_JUMP = 1e-7, 4e-7, (1e-4, 0.02)
-_FALLS = (0.0, 0.01, 0.1)  # of the range: where a factor below the target has to fall, to be left alone
+_UNIT_LOAD = 1.0
+_OF_PATH = 0.5  # of the work of one answer, for the path in a load
+_ABOVE = 1.0 + 1e-6  # times the value at which that ends: blocks that tip do so at once there
+_FURTHER = (1.02, 1.1, 1.3, 2.0, 4.0)  # times the value, or divided by it, until the target is passed
 
 
-def of_load(asked: FactorRequest, whole: bool, lower: bool) -> tuple[Answers, bool, float | None]:
-    """What there is of a load on many blocks within the work of one answer.
+def look_from_path(search: RootSearch[Point], asked: FactorRequest) -> list[Crossing[Point]]:
+    """Where many blocks fail as a load comes on last, at the strength divided by the target, and from there on.
 
-    With it whether that work was all done, and where the blocks fail as the load comes on last, beyond the range.
+    Wherever that path ends, the value is where the factor, the strength divided last, is the target, or falls past it.
     """
-    search = RootSearch(partial(asked.samples, "pre_ie"), asked.high - asked.low, resolution=_LOAD_RESOLUTION,
-                    near=_LOAD_NEAR, same=SAME, jump=_LOAD_JUMP)  # fmt: skip
-    with work_limit.allowed(work_limit.MOST):
-        with work_limit.part(_OF_PATH):
-            last = _path_in_load(asked)
-            cut = last is None and work_limit.is_spent()
-        beyond = None
-        if last is not None and not asked.low <= last.multiplier <= asked.high:
-            beyond, last = last.multiplier, None
-        direct, jumps, crossings = _driven(search, asked, whole, lower, last)
-        spent = work_limit.is_spent()
-        answers = answers_of("pre_ie", asked, search, crossings) if direct is None else _in_load(asked, direct, jumps)
-    if spent and not answers.roots:
-        return replace(answers, reason=cut_short(asked.key, asked.target, answers.least, answers.most)), True, beyond
-    if answers.roots:
-        first = answers.roots[0]
-        if last is not None and direct is not last:
-            first = replace(first, load_last=(last.multiplier, last.runs))
-        first = replace(first, not_compared=_not_compared(asked, first, cut, beyond))
-        answers = replace(answers, roots=(first, *answers.roots[1:]))
-    return answers, spent, beyond
-
-
-def _not_compared(asked: FactorRequest, solved: SolvedValue, cut: bool, beyond: float | None) -> str:
-    """Why the other of the two histories of a load says nothing of a value; empty where it does."""
-    if cut:
-        return "the work for the load coming on last was done before the blocks were at their limit"
-    if beyond is not None:
-        return f"as the load comes on last the blocks fail at {asked.key.shown(beyond)} only, beyond what was looked at"
-    if solved.put_back or solved.strength_last is not None:
-        return ""
-    there = asked.points.get(solved.value)
-    status = "" if there is None else status_of(there, "pre_ie")
-    if status in ("", UNSETTLED):
-        return "the work for their factor with the strength divided last was done, or it was not found"
-    return f"with the strength divided last they have no factor there ({status})"
-
-
-def _path_in_load(asked: FactorRequest) -> AtLoad | None:
-    """Where the blocks fail as the load comes on last, at the strength divided by the target; None: nowhere."""
     at_load = kind_of(asked.design).at_load
     assert at_load is not None
     without, unit = (
         with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
     )
-    return at_load(without, unit, asked.target)
-
-
-def _driven(
-    search: RootSearch[Point], asked: FactorRequest, whole: bool, lower: bool, last: AtLoad | None
-) -> tuple[AtLoad | None, bool, list[Crossing[Point]]]:
-    """The value of the path in the load, or of a jump, where that is the answer; else where the target is passed.
-
-    Between them whether the factor was seen to jump past the target there.
-    """
-    if last is None:
-        falls = asked.key.path == _K and not whole and _falls_from_below(search, asked)
-        return None, False, [] if falls else look_roughly(search, asked, whole)
-    with work_limit.allowed(work_limit.MOST if lower or last.runs is not None else _PUT_BACK):
-        here = search.at(last.multiplier)
-    factor = factor_at(here.found, "pre_ie")
-    if here.level is None or factor is None or (lower and factor >= asked.target - TOLERANCE["pre_ie"]):
-        return last, False, []
-    if abs(factor - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
-        return last, False, []
-    other = here
-    if here.level > 0.0:
-        if here.at > 0.0 and _jumps_down(here, search.at(min(here.at * (1.0 + _ABOVE), asked.high))):
-            return last, True, []  # they tip there, whatever their strength
-        other = next((beyond for beyond in _further(search, asked, here.at) if level_at(beyond) < 0.0), here)
-        if other is here:
-            return last, False, []
-    else:
-        other = search.at(max(asked.low, 0.0))  # where the path in the load begins
-        if level_at(other) < 0.0 and asked.low < 0.0:
-            return None, False, look_roughly(search, asked, whole)
-    if level_at(other) * here.level < 0.0:
-        _close_in(search, other, here)
-    crossings = crossings_of(search)
-    if crossings and not crossings[0].rises:
-        before = crossings[0].before
-        if crossings[0].how == "jump":
-            return AtLoad(before.at, crossings[0].after.label, None), True, []
-        if crossings[0].how == "gap" and before.at == here.at:
-            return last, True, []  # beyond it no factor is found, then one below the target
-    return None, False, crossings
-
-
-def _falls_from_below(search: RootSearch[Point], asked: FactorRequest) -> bool:
-    """Whether the factor is below the target without the load, and falls as it comes on."""
-    levels = [search.at(asked.low).level]
-    if levels[0] is None or levels[0] >= 0.0:
-        return False
-    levels += [sample.level for sample in search.add(asked.low + part * (asked.high - asked.low) for part in _FALLS)]
-    return all(b is not None and b <= a for a, b in pairwise(levels[1:]) if a is not None)
-
-
-def _jumps_down(here: Sample[Point], above: Sample[Point]) -> bool:
-    """Return whether the factor jumps, below the target or to where nothing holds the blocks."""
-    if above.level is None:
-        return above.label not in ("", UNSETTLED)
-    return above.level < 0.0 and level_at(here) - above.level > _LOAD_JUMP[1]
-
-
-def _further(search: RootSearch[Point], asked: FactorRequest, value: float) -> Iterator[Sample[Point]]:
-    """Places beyond a value, ever further; at the end that of the range."""
-    for place in (times * value for times in _FURTHER):
-        if value < place < asked.high:
-            yield search.at(place)
-    yield search.at(asked.high)
-
-
-def _close_in(search: RootSearch[Point], one: Sample[Point], other: Sample[Point]) -> None:
-    """False positions between two places of either sign until a level is near zero (Illinois rule)."""
-    at_one, at_other = level_at(one), level_at(other)
-    for _ in range(_SECANTS):
-        part = at_one / (at_one - at_other)
-        new = search.at(one.at + part * (other.at - one.at))
-        if new.level is None or abs(new.level) <= search.near or search.narrow(one.at, other.at):
-            return
-        if new.level * at_other < 0.0:
-            one, at_one = other, at_other
-        else:
-            at_one *= 0.5
-        other, at_other = new, new.level
-
-
-def _in_load(asked: FactorRequest, at: AtLoad, jumps: bool) -> Answers:
-    """The answer of the path in the load: at this value its limit state has the target for its factor, exactly.
-
-    Where the motion did not settle the value is that of the last state at rest; the bracket ends where they run.
-    """
-    known = asked.points.get(at.multiplier)
-    last = None if known is None else factor_at(known, "pre_ie")
-    evaluations = 1 + len(asked.points)
-    notes = () if at.lost is None else tuple(lost_cohesion_notices(at.lost, "load"))
-    if known is not None and known.factors is not None:  # of the factor there, what the path in the load does not say
-        said = {notice.code for notice in notes}
-        notes += tuple(notice for notice in said_of_factor(asked, at.multiplier, known) if notice.code not in said)
-    if last is not None and at.runs is None and abs(last - asked.target) <= TOLERANCE["pre_ie"] * asked.target:
-        assert known is not None
-        here = at.multiplier, last
-        root = SolvedValue(
-            "root", at.multiplier, last, at.status, (here, here), False, known, load_last=(at.multiplier, None),
-            notes=notes,
-        )  # fmt: skip
-    else:
-        also = None if known is None or known.factors is None else known.factors.also
-        point = Point(Factors(at.status, asked.target, None, None, None, None, False, True, also=also))
-        here = (at.multiplier, asked.target)
-        beyond = here if at.runs is None else (at.runs, math.nan)
-        root = SolvedValue(
-            "root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last, jumps=jumps,
-            notes=notes,
-        )  # fmt: skip
-    return Answers("pre_ie", (root,), (), None, None, (), (0.0, root.runs or at.multiplier), evaluations, None)
+    with work_limit.allowed(_OF_PATH * work_limit.MOST):
+        last = at_load(without, unit, asked.target)
+    if last is None or not asked.low < last.multiplier < asked.high:
+        return []
+    here = search.at(last.multiplier)
+    if here.level is None or abs(here.level) <= search.near:
+        return crossings_of(search)
+    stands = here.level > 0.0
+    steps = [_ABOVE, *_FURTHER] if stands else [1.0 / by for by in _FURTHER]
+    values = [by * here.at for by in steps if asked.low < by * here.at < asked.high]
+    for value in (*values, asked.high if stands else max(asked.low, 0.0)):
+        if level_at(search.at(value)) * here.level < 0.0:
+            break
+    return crossings_of(search)
 
 
 _EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
@@ -236,7 +84,6 @@ _TURNS_WITHIN = 0.1  # of the target: where PRE-IE turns around further off it i
 
 def for_factor(
     design: Design, key: str, fos: float | None, within: Within | None, crew: Crew, advance: Advance,
-    lower: bool = False,
 ) -> Solution:  # fmt: skip
     """The value of one number of a design at which its factor of safety is a target.
 
@@ -245,8 +92,6 @@ def for_factor(
     fos : the target; None takes that of the design's acceptance rule
     within : between which values to look (numbers, or texts with units); None: what such a number can be
     crew : who evaluates the grid; advance : told of every evaluation
-    lower : of a load on many blocks, what is lower: where they fail as it comes on last, at the strength divided by the
-        target, or where their factor is the target, their strength divided last; else the latter
 
     The factor is looked at on a grid that is fine near the present value; every place where it passes the target is
     narrowed down, edges of validity and changes of status are looked at from both sides. Where nothing drives the
@@ -268,7 +113,6 @@ def for_factor(
     low, high = parse_within(one, text if equals else within)
     target, own = target_of(design, fos)
     closed: Answers | None = None
-    spent, beyond = False, None
     asked = FactorRequest(design, one, low, high, target, crew, advance)
     if kind_of(design).closed_form is not None:
         quick = asked.search("closed_form")
@@ -279,11 +123,11 @@ def for_factor(
         _look_again(search, quick, crossings, asked)
         pre_ie = answers_of("pre_ie", asked, search, crossings_of(search))
     else:
-        search, whole = asked.search("pre_ie", slow=True), bool(equals) or within is not None
-        if kind_of(design).at_load is not None and asked.in_load:
-            pre_ie, spent, beyond = of_load(replace(asked, crew=ALONE), whole, lower)
-        else:
-            pre_ie = answers_of("pre_ie", asked, search, look_roughly(search, asked, whole))
+        search = asked.search("pre_ie", slow=True)
+        crossings = look_from_path(search, asked) if asked.drives_blocks else []
+        if not crossings:
+            crossings = look_roughly(search, asked, bool(equals) or within is not None)
+        pre_ie = answers_of("pre_ie", asked, search, crossings)
     if pre_ie.least is None:
         refuse_as_run(design, asked.before(), asked.points.values())
     if pre_ie.roots:
@@ -292,14 +136,12 @@ def for_factor(
         pre_ie = replace(pre_ie, roots=(first, *pre_ie.roots[1:]))
     if closed is not None:
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
-    solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie, None, spent=spent,
-                        load_last_beyond=beyond)  # fmt: skip
+    solution = Solution(design, one, target, (low, high), own, asked.before(), closed, pre_ie)
     said = tuple(notices(solution))
     known = {notice.code for notice in said}
     said += tuple(notice for notice in _of_nearest(solution, asked) if notice.code not in known)
     said += (*_at_peak(solution), *(rules_left_out(design, ON_FACTOR) if own else ()))
-    solution = replace(solution, rounded=_rounded(solution, asked), warnings=said)
-    return replace(solution, seconds=time.perf_counter() - began)
+    return replace(solution, warnings=said, seconds=time.perf_counter() - began)
 
 
 def _at_peak(solution: Solution) -> tuple[Notice, ...]:
@@ -373,14 +215,11 @@ def _moments(sample: Sample[Point]) -> bool:
 
 
 def _beside(asked: FactorRequest, solved: SolvedValue) -> Iterator[Notice]:
-    """What else is known at a value: W504 of another history of many blocks, W507 of what acceptance asks besides."""
+    """What else a run says at a value: W507 of what acceptance asks besides, W504 of bonds lost one by one."""
     if solved.both.factors is None or solved.both.factors.limit is None:
         return
     yield from also_falls_short(solved.both.factors.also, asked.target, f"at {asked.key.shown(solved.value, 4)}")
-    if not solved.put_back:
-        return
-    design = with_values(asked.design, values_of(asked.design, [asked.key], [solved.value]))
-    said = kind_of(design).beside(design)
+    said = kind_of(asked.design).beside(with_values(asked.design, values_of(asked.design, [asked.key], [solved.value])))
     yield from said_of_factor(asked, solved.value, Point(replace(solved.both.factors, notes=said)))
 
 
@@ -392,17 +231,3 @@ def _of_nearest(solution: Solution, asked: FactorRequest) -> Iterator[Notice]:
     value, _ = most if most[1] < solution.target else least
     if value in asked.points:
         yield from said_of_factor(asked, value, asked.points[value], named=True)
-
-
-def _rounded(solution: Solution, asked: FactorRequest) -> tuple[float, float] | None:
-    """The first root in four digits, rounded to where the factor is the greater."""
-    answer = solution.answer
-    if answer is None or not answer.value or answer.from_path or solution.key.is_place:
-        return None
-    step = 10.0 ** (math.floor(math.log10(abs(answer.value))) - 3)
-    up: Callable[[float], int] = math.ceil if answer.rises else math.floor
-    value = float(f"{up(answer.value / step) * step:.12g}")
-    if not asked.low <= value <= asked.high:
-        return None
-    factor = factor_at(asked.both(value), "pre_ie")
-    return None if factor is None or factor < asked.target - TOLERANCE["pre_ie"] else (value, factor)

@@ -11,6 +11,7 @@ from typing import TypeAlias
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
+from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, values_of
 from slopekit.studies.points import UNSETTLED, Evaluation, Method, Point, factor_at, status_of
 from slopekit.studies.protocol import Advance
@@ -19,10 +20,12 @@ from slopekit.studies.solve.roots import Crossing, RootSearch, Sample, near_by, 
 from slopekit.studies.solve.solutions import ALIKE, NO_CONVERGENCE, Answers, SolvedValue, reason_of
 
 _ROUGH = 9, 1, 1  # evenly over the range, closer to the present value, to a decade
-_PRE_IE_RESOLUTION, _PRE_IE_NEAR = 1e-10, 1e-11
 _JUMP = 1e-5, 0.02  # so near to each other, levels that far apart are a jump: PRE-IE takes long beside one
+#: Resolution of values, level that counts as zero, and what is a jump: where a closed form is beside, where a factor
+#: takes long, and of a load on many blocks.
+_QUICK, _SLOW, _IN_LOAD = (1e-10, 1e-11, _JUMP), (1e-8, 2e-8, _JUMP), (1e-7, 4e-7, (1e-4, 0.02))
 _ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
-_SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
+_SLOW_EDGE = 1e-3
 _LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
 SAME = 2e-3
 """A step that other node pairs make in the factor of PRE-IE: no jump."""
@@ -53,16 +56,16 @@ class FactorRequest:
 
     def search(self, method: Method, slow: bool = False) -> RootSearch[Point]:
         """One by a method, none sampled yet; `slow`: as finely as a factor that takes long is asked for."""
-        resolution = _SLOW_RESOLUTION if slow else 4e-16 if method == "closed_form" else _PRE_IE_RESOLUTION
-        near = 0.0 if method == "closed_form" else _SLOW_NEAR if slow else _PRE_IE_NEAR
-        same, jump = (1e-7, (0.0, math.inf)) if method == "closed_form" else (SAME, _JUMP)
-        return RootSearch(partial(self.samples, method), self.high - self.low, resolution=resolution, near=near,
-                          same=same, jump=jump)  # fmt: skip
+        sample, span = partial(self.samples, method), self.high - self.low
+        if method == "closed_form":
+            return RootSearch(sample, span)
+        resolution, near, jump = _IN_LOAD if slow and self.drives_blocks else _SLOW if slow else _QUICK
+        return RootSearch(sample, span, resolution=resolution, near=near, same=SAME, jump=jump)
 
     @property
-    def in_load(self) -> bool:
-        """Whether it is a load, which the path of many blocks may drive."""
-        return _LOAD.fullmatch(self.key.path) is not None
+    def drives_blocks(self) -> bool:
+        """Whether it is a load on many blocks, which their path may drive."""
+        return _LOAD.fullmatch(self.key.path) is not None and kind_of(self.design).at_load is not None
 
     def samples(self, method: Method, values: Sequence[float]) -> Samples:
         """What a method says at values, as many at a time as the crew is."""
@@ -144,7 +147,7 @@ def look_roughly(search: RootSearch[Point], asked: FactorRequest, whole: bool) -
 def said_of_factor(asked: FactorRequest, value: float, there: Point, named: bool = False) -> Iterator[Notice]:
     """What a run says of the factor at a value, which is `named`, or of a load: a load's own numbers are loads."""
     for notice in () if there.factors is None else there.factors.notes:
-        if named or asked.in_load:
+        if named or _LOAD.fullmatch(asked.key.path):
             where = f"of the factor of safety at {asked.key.path} = {asked.key.shown(value, 4)}: "
             notice = Notice(notice.code, where + notice.message)
         yield notice
@@ -156,8 +159,8 @@ def answers_of(
     candidates = [_found(method, asked, crossing) for crossing in crossings]
     own = asked.key.value
     candidates.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
-    roots = tuple(one for one in candidates if one.how == "root")
-    others = tuple(_together([one for one in candidates if one.how != "root"], search.span))
+    roots = tuple(one for one in candidates if one.how == "root" or _falls_in_load(asked, one))
+    others = tuple(_together([one for one in candidates if one not in roots], search.span))
     reached = [(sample.at, factor_at(sample.found, method) or 0.0) for sample in search.defined]
     least = min(reached, key=lambda end: end[1], default=None)
     most = max(reached, key=lambda end: end[1], default=None)
@@ -167,6 +170,11 @@ def answers_of(
         reason = reason_of(asked.key, asked.target, (asked.low, asked.high), others, least, most, refused)
     looked = (search.samples[0].at, search.samples[-1].at)
     return Answers(method, roots, others, least, most, refused, looked, len(search.samples), reason)
+
+
+def _falls_in_load(asked: FactorRequest, one: SolvedValue) -> bool:
+    """Whether the factor of many blocks falls past the target at once as a load comes on: they tip, an answer too."""
+    return asked.drives_blocks and not one.rises
 
 
 def _together(jumps: list[SolvedValue], span: float) -> list[SolvedValue]:
@@ -182,6 +190,8 @@ def _together(jumps: list[SolvedValue], span: float) -> list[SolvedValue]:
 
 def _found(method: Method, asked: FactorRequest, crossing: Crossing[Point]) -> SolvedValue:
     best = crossing.best
+    if crossing.how != "root" and asked.drives_blocks and not crossing.rises:
+        best = replace(crossing.before, label=crossing.after.label)  # the last that stands, and how it goes
     ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
     factor = factor_at(best.found, method) or 0.0
     notes = tuple(said_of_factor(asked, best.at, best.found)) if method == "pre_ie" else ()

@@ -176,7 +176,7 @@ class RootSearch(Generic[T]):
     # -- crossings --------------------------------------------------------------------------------
 
     def crossings(self) -> list[Crossing[T]]:
-        """Every change of sign between neighbouring samples, narrowed down; a level of exactly zero counts as one."""
+        """Every change of sign between neighbouring samples, narrowed down; a level that counts as zero is one too."""
         sign_changes: list[Crossing[T]] = []
         pairs = [(a, b) for a, b in pairwise(self.defined) if _level(a) * _level(b) < 0.0]
         for a, b in pairs:
@@ -185,10 +185,10 @@ class RootSearch(Generic[T]):
                 sign_changes.append(self._crossing(a, b))
             else:
                 sign_changes += self._narrowed(a, b, _MOST_SPLITS)
-        known = {crossing.best.at for crossing in sign_changes}
+        known = {one.at for crossing in sign_changes for one in (crossing.before, crossing.after)}
         defined = self.defined
         for k, zero in enumerate(defined):
-            if zero.level == 0.0 and zero.at not in known:
+            if abs(_level(zero)) <= self.near and zero.at not in known:
                 before, after = defined[max(k - 1, 0)], defined[min(k + 1, len(defined) - 1)]
                 sign_changes.append(Crossing("root", before, after, zero))
         return sorted(sign_changes, key=lambda crossing: crossing.best.at)

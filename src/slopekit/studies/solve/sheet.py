@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from operator import itemgetter
 from typing import Any
 
-from slopekit.core.errors import Fault
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.design.common import Design
@@ -14,7 +13,7 @@ from slopekit.studies.points import UNSETTLED, Point
 from slopekit.studies.solve.solutions import Answers, Solution, SolvedValue
 from slopekit.studies.words import METHODS, head, status_words
 
-_MOST_REFUSED, _MOST_OTHERS = 6, 12
+_MOST_REFUSED = 6
 
 
 def sheet_of(solution: Solution) -> Sheet:
@@ -42,30 +41,15 @@ def line_of(solution: Solution) -> str:
 
 def _sections(solution: Solution) -> tuple[Section, ...]:
     """Return the target, the value and what both methods say of it."""
-    key, answer = solution.key, solution.answer
     from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
-    searched = [
-        one for one in _all(solution) if not any(root.from_path for root in one.roots)
-    ]  # else there is no reach
-    put_back = [one for one in searched if one.roots and answer is not None]
-    reached = [one for one in searched if one.reason or one.method == "closed_form" or not solution.closed_form]
     return (
         Section("TARGET", [f"FoS {number(solution.target)}{from_rule}"]),
         Section("NOW", [_now(solution.design, solution.before)]),
         Section("VALUE", _value(solution)),
         Section("PUT BACK", _put_back(solution), hang=13),
-        Section("BRACKET", [f"{_name(one)} {_bracket(key, one.roots[0])}" for one in put_back], hang=13),
-        Section("OTHERS", _others(solution), hang=13),
-        Section("REACH", [f"{_name(one)} {_reach(key, one)}" for one in reached], hang=13),
         Section("REFUSED", _refused(solution.key, (solution.closed_form or solution.pre_ie).refused, False)),
         Section("UNSETTLED", _refused(solution.key, solution.pre_ie.refused, True)),
-        Section("ASKED", [", ".join(_often(one) for one in _all(solution))]),
     )
-
-
-def _often(one: Answers) -> str:
-    """How often a method was asked."""
-    return f"{METHODS[one.method]} " + ("once" if one.evaluations == 1 else f"{one.evaluations} times")
 
 
 # -- tables: what the entries say, in rows; text has the entries -----------------------------------------------------
@@ -117,14 +101,11 @@ def _now(design: Design, point: Point) -> str:
 def _value(solution: Solution) -> list[str]:
     key, answer = solution.key, solution.answer
     if answer is None:
-        return _no_value(solution.pre_ie.reason)
+        reason = solution.pre_ie.reason
+        return ["none"] if reason is None else [f"none. {reason.code} {reason.message}", *filter(None, [reason.advice])]
     way = "rises" if answer.rises else "falls"
     was = "" if key.value is None else f", {_change(key, answer.value)}"
-    entries = [f"{key.shown(answer.value)}{was}; {status_words(solution.design, answer.status)}; FoS {way} with it"]
-    if solution.rounded is not None:
-        value, factor = solution.rounded
-        entries.append(f"in four digits on the safe side {key.shown(value)}: FoS {factor_text(factor)}")
-    return entries
+    return [f"{key.shown(answer.value)}{was}; {status_words(solution.design, answer.status)}; FoS {way} with it"]
 
 
 def _change(key: Key, value: float) -> str:
@@ -137,26 +118,13 @@ def _change(key: Key, value: float) -> str:
     return f"{off:+.6g}{unit}{share} from now"
 
 
-def _no_value(reason: Fault | None) -> list[str]:
-    if reason is None:
-        return ["none"]
-    return [f"none. {reason.code} {reason.message}", *([reason.advice] if reason.advice else [])]
-
-
 def _put_back(solution: Solution) -> list[str]:
     entries = []
     for answers in _all(solution):
         for root in answers.roots[:1]:
-            if not root.put_back:
+            if root.how != "root":
                 shown = f"{_name(answers)} {solution.key.shown(root.value)}"
-                what = "limit state" if root.runs is None else "last state at rest"
-                said = "not put back; " if root.strength_last is None else ""
-                said += f"the {what} of the path in this load" if root.load_last is None else "the factor jumps there"
-                entries.append(f"{shown}: {said}, {root.status}")
-                if root.runs is not None:
-                    entries.append(f"the blocks run at {solution.key.shown(root.runs)}")
-                if root.strength_last is not None:
-                    entries.append(f"put back its FoS is {_factor(root.strength_last)}, the strength divided last")
+                entries.append(f"{shown}: FoS {_factor(root.factor)}, and at once less or none beyond it")
                 continue
             miss = abs(root.factor - solution.target)
             missed = f"{miss:.1e}" if miss else "nothing"
@@ -167,44 +135,12 @@ def _put_back(solution: Solution) -> list[str]:
                 f"{_name(answers)} {solution.key.shown(root.value)}: FoS {root.factor:.10f}, "
                 f"misses by {missed}, {root.status}{said}"
             )
-    if solution.answer is not None and solution.answer.load_last is not None:
-        value, runs = solution.answer.load_last
-        what = "limit state" if runs is None else "last state at rest"
-        entries.append(f"load last    {solution.key.shown(value)}: {what} of the path in this load")
-    if solution.answer is not None and solution.answer.put_back:
+    if solution.answer is not None:
         verdict = {True: "AGREE", False: "DISAGREE", None: "not compared"}[solution.agree]
         entries.append(
             f"the methods at PRE-IE's value: {verdict}" + (", moments govern" if solution.moments_govern else "")
         )
     return entries
-
-
-def _bracket(key: Key, root: SolvedValue) -> str:
-    (a, at_a), (b, at_b) = root.bracket
-    return f"FoS {_factor(at_a, 12)} at {key.shown(a, 14)} to {_factor(at_b, 12)} at {key.shown(b, 14)}"
-
-
-def _others(solution: Solution) -> list[str]:
-    entries = []
-    for answers in _all(solution):
-        for root in answers.roots[1:]:
-            way = "rises" if root.rises else "falls"
-            entries.append(f"{_name(answers)} {solution.key.shown(root.value)}: {root.status}, FoS {way}")
-        for one in answers.others:
-            (_, below), (_, above) = one.bracket
-            entries.append(
-                f"{_name(answers)} {solution.key.shown(one.value)}: {one.how} from {_factor(below)} to {_factor(above)}"
-            )
-    more = [f"… {len(entries) - _MOST_OTHERS} more, see the JSON"] if len(entries) > _MOST_OTHERS else []
-    return entries[:_MOST_OTHERS] + more
-
-
-def _reach(key: Key, answers: Answers) -> str:
-    if answers.least is None or answers.most is None:
-        return "no value gives a factor"
-    low, high = (f"{_factor(end[1])} at {key.shown(end[0], 7)}" for end in (answers.least, answers.most))
-    span = f"looked at from {key.shown(answers.looked[0], 7)} to {key.shown(answers.looked[1], 7)}"
-    return f"FoS from {low} to {high}; {span}"
 
 
 def _refused(key: Key, stretches: Sequence[tuple[float, float, str, str]], unsettled: bool) -> list[str]:

@@ -44,15 +44,7 @@ class SolvedValue:
     bracket : values on both sides, with the factors there (inf where nothing drives, 0 where nothing holds)
     rises : whether the factor rises with the value there
     both : what both methods say at the value
-    put_back : whether the factor is that of the value put back; False: the path in a load has it for its own strength,
-        and the bracket goes from the last value at rest to the first that runs, one value where a limit state was found
-    strength_last : of what is not put back, the factor as the strength is divided last; None where there is none
-    load_last : of a load on many blocks, the value at which they fail as it comes on last, and, where it is that of the
-        last state at rest, the first at which they run
-    jumps : whether the factor, put back, was seen to fall past the target at once there
-    not_compared : of a load on many blocks, why the other of its two histories says nothing of the value; empty where
-        both do
-    notes : what a run says of the factor there, and of many blocks in a load what it has to do with their cohesion
+    notes : what a run says of the factor there
     """
 
     how: Literal["root", "jump", "gap"]
@@ -62,23 +54,7 @@ class SolvedValue:
     bracket: tuple[tuple[float, float], tuple[float, float]]
     rises: bool
     both: Point
-    put_back: bool = True
-    strength_last: float | None = None
-    load_last: tuple[float, float | None] | None = None
-    jumps: bool = False
-    not_compared: str = ""
     notes: tuple[Notice, ...] = ()
-
-    @property
-    def from_path(self) -> bool:
-        """Whether the value is that of the path in a load, or of a jump: the target is not that of a value put back."""
-        return not self.put_back or self.load_last == (self.value, None)
-
-    @property
-    def runs(self) -> float | None:
-        """Where the motion of the path in a load did not settle: the first value at which the blocks run."""
-        (at, _), (beyond, _) = self.bracket
-        return beyond if not self.put_back and beyond != at else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,10 +93,6 @@ class Solution(StudyOutcome):
     key, target, within : what was asked; from_acceptance : whether the target is that of the design's own rule
     before : the design as it is
     closed_form : None where the kind has none that is quick; pre_ie
-    rounded : the first root of PRE-IE in four digits on the safe side, with the factor there; None without a root
-    spent : whether the work that one answer may take was done before all was looked at
-    load_last_beyond : of a load on many blocks, the value at which they fail as it comes on last, where that lies
-        beyond those that were looked at
     """
 
     name: ClassVar[str] = "solve"
@@ -132,11 +104,8 @@ class Solution(StudyOutcome):
     before: Point
     closed_form: Answers | None
     pre_ie: Answers
-    rounded: tuple[float, float] | None
     warnings: tuple[Notice, ...] = ()
     seconds: float = field(default=0.0, compare=False)
-    spent: bool = False
-    load_last_beyond: float | None = None
 
     @property
     def answer(self) -> SolvedValue | None:
@@ -147,12 +116,6 @@ class Solution(StudyOutcome):
     def reason(self) -> Fault | None:
         """Why there is no such value, None where there is one."""
         return self.pre_ie.reason
-
-    @property
-    def by_other_history(self) -> bool:
-        """Whether the answer is not where many blocks fail as the load comes on last."""
-        answer = self.answer
-        return answer is not None and answer.load_last is not None and answer.load_last[0] != answer.value
 
     @property
     def agree(self) -> bool | None:
@@ -168,14 +131,13 @@ class Solution(StudyOutcome):
 
     @property
     def is_open(self) -> bool:
-        """Whether no value was found and there may be one: the work was done first, or PRE-IE did not converge.
+        """Whether no value was found and there may be one: PRE-IE did not converge somewhere.
 
         Where the factor was seen to jump across the target there is none.
         """
-        reason = self.reason
-        if reason is None or reason.code == "E317":
-            return reason is not None and self.spent
-        return self.spent or any(code == UNSETTLED for _, _, code, _ in self.pre_ie.refused)
+        if self.reason is None or self.reason.code == "E317":
+            return False
+        return any(code == UNSETTLED for _, _, code, _ in self.pre_ie.refused)
 
     @property
     def exit_code(self) -> int:
@@ -198,15 +160,11 @@ class Solution(StudyOutcome):
             "within": list(self.within),
             "before": {"value": self.key.value} | self.before.to_dict(),
             "value": None if answer is None else self.key.reduced(answer.value),
-            "rounded": None
-            if self.rounded is None
-            else dict(zip(("value", "fos"), json_of(self.rounded), strict=True)),
             "agree": self.agree,
             "moments_govern": self.moments_govern,
             "closed_form": None if self.closed_form is None else self._answers(self.closed_form),
             "pre_ie": self._answers(self.pre_ie),
             "reason": json_of(self.reason),
-            "load_last_beyond": self.load_last_beyond,
             "timing_s": {"total": self.seconds},
             **self.words(),
         }
@@ -227,16 +185,12 @@ class Solution(StudyOutcome):
         }
 
     def _found(self, crossing: SolvedValue) -> dict[str, Any]:
-        of_it = crossing.put_back  # else the path in a load has the factor for its own strength
         return {
-            "how": crossing.how, "value": self.key.reduced(crossing.value),
-            "fos": json_of(crossing.factor) if of_it else None, "status": crossing.status,
-            "misses_by": json_of(abs(crossing.factor - self.target)) if of_it else None, "rises": crossing.rises,
+            "how": crossing.how, "value": self.key.reduced(crossing.value), "fos": json_of(crossing.factor),
+            "status": crossing.status, "misses_by": json_of(abs(crossing.factor - self.target)),
+            "rises": crossing.rises,
             "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in crossing.bracket],
-            "put_back": crossing.both.to_dict() if of_it else None, "strength_last": json_of(crossing.strength_last),
-            "load_last": None if crossing.load_last is None
-            else dict(zip(("value", "runs"), crossing.load_last, strict=True)),
-            "not_compared": crossing.not_compared,
+            "put_back": crossing.both.to_dict(),
         }  # fmt: skip
 
 
@@ -281,7 +235,7 @@ def reason_of(
     low, high = least[1], most[1]
     if high - low <= ALIKE * max(low, 1.0) if math.isfinite(high) else low == high:
         text = f"the factor of safety does not depend on {key.path}: it is {shown(low)} {span}{_open(key, refused)}"
-        return Fault("E316", text, "", _without_factor(low) or _unused(key))
+        return Fault("E316", text, "", _without_factor(low))
     jumps = [one for one in others if one.how == "jump"]
     if jumps:
         (a, at_a), (b, at_b) = jumps[0].bracket
@@ -321,14 +275,6 @@ def _open(key: Key, refused: Sequence[tuple[float, float, str, str]]) -> str:
     return f"; {where}{more} {NO_CONVERGENCE}: it may lie there"
 
 
-def cut_short(key: Key, target: float, least: End, most: End) -> Fault:
-    """Why there is no value where the work of one answer was done first: E319, with what is known."""
-    ends = [f"{shown(factor)} at {key.shown(at, 7)}" for at, factor in filter(None, (most, least))]
-    known = f"it goes from {' to '.join(ends)}" if ends else "it is known nowhere"
-    message = f"the work of one answer was done before a factor of {number(target)} was found: {known}"
-    return Fault("E319", message, "", _LESS_WORK.format(key.path))
-
-
 def end_advice(key: Key, value: float, within: tuple[float, float]) -> str:
     """What to try where the nearest is reached at an end of the range that could be moved on."""
     further = key.kind in ("length", "force", "pressure") or key.low < value < key.high
@@ -340,16 +286,6 @@ def _without_factor(factor: float) -> str:
     if factor == 0.0:
         return "What tips, falls or is lifted there does so at any such value: slopekit run says how it moves."
     return "Nothing moves it at any of these values." if math.isinf(factor) else ""
-
-
-def _unused(key: Key) -> str:
-    if key.path.startswith("strength.") and key.path.endswith((".phi", ".c")):
-        return "No joint that carries a load has this strength, or another joint holds alone."
-    if key.path.startswith("strength."):
-        return "The limit does not depend on stiffness, nor on tension where joints open."
-    if key.kind in ("density", "unit weight", "acceleration"):
-        return "Without cohesion, water and other loads the weight drops out of the factor."
-    return ""
 
 
 def shown(factor: float) -> str:
@@ -373,7 +309,7 @@ def notices(solution: Solution) -> Iterator[Notice]:
         point = other.both
         why = "with moments there is no such value" if point.factors else f"there {point.code} {point.message}"
         yield Notice("W353", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
-    yield from _of_paths(solution)
+    yield from beyond_sense(key.path, None if answer is None else answer.value)
     if answer is not None:
         yield from answer.notes
     if len(solution.pre_ie.roots) > 1:
@@ -392,54 +328,11 @@ def notices(solution: Solution) -> Iterator[Notice]:
     yield from new_notices(notices_of_inputs(solution.design, [key.path]), () if answer is None else answer.notes)
 
 
-def _of_paths(solution: Solution) -> Iterator[Notice]:
-    """Of a load on many blocks: what it gives as it comes on last, and what as the strength is divided last."""
-    key, target, answer = solution.key, solution.target, solution.answer
-    if solution.spent:
-        yield Notice("W360", "the work that one answer may take was done before all was looked at")
-    yield from beyond_sense(key.path, None if answer is None else answer.value, solution.load_last_beyond)
-    if answer is None:
-        return
-    yield from one_history(answer.not_compared, key.shown(answer.value))
-    last = "none" if answer.strength_last is None else shown(answer.strength_last)
-    if answer.runs is not None:
-        yield Notice("W462", f"no limit state was found: the blocks were last at rest at {key.shown(answer.value)} and "
-                             f"run at {key.shown(answer.runs)} as this load comes on last; with the strength divided "
-                             f"last their factor there is {last}")  # fmt: skip
-    elif answer.jumps:
-        yield Notice("W356", f"the factor jumps at {key.shown(answer.value)}: put back it is {last}, and just above it "
-                             f"is below {number(target)}, or none is found")  # fmt: skip
-    if answer.load_last is not None and answer.load_last[0] != answer.value:
-        value, runs = answer.load_last
-        fail = f"are at their limit at {key.shown(value)}"
-        if runs is not None:
-            fail = f"were last at rest at {key.shown(value)} and run at {key.shown(runs)}"
-        comes = "falls past" if answer.jumps else "comes to"
-        safe = "; the first is on the safe side" if (value < answer.value) != answer.rises else ""
-        yield Notice("W477", f"the order of loads counts: as this load comes on last the blocks {fail}; with the "
-                             f"strength divided last their factor {comes} {number(target)} at "
-                             f"{key.shown(answer.value)}, which is given{safe}")  # fmt: skip
-    elif answer.strength_last is not None and answer.runs is None and not answer.jumps:
-        yield Notice("W477", "the order of loads counts: as this load comes on last the blocks are at their limit at "
-                             f"{key.shown(answer.value)}, which is given; with the strength divided last their factor "
-                             f"there is {last}, and none below {number(target)} was seen")  # fmt: skip
-
-
-def one_history(not_compared: str, value: str) -> Iterator[Notice]:
-    """W477 where the other of two histories of a load says nothing of a value."""
-    if not_compared:
-        text = f"the order of loads was not compared: {not_compared}; {value} is of one history alone"
-        yield Notice("W477", text)
-
-
-def beyond_sense(path: str, value: float | None, last: float | None) -> Iterator[Notice]:
-    """W302 where a seismic coefficient is more than earthquakes give: its value, or where the blocks fail at last."""
-    at = last if value is None else value
-    if path == "loads.seismic.k" and at is not None and at > GREATEST_K:
-        where = "the blocks fail" if value is None else "k"
-        shown = f" at k {number(float(f'{at:.3g}'))} only, which" if value is None else f" {number(float(f'{at:.3g}'))}"
-        yield Notice("W302", f"{where}{shown} is beyond what nearly any earthquake gives (1 g): something else than "
-                             "shaking decides")  # fmt: skip
+def beyond_sense(path: str, value: float | None) -> Iterator[Notice]:
+    """W302 where a seismic coefficient is more than earthquakes give."""
+    if path == "loads.seismic.k" and value is not None and value > GREATEST_K:
+        yield Notice("W302", f"k {number(float(f'{value:.3g}'))} is beyond what nearly any earthquake gives (1 g): "
+                             "something else than shaking decides")  # fmt: skip
 
 
 def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
@@ -447,8 +340,11 @@ def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:
     name = {"closed_form": "the closed form", "pre_ie": "PRE-IE"}[answers.method]
     for root in answers.roots:
         miss = abs(root.factor - target)
-        if miss > TOLERANCE[answers.method]:
-            (a, _), (b, _) = root.bracket
+        (a, below), (b, above) = root.bracket
+        if root.how != "root":
+            yield Notice("W356", f"the factor falls past {number(target)} at once at {key.shown(root.value)}: from "
+                                 f"{shown(below)} to {shown(above)}, or to none")  # fmt: skip
+        elif miss > TOLERANCE[answers.method]:
             text = f"{key.shown(root.value)}, put back into {name}, misses {number(target)} by {miss:.1g}: "
             text += f"between {key.shown(a, 16)} and {key.shown(b, 16)} the factor is no smoother"
             yield Notice("W356", text)

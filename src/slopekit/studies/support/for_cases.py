@@ -15,8 +15,6 @@ from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.support.records import Acts, BoltCase, Support, enough, snippet
 from slopekit.studies.support.search import closed_form_answer, limit_answer
 
-_OVER = 1e-4  # of a bolt's capacity: the force on a metre of slope is written with five digits, rounded up
-
 
 def options(design: Design, given: Mapping[str, Any]) -> dict[str, Any]:
     """What the study of a case takes: the factor that its acceptance asks for, where no other is wanted."""
@@ -31,16 +29,13 @@ class Tried:
     Attributes
     ----------
     acts : how they act; governing : the case that they were found for
-    bolts : as they are built; inside : every case with them; most : force of the strongest, kN
-    capacity : of a bolt, kN; slice_m : the length of slope that a force in the design stands for, 1 in space
+    bolts : as they are built; inside : every case with them
     """
 
     acts: Acts
     governing: str
     bolts: tuple[Bolt, ...]
     inside: tuple[InCase, ...]
-    capacity: float
-    slice_m: float
 
     @property
     def force(self) -> float:
@@ -50,12 +45,7 @@ class Tried:
     @property
     def met(self) -> bool:
         """Whether every case is satisfied by bolts that there are."""
-        return all(one.met for one in self.inside) and self.most <= self.capacity * (1.0 + _OVER)
-
-    @property
-    def most(self) -> float:
-        """The force of the strongest bolt, kN."""
-        return self.slice_m * max((bolt.force_kn for bolt in self.bolts), default=0.0)
+        return all(one.met for one in self.inside)
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,9 +174,7 @@ def _for_all(acts: Acts, built: Mapping[str, BoltCase], supports: Mapping[str, S
 
 def _tried(acts: Acts, governing: str, case: BoltCase, supports: Mapping[str, Support]) -> Tried:
     """Every load case with the bolts that were found for one of them."""
-    capacity = supports[governing].options.capacity
-    inside = tuple(_in_case(name, one, case.bolts) for name, one in supports.items())
-    return Tried(acts, governing, case.bolts, inside, capacity, case.slice_m)
+    return Tried(acts, governing, case.bolts, tuple(_in_case(name, one, case.bolts) for name, one in supports.items()))
 
 
 def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.studies.support.search import Site
@@ -20,7 +20,6 @@ _MARGIN = 0.25  # of the spacing: the least distance of a head from the edge of 
 _FINER, _TRIES = 0.98, 228  # of the spacing, from one try to the next; down to a hundredth of the widest
 _STARTS = np.array([(a, b) for a in (0.0, 0.25, 0.5, 0.75) for b in (0.0, 0.25, 0.5, 0.75)])  # of the spacing
 _PLACES = 401  # along the face of a section that are looked at
-_CLEAR = 1e-9  # of the size of the block
 _NO_PLACE = Notice(
     "E211", "no place on the face is left: bolts that way come out of a free face, anchored in nothing"
 )  # fmt: skip
@@ -32,9 +31,9 @@ class Layout:
 
     Attributes
     ----------
-    heads_m : (n, 3) in east, north, up of the design; local_m : the same in local axes
+    heads_m : (n, 3) in east, north, up of the design
+    middle_m : their middle in local axes, or the head nearest to it where a bolt from the middle is not anchored
     sound_m : (n,) from the head to where sound rock begins, behind the last joint
-    row : (n,) and column : (n,) of each head, from 0, the lowest row first
     rows, columns : how many
     across_m, up_m : spacing along the rows and from row to row
     left_out : places of the grid on the face whose bolts would miss the block, or come out of the ground
@@ -42,10 +41,8 @@ class Layout:
     """
 
     heads_m: Floats
-    local_m: Floats
+    middle_m: Floats
     sound_m: Floats
-    row: Ints
-    column: Ints
     rows: int
     columns: int
     across_m: float
@@ -76,6 +73,20 @@ def layout(site: Site, direction: Floats, force: float, capacity: float, spacing
     if site.in_section:
         return _section_layout(site, direction, force, capacity, spacing)
     return _face_layout(site, direction, force, capacity, spacing)
+
+
+def _laid(
+    site: Site, heads: Floats, direction: Floats, count: tuple[int, int], spacing: tuple[float, float], left_out: int,
+    needed: int | None,
+) -> Layout:  # fmt: skip
+    """Bolts with their heads (n, 3) in local axes, in rows and columns, at a spacing across and up the face."""
+    middle = heads.mean(axis=0)
+    if not depths(site, middle[None, :], direction)[1][0]:
+        middle = heads[((heads - middle) ** 2).sum(axis=1).argmin()]
+    sound, _ = depths(site, heads, direction)
+    return Layout(
+        frozen(site.world(heads) + site.origin), frozen(middle), frozen(sound), *count, *spacing, left_out, needed
+    )
 
 
 def _face_layout(
@@ -174,14 +185,10 @@ class _Grid:
 
     def layout(self, chosen: _Chosen, spacing: float, needed: int) -> Layout:
         points, left_out, _ = chosen
-        columns, column = np.unique(points[:, 0].round(9), return_inverse=True)
-        rows, row = np.unique(points[:, 1].round(9), return_inverse=True)
-        local = self.local(points)
-        sound, _ = depths(self.site, local, self.direction)
-        return Layout(
-            frozen(self.site.world(local) + self.site.origin), frozen(local), frozen(sound), row.ravel(),
-            column.ravel(), len(rows), len(columns), spacing, spacing, left_out, needed,
-        )  # fmt: skip
+        columns, rows = (len(np.unique(points[:, k].round(9))) for k in range(2))
+        return _laid(
+            self.site, self.local(points), self.direction, (rows, columns), (spacing, spacing), left_out, needed
+        )
 
 
 def _clear_of_edges(points: Floats, polygon: Floats, margin: float) -> Bools:
@@ -224,15 +231,10 @@ def _section_layout(
         return Notice("E328", message)
     shares = low + (np.arange(rows) + 0.5) / rows * (high - low)
     local = foot + shares[:, None] * (top - foot)
-    sound, anchored = depths(site, local, direction)
-    if not anchored.all():
+    if not depths(site, local, direction)[1].all():
         return Notice("E211", "bolts that way come out of a free face from some of the rows")
     left_out = round((length - reach) / (reach / rows)) if reach < length * (1.0 - 3.0 * step) else 0
-    none = np.zeros(rows, dtype=np.int64)
-    return Layout(
-        frozen(site.world(local) + site.origin), frozen(local), frozen(sound), np.arange(rows), none, rows, 1,
-        across, reach / rows, left_out, None,
-    )  # fmt: skip
+    return _laid(site, local, direction, (rows, 1), (across, reach / rows), left_out, None)
 
 
 def centre_of(polygon: Floats) -> Floats:
@@ -242,21 +244,3 @@ def centre_of(polygon: Floats) -> Floats:
     centres = (polygon[0] + polygon[1:-1] + polygon[2:]) / 3.0
     centre: Floats = sizes @ centres / sizes.sum()
     return centre
-
-
-def groups(site: Site, laid: Layout, direction: Floats, most: int) -> tuple[Floats, Ints]:
-    """Bolts that stand together as one: heads (g, 3) in local axes, and how many bolts (g,) each stands for.
-
-    A group's head is the mean of its own, or where a bolt could not be anchored from there the nearest of them.
-    """
-    if len(laid) <= most:
-        return laid.local_m, np.ones(len(laid), dtype=np.int64)
-    across, up = (1, most) if laid.columns == 1 else (math.isqrt(most), math.isqrt(most))
-    _, member = np.unique((laid.column * across // laid.columns) * up + laid.row * up // laid.rows, return_inverse=True)
-    member = member.ravel()
-    counts = np.bincount(member)
-    heads = np.stack([np.bincount(member, laid.local_m[:, k]) for k in range(3)], axis=1) / counts[:, None]
-    for k in np.flatnonzero(~depths(site, heads, direction)[1]):
-        own = laid.local_m[member == k]
-        heads[k] = own[((own - heads[k]) ** 2).sum(axis=1).argmin()]
-    return heads, counts

@@ -22,12 +22,11 @@ from slopekit.design.words import above_zero, line_of_words
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.protocol import StudyOutcome
 from slopekit.studies.support.pattern import Layout
-from slopekit.studies.support.search import Answer, limit_answer
+from slopekit.studies.support.search import Answer, Need, limit_answer
 
 FORCE_STEP_KN = 10.0  # of the force of a bolt as it is built
 DRILLABLE_DEG = (0.0, 30.0)  # plunges of bolts, where nobody says others
 _UP = Context(prec=5, rounding=ROUND_CEILING)
-Which = Literal["given", "practical"]
 Acts = Literal["active", "passive"]
 
 
@@ -69,7 +68,8 @@ def read_options(
 
     def positive(value: object, kind: str, name: str, key: str) -> float | None:
         where = f"{named(key)} {value}"
-        return None if value is None else faults.of(lambda: above_zero(value, kind, name, "E307", where))
+        may_lack = key in ("spacing", "length") and value is None
+        return None if may_lack else faults.of(lambda: above_zero(value, kind, name, "E307", where))
 
     target = positive(fos, "ratio", "the target factor of safety", "fos")
     capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "bolt_capacity")
@@ -81,11 +81,8 @@ def read_options(
         lambda: line_of_words(toward, "the bolts", "E307", f"{named('toward')} {toward}")
     )  # fmt: skip
     limits = None if plunge is None else faults.of(lambda: _plunges(plunge, named("plunge")))
-    if target is None and not faults:
-        faults.append(Fault("E307", "the target factor of safety is missing", named("fos"), "For example 1.5."))
-    if faults or target is None or capacity is None or anchorage is None or both is None:
-        where = f"{named('bolt_capacity')}, {named('bond')}"
-        raise DesignError(faults or [Fault("E307", "capacity and bond are needed", where)])
+    faults.refuse()
+    assert target is not None and capacity is not None and anchorage is not None and both is not None  # noqa: PT018
     return SupportOptions(target, both, line, limits, capacity, apart, anchorage, long)
 
 
@@ -114,136 +111,63 @@ def _plunges(value: object, option: str) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, slots=True)
-class Need:
-    """What one method needs.
-
-    Attributes
-    ----------
-    force : kN (a plane's: per metre; a pressure: kPa), None where it cannot reach the target
-    fos, status : with that force put back; without one the best that was met
-    below : the factor just under the force, where it jumps over the target
-    notice : why not, or what to know
-    """
-
-    JSON_ALSO: ClassVar = ("reached",)
-    force: float | None = field(metadata={"json": "force_kn"})
-    fos: float | None
-    status: str
-    below: float | None = field(default=None, metadata={"json": "jumps_from"})
-    moments_govern: bool = False
-    agree: bool | None = None
-    notice: Notice | None = None
-
-    @property
-    def reached(self) -> bool:
-        """Whether there is a force that gives the target."""
-        return self.force is not None
-
-
-@dataclass(frozen=True, slots=True)
-class Pattern:
-    """Bolts with their heads on the face.
-
-    Attributes
-    ----------
-    layout : heads, rows, columns, spacing; None where no bolt can stand
-    force : in all, kN (a plane's: per metre), None where none reaches the target with the moments
-    each : kN of a bolt as it is built: up to 10 kN, at most its capacity; per_m2 : the same on a m² of face
-    lengths : (n,) m, least length of each with its anchorage; taken : (n,) m as it is built, up to 0.1 m
-    asked, first : the force that is enough through the centroid, kN, and the factor that it gives with the heads
-    need : PRE-IE with the heads where they are
-    groups : how many bolts PRE-IE took them for
-    notices : why there is none, or what to know
-    """
-
-    JSON_ALSO: ClassVar = ("reached", "shortest_m", "longest_m")
-    layout: Layout | None = field(metadata={"json": None})
-    notices: tuple[Notice, ...]
-    force: float | None = field(default=None, metadata={"json": "force_kn"})
-    each: float | None = field(default=None, metadata={"json": "each_kn"})
-    lengths: Floats = field(default_factory=lambda: np.zeros(0), metadata={"json": "least_lengths_m"})
-    taken: Floats = field(default_factory=lambda: np.zeros(0), metadata={"json": "lengths_m"})
-    per_m2: float | None = field(default=None, metadata={"json": "per_m2_kn"})
-    asked: float | None = field(default=None, metadata={"json": "centroid_force_kn"})
-    first: float | None = field(default=None, metadata={"json": "fos_at_centroid_force"})
-    need: Need | None = field(default=None, metadata={"json": "pre_ie"})
-    groups: int = 0
-
-    @property
-    def reached(self) -> bool:
-        """Whether these bolts give the target: in number, length and strength."""
-        return self.force is not None and not any(notice.code in ("E211", "E212", "E328") for notice in self.notices)
-
-    @property
-    def shortest_m(self) -> float | None:
-        """The least of the least lengths, None without bolts."""
-        return float(self.lengths.min()) if len(self.lengths) else None
-
-    @property
-    def longest_m(self) -> float | None:
-        """The greatest of the least lengths."""
-        return float(self.lengths.max()) if len(self.lengths) else None
-
-    def to_dict(self) -> dict[str, Any]:
-        """The pattern as JSON values, its layout within it."""
-        laid = self.layout
-        placed: dict[str, Any] = {"heads_m": []}
-        if laid is not None:
-            placed = {
-                "bolts": len(laid), "needed": laid.needed, "rows": laid.rows, "columns": laid.columns,
-                "spacing_m": {"across": laid.across_m, "up": laid.up_m}, "left_out": laid.left_out,
-                "heads_m": laid.heads_m,
-            }  # fmt: skip
-        absent = dict.fromkeys(("bolts", "needed", "rows", "columns", "spacing_m", "left_out"))
-        return {**record_of(self), **absent, **json_of(placed)}
-
-
-@dataclass(frozen=True, slots=True)
 class BoltCase:
-    """Bolts that act one way, in one direction.
+    """Bolts that act one way.
 
     Attributes
     ----------
-    which : given, or practical (best within limits of plunge)
-    toward : None where no direction reaches the target
-    closed_form : through the centroid, as it sees all forces; pre_ie : through the centroid, its own root
-    most : force above which the closed form falls below the target again, None without an end
-    pattern : heads on the face
-    bolts : what goes into the design beside the bolts that are there, as they are built; empty where the target is out
-        of reach, or no bolts on the face give it
+    toward : direction of their force on the block, None where none reaches the target
+    closed_form : what it needs along that direction; pre_ie : what that needs with the heads on the face, None where it
+        was not asked
+    layout : heads on the face, None where no bolt can stand
+    force : that both methods need (of dilating joints PRE-IE), kN or kN/m; None where one cannot reach the target
+    each : kN of a bolt as it is built: up to 10 kN, at most its capacity
+    lengths : (n,) m as they are built, up to 0.1 m
+    bolts : what goes into the design beside the bolts that are there; empty where the target is out of reach
     existing : the bolts that are there
     factors : of the design with `bolts`, which it was solved again with; None without any
-    lacks : what is reached with `bolts`, or with bolts on the face, where that is not the target, or no answer
-    dilates : the joints dilate, which the closed form does not know: PRE-IE's number counts, even where it is less
+    lacks : what is reached with `bolts`, where that is not the target; why there are none
+    notices : why there is no layout, or what to know of it
     """
 
-    JSON_ALSO: ClassVar = ("reached", "use_kn", "check", "support", "yaml")
+    JSON_ALSO: ClassVar = ("reached", "pattern", "check", "support", "yaml")
     acts: Acts
-    which: Which = field(metadata={"json": "direction"})
     toward: Line | None
     closed_form: Need
-    pre_ie: Need | None
-    most: float | None = field(default=None, metadata={"json": "most_kn"})
-    pattern: Pattern | None = None
+    pre_ie: Need | None = None
+    layout: Layout | None = field(default=None, metadata={"json": None})
+    force: float | None = field(default=None, metadata={"json": "use_kn"})
+    each: float | None = field(default=None, metadata={"json": None})
+    lengths: Floats = field(default_factory=lambda: np.zeros(0), metadata={"json": None})
     bolts: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
     existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
-    dilates: bool = field(default=False, metadata={"json": None})
-    lacks: str = field(default="", metadata={"json": None})
     factors: Factors | None = field(default=None, metadata={"json": None})
+    lacks: str = field(default="", metadata={"json": None})
+    notices: tuple[Notice, ...] = ()
 
     @property
     def reached(self) -> bool:
-        """Whether both methods reach the target: solved again with the bolts as they are built where those are laid."""
-        if self.pattern is not None:
-            laid = self.closed_form.force is not None and self.pattern.reached
-            return laid and self.factors is not None and not self.lacks
-        return self.force is not None
+        """Whether both methods reach the target, solved again with the bolts as they are built."""
+        return self.factors is not None and not self.lacks
 
     @property
-    def slice_m(self) -> float:
-        """The length of slope that the force of a bolt stands for in the design: in a section the spacing along it."""
-        laid = self.pattern.layout if self.pattern is not None else None
-        return 1.0 if laid is None or laid.needed is not None else laid.across_m
+    def said(self) -> tuple[Notice, ...]:
+        """What is to be known of what each method needs, and of the layout."""
+        needs = [need.notice for need in (self.closed_form, self.pre_ie) if need is not None]
+        return (*(notice for notice in needs if notice is not None), *self.notices)
+
+    @property
+    def pattern(self) -> dict[str, Any] | None:
+        """Where the bolts stand, their force and their lengths, as JSON values; None where none can stand."""
+        laid = self.layout
+        if laid is None:
+            return None
+        pattern: dict[str, Any] = json_of({
+            "bolts": len(laid), "needed": laid.needed, "rows": laid.rows, "columns": laid.columns,
+            "spacing_m": {"across": laid.across_m, "up": laid.up_m}, "left_out": laid.left_out,
+            "heads_m": laid.heads_m, "each_kn": self.each, "lengths_m": self.lengths,
+        })  # fmt: skip
+        return pattern
 
     @property
     def check(self) -> dict[str, Any] | None:
@@ -252,21 +176,6 @@ class BoltCase:
             return None
         both = {"limit": self.factors.limit, "closed_form": self.factors.closed_form}
         return {"fos": both, "status": self.factors.status, "met": not self.lacks}
-
-    @property
-    def force(self) -> float | None:
-        """The force to use, None where a method does not reach the target.
-
-        With heads on the face it is PRE-IE's with their moments, through the centroid the larger of both methods'.
-        """
-        if self.closed_form.force is not None and self.pattern is not None and self.pattern.reached:
-            return self.pattern.force
-        return _larger(self)
-
-    @property
-    def use_kn(self) -> float | None:
-        """The force to use, as the JSON calls it."""
-        return self.force
 
     @property
     def support(self) -> dict[str, Any] | None:
@@ -282,47 +191,6 @@ class BoltCase:
         return "".join(f"# {line}\n" for line in said) + snippet((*self.existing, *self.bolts))
 
 
-@dataclass(frozen=True, slots=True)
-class FacePressure:
-    """An even pressure on the face, square to it: kPa by each method, the area and the point its force acts on."""
-
-    JSON_ALSO: ClassVar = ("force",)
-    closed_form: Need
-    pre_ie: Need | None
-    area: float = field(metadata={"json": "face_area_m2"})
-    toward: Line
-    at: tuple[float, float, float] = field(metadata={"json": "at_m"})
-    dilates: bool = field(default=False, metadata={"json": None})
-
-    @property
-    def use(self) -> float | None:
-        """The pressure to use, kPa: the larger (of dilating joints PRE-IE's), None where a method has none."""
-        return _larger(self)
-
-    @property
-    def force(self) -> dict[str, Any] | None:
-        """The force of the pressure to use, as a design file's `loads.forces` takes it."""
-        if self.use is None:
-            return None
-        return {"force": self.use * self.area, "toward": _line_words(self.toward), "at": list(self.at)}
-
-    def to_dict(self) -> dict[str, Any]:
-        """The pressure as JSON values: its needs are kPa."""
-        record = record_of(self) | {"use_kpa": self.use}
-        for method in ("closed_form", "pre_ie"):
-            if record[method] is not None:
-                record[method] = {"pressure_kpa": record[method].pop("force_kn")} | record[method]
-        return record
-
-
-def _larger(needs: "BoltCase | FacePressure") -> float | None:
-    """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""
-    closed, limit = needs.closed_form.force, needs.pre_ie.force if needs.pre_ie is not None else None
-    if closed is None or limit is None:
-        return None
-    return limit if needs.dilates else max(closed, limit)
-
-
 @dataclass(frozen=True, slots=True, repr=False)
 class Support(StudyOutcome):
     """What a design needs.
@@ -331,22 +199,22 @@ class Support(StudyOutcome):
     ----------
     target : factor of safety; options : what was asked for
     closed_form, pre_ie : without more support
-    cases : by how the bolts act and their direction, empty where nothing is needed
-    pressure : on the face; None where nothing is needed
-    weight : kN; face_area : m²; unit : kN, or kN/m of a plane
+    cases : by how the bolts act, empty where nothing is needed
+    pressure : even pressure normal to the face that gives the target by both methods, kPa; None where nothing is needed
+        or none does
+    unit : kN, or kN/m of a plane
+    dilates : the joints dilate, which the closed form does not know: PRE-IE's number counts, even where it is less
     """
 
     name: ClassVar[str] = "support"
-    JSON_ALSO: ClassVar = ("reached", "needed", "without", "existing_bolts")
+    JSON_ALSO: ClassVar = ("reached", "needed", "without")
     design: Design = field(metadata={"json": None})
     target: float = field(metadata={"json": "target_fos"})
     options: SupportOptions
     closed_form: Answer = field(metadata={"json": None})
     pre_ie: Answer = field(metadata={"json": None})
     cases: tuple[BoltCase, ...] = field(metadata={"json": "bolts"})
-    pressure: FacePressure | None
-    weight: float = field(metadata={"json": "weight_kn"})
-    face_area: float = field(metadata={"json": "face_area_m2"})
+    pressure: float | None = field(metadata={"json": "pressure_kpa"})
     unit: str
     warnings: tuple[Notice, ...]
     dilates: bool = False
@@ -381,27 +249,19 @@ class Support(StudyOutcome):
         }  # fmt: skip
 
     @property
-    def existing_bolts(self) -> int:
-        """How many bolts the design has."""
-        return len(self.design.bolts)
-
-    @property
     def exit_code(self) -> int:
         """0 reached by active and by passive bolts, as far as asked for, 1 not (or not by a larger wedge, W507).
 
         4 where the methods disagree, or without convergence.
         """
-        answers = [case.pre_ie for case in self.cases if case.pre_ie is not None]
-        if self.pre_ie.agree is False or any(need.agree is False for need in answers):
+        answers = [self.pre_ie, *(limit_answer(case.factors) for case in self.cases if case.factors is not None)]
+        if any(answer.agree is False for answer in answers):
             return 4
-        checks = [limit_answer(case.factors) for case in self.cases if case.factors is not None]
-        if any(answer.agree is False for answer in checks):
-            return 4
-        if not self.reached and any(answer.level is None for answer in (self.pre_ie, *checks)):
+        if not self.reached and any(answer.level is None for answer in answers):
             return 4
         falls_short = any(notice.code == "W507" for notice in self.warnings)
         all_reach = self.stands or all(case.reached for case in self.cases)
-        return 1 if falls_short or not self.reached or not all_reach else 0
+        return 1 if falls_short or not all_reach else 0
 
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""

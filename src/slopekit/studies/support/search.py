@@ -1,44 +1,41 @@
-"""The least force at which a method gives a wanted factor of safety: any method, asked as a black box.
+"""The least force at which a method gives a wanted factor of safety, and the direction in which it is least.
 
-The site is the design as support sees it: what holds its block, its face, and both methods asked with more load on it.
+The site is the design as support sees it: its block, its face, and its closed form asked with more force on it.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Line, line_of
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Bolt, Force
-from slopekit.geometry.rock.cutting import Block
-from slopekit.kinds import factors_of, kind_of
+from slopekit.kinds import kind_of
 from slopekit.kinds.protocol import Factors
+from slopekit.kinds.single_block.closed_forms import OnArrays
 from slopekit.loads import Hull
-from slopekit.preie.one_block.passes import Outcome
-from slopekit.preie.system.model import Model
 from slopekit.studies.points import UNSETTLED
-from slopekit.studies.support.forces import BoltedBlock
+from slopekit.studies.solve.factor_request import level_of
+from slopekit.studies.solve.roots import RootSearch, Sample
 
-#: Forces aim above the target by this part, so that rounding leaves none below it ...
-AIM = 2e-8
-#: ... and the root of PRE-IE lies above it by at most twice this part.
-WITHIN = 1.5e-7
-_OUTCOMES = {
-    Outcome.NO_DRIVING_FORCE: "no_driving_force", Outcome.LIFTED: "lifted", Outcome.NOT_CONVERGED: "not_converged",
-}  # fmt: skip
-_SAME_WAY = 1e-12  # 1 - cosine of bolts that pull one way
-_DOWN = (1.0 - 1e-6, 0.999, 0.97, 0.85, 0.6, 0.3, 0.1, 0.01)
-_UP = (1.0 + 1e-6, 1.003, 1.03, 1.12, 1.3, 1.7, 2.5, 4.0, 7.0, 12.0)
-_SHARES = (0.01, 0.1, 0.3, 0.6, 0.9)  # of the range of forces that the closed form allows
-_MOST_HALVED = 6  # times, where too much force was tried and the factor has fallen
-_MOST_ASKED = 24
-_NARROW = 1e-10  # a bracket this narrow (in parts of the force) in which the factor still changes is a jump ...
-_LEAP, _LEAPS_WITHIN = 1.05, 1e-3  # ... and one this narrow in which it changes that much
+_WITHIN = 1.5e-7  # of the target: the least force gives it, or more by at most twice this part
+_DOWN = (1.0 - 1e-6, 0.999, 0.97, 0.85, 0.6, 0.3, 0.1, 0.01, 1e-4)  # times a force that is enough
+_UP = (1.0 + 1e-6, 1.003, 1.03, 1.12, 1.3, 1.7, 2.5, 4.0, 7.0, 12.0)  # times one that is not
+_NARROW = 1e-10  # a bracket this narrow, in parts of the force, is narrowed no further
+_JUMP = 1e-3, 0.02  # and one this narrow with levels so far apart is a jump
+_TRIED = np.logspace(-4.0, 4.0, 65)  # times the weight: forces by which directions are compared
+_HALVINGS = 30
+_SECTIONS = 8
+_STEP_DEG = 5.0  # of trend and plunge as they are set out
+_INTO_FACE_DEG = 5.0  # bolts point into the face by at least that
+_FORCE = ("force_east", "force_north", "force_up")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,39 +74,68 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
+class Need:
+    """What one method needs.
+
+    Attributes
+    ----------
+    force : kN (a plane's: per metre), None where no force that was tried reaches the target
+    answer : at that force; without one the best that was met, at the force `best`
+    below : the factor just under the force, where it jumps over the target
+    notice : why not, or what to know
+    """
+
+    force: float | None
+    answer: Answer
+    best: float = 0.0
+    below: float | None = None
+    notice: Notice | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        answer = self.answer
+        return {
+            "force_kn": self.force, "fos": json_of(answer.factor), "status": answer.status, "jumps_from": self.below,
+            "moments_govern": answer.moments_govern, "agree": answer.agree, "notice": json_of(self.notice),
+            "reached": self.force is not None,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
 class Site:
     """A wedge or a plane failure that support is looked for.
 
     Attributes
     ----------
-    design : as it stands
-    block : in local axes, m; face : (k, 3) its free face, anticlockwise from outside; area : m² of that (a plane's: per
-        metre); joints : faces of the block that rock lies behind
-    inward : (3,) unit normal of the face into the rock, local axes
+    design : as it stands; weight : kN
+    face : (k, 3) free face of the block in local axes, m, anticlockwise from outside; area : m² (a plane's: per metre)
     axes : (3, 3) rows are the local axes, in east, north, up; origin : (3,) m of the local origin
     in_section : what acts along the slope is left out, forces are per metre of slope
-    model : PRE-IE's, of the design as it stands; closed_form : asks that of a changed design
-    outward : face of the block -> (3,) its unit normal; hull : the planes that bolts meet
+    on_arrays : the closed form of many such designs
+    hull : the planes that bolts meet
     """
 
     design: Design
-    block: Block
+    weight: float
     face: Floats
     area: float
-    joints: tuple[int, ...]
-    inward: Floats
     axes: Floats
     origin: Floats
     in_section: bool
-    model: Model
-    closed_form: Callable[[Design], Answer]
-    outward: Mapping[int, Floats]
+    on_arrays: OnArrays[Any]
     hull: Hull
 
     @property
     def unit(self) -> str:
         """What forces are counted in."""
         return "kN/m" if self.in_section else "kN"
+
+    @property
+    def inward(self) -> Floats:
+        """Unit normal (3,) of the face into the rock, local axes."""
+        normal = np.cross(self.face[2] - self.face[0], self.face[1] - self.face[0])
+        unit: Floats = normal / math.sqrt(float(normal @ normal))
+        return unit
 
     def local(self, vectors: Floats) -> Floats:
         """Vectors (..., 3) in east, north, up as the block takes them: in a section without their part along it."""
@@ -123,50 +149,26 @@ class Site:
         turned: Floats = vectors @ self.axes
         return turned
 
-    def held(self, factor: float) -> BoltedBlock:
-        """What holds the block at a factor."""
-        model, most = self.model, self.model.translations
-        scale = model.force_scale
-        normals, first = np.unique(model.interface, return_index=True)
-        bonds = np.array([model.cohesion[model.interface == joint].sum() for joint in normals]) * scale
-        load = self._spread(model.load[:most]) * scale
-        pulls = self._spread(model.bolt_rows[:, :most]) * (model.bolt_capacity * scale)[:, None]
-        size = scale + float(model.bolt_capacity.sum()) * scale
-        return BoltedBlock(
-            load, self._spread(model.rows[first, 0, :most]), bonds, model.tan_friction[first],
-            _by_direction(pulls / factor), factor, size,
-        )  # fmt: skip
-
-    def _spread(self, rows: Floats) -> Floats:
-        if not self.in_section:
-            return np.array(rows[..., :3])
-        out = np.zeros((*rows.shape[:-1], 3))
-        out[..., [0, 2]] = rows[..., :2]
-        return out
-
     def with_bolts(self, *bolts: Bolt) -> Design:
         """The design with more bolts."""
         return replace(self.design, bolts=(*self.design.bolts, *bolts))
 
-    def with_force(self, force: Floats, at: Floats) -> Design:
-        """The design with one more force (3,) kN, through a point (3,) in local axes."""
-        east, north, up = (float(part) for part in self.world(force))
-        return replace(self.design, forces=(*self.design.forces, Force((east, north, up), self.place(at))))
+    def pressed(self, force: float, point: Floats) -> Design:
+        """The design with one more force, kN, normal to the face, through a point (3,) in local axes."""
+        east, north, up = (float(part) for part in self.world(force * self.inward))
+        return replace(self.design, forces=(*self.design.forces, Force((east, north, up), self.place(point))))
+
+    def closed_form(self, design: Design) -> Answer:
+        """The closed form of a design."""
+        closed_form = kind_of(design).closed_form
+        assert closed_form is not None
+        answer = closed_form(design)
+        return Answer(answer.factor or None, answer.status)
 
     def place(self, point: Floats) -> tuple[float, float, float]:
         """A point in local axes in the coordinates of the user."""
         east, north, up = (float(part) for part in self.world(point) + self.origin)
         return east, north, up
-
-    def line(self, direction: Floats) -> Line:
-        """A direction in local axes as trend and plunge, to the last digits that mean something."""
-        line = line_of(direction @ self.axes)
-        return Line(round(line.trend_deg, 12) % 360.0, round(line.plunge_deg, 12) + 0.0)
-
-
-def pre_ie(design: Design) -> Answer:
-    """PRE-IE's answer to a design."""
-    return limit_answer(factors_of(design))
 
 
 def limit_answer(factors: Factors) -> Answer:
@@ -207,165 +209,105 @@ def site_of(design: Design) -> Site:
         message = "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint"
         advice = "Give the design a bolt, then solve changes it: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         raise DesignError([Fault("E288", message, "", advice)])
-    made, asked = kind.cut(design), kind.closed_form
+    made = kind.cut(design)
     assert made.hull is not None
-    model, block = made.scene_at(0).model, made.block
-
-    def closed_form(changed: Design) -> Answer:
-        answer = asked(changed)
-        return Answer(answer.factor or None, answer.status)
-
+    block = made.block
     return Site(
-        design, block, block.faces[made.face], block.areas[made.face], made.joints, -_outward(block.faces[made.face]),
-        np.eye(3) if made.axes is None else made.axes, made.origin, model.translations == 2, model, closed_form,
-        {plane: _outward(polygon) for plane, polygon in block.faces.items()}, made.hull(),
+        design, design.unit_weight_kn_m3 * block.volume, block.faces[made.face], block.areas[made.face],
+        np.eye(3) if made.axes is None else made.axes, made.origin, made.axes is not None, kind.on_arrays, made.hull(),
     )  # fmt: skip
 
 
-def _outward(polygon: Floats) -> Floats:
-    normal = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
-    unit: Floats = normal / math.sqrt(float(normal @ normal))
-    return unit
+# -- directions ----------------------------------------------------------------------------------------------------
 
 
-def _by_direction(pulls: Floats) -> Floats:
-    """Pulls (b, 3) with those of one direction added up."""
-    groups: list[Floats] = []
-    for pull in pulls:
-        size = math.sqrt(float(pull @ pull))
-        for k, group in enumerate(groups):
-            if float(group @ pull) >= (1.0 - _SAME_WAY) * size * math.sqrt(float(group @ group)):
-                groups[k] = group + pull
-                break
-        else:
-            groups.append(pull)
-    return np.reshape(groups, (-1, 3))
+def least_forces(site: Site, goal: float, directions: Floats) -> Floats:
+    """The least active force (m,) along unit directions (m, 3) in east, north, up by the closed form; inf without.
 
-
-@dataclass(frozen=True, slots=True)
-class SearchResult:
-    """What a search found.
-
-    Attributes
-    ----------
-    force : None where no force that was tried reaches the target; answer : at that force, else the best that was met
-    best_force : of that answer
-    below : the level just under the force where the factor jumps over the target, None where it rises to it
-    slope : change of the level with the force there, per kN; None where it is not known
+    A passive bolt pulls with its capacity divided by the factor: it needs the goal times as much.
     """
+    arguments = site.on_arrays.arguments(site.design)
+    own = np.array([arguments[name] or 0.0 for name in _FORCE])
+    for pull in site.on_arrays.bolts(site.design):
+        own += np.array(pull) / goal
 
-    force: float | None
-    answer: Answer
-    best_force: float
-    below: float | None
-    slope: float | None
+    def reaches(forces: Floats) -> Any:
+        total = (own + forces[..., None] * directions).reshape(-1, 3)
+        forms = site.on_arrays.closed_forms(arguments | dict(zip(_FORCE, total.T, strict=True)), ())
+        stays = np.array([name == "no_driving_force" for name in forms.names])[forms.outcome]
+        return (stays | (np.nan_to_num(forms.factor) >= goal)).reshape(forces.shape)
+
+    tried = site.weight * _TRIED
+    met = reaches(np.broadcast_to(tried[:, None], (len(tried), len(directions))))
+    first = met.argmax(axis=0)
+    high = np.where(met.any(axis=0), tried[first], np.inf)
+    low = np.where(first > 0, tried[first - 1], 0.0)
+    known = np.isfinite(high)
+    for _ in range(_HALVINGS if known.any() else 0):
+        middle = np.where(known, 0.5 * (low + high), 0.0)
+        enough = known & reaches(middle)
+        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+    return high
 
 
-def least_force(
-    ask: Callable[[float], Answer], target: float, within: float, guess: float, at_zero: float, most: float,
-    slope: float | None = None, upward: Sequence[float] | None = None,
-) -> SearchResult:  # fmt: skip
-    """The least force near a guess that gives a level of `target` to `target (1 + 2 within)`.
+def best_direction(site: Site, goal: float, plunges: tuple[float, float]) -> Line | None:
+    """The direction of least force into the face that plunges between limits (degrees); None where none gives the goal.
+
+    Directions are those that are set out, in steps of 5°; in a section they stay across the slope.
+    """
+    low, high = plunges
+    inward = line_of(site.world(site.inward))
+    steps = [_STEP_DEG * k for k in range(math.ceil(low / _STEP_DEG), math.floor(high / _STEP_DEG) + 1)]
+    trends = [inward.trend_deg, (inward.trend_deg + 180.0) % 360.0]
+    if not site.in_section:
+        trends = np.arange(0.0, 360.0, _STEP_DEG).tolist()
+    lines = [Line(round(trend, 10) % 360.0, plunge) for trend in trends for plunge in steps or [low, high]]
+    vectors = np.array([line.vector() for line in lines])
+    into_face = vectors @ site.world(site.inward) >= math.sin(math.radians(_INTO_FACE_DEG)) - 1e-12
+    if not into_face.any():
+        return None
+    forces = np.full(len(lines), np.inf)
+    forces[into_face] = least_forces(site, goal, vectors[into_face])
+    best = int(forces.argmin())
+    return lines[best] if math.isfinite(forces[best]) else None
+
+
+# -- one direction -------------------------------------------------------------------------------------------------
+
+
+def least_force(ask: Callable[[float], Answer], target: float, guess: float, at_zero: float) -> Need:
+    """The least force near a guess that gives a level of `target`, or more by at most 3e-7 of it.
 
     Parameters
     ----------
-    ask : force to answer
-    guess : where to begin; most : a force that is not passed (inf: none)
-    at_zero : the level without the force, less than the target
-    slope : change of the level with the force, per kN, near the guess; None where it is not known
-    upward : forces to try where the guess is not enough; None for a choice of them
+    ask : force to answer; at_zero : the level without the force, less than the target
     """
-    tried: dict[float, Answer] = {}
+    aim = target * (1.0 + _WITHIN)
 
-    def level(force: float) -> float:
-        if force not in tried:
-            tried[force] = ask(force)
-        return tried[force].search_level
+    def sample(forces: Sequence[float]) -> list[Sample[Answer]]:
+        answers = [ask(force) if force else Answer(at_zero, "") for force in forces]
+        return [
+            Sample(force, level_of(answer.search_level, aim), answer.status, answer)
+            for force, answer in zip(forces, answers, strict=True)
+        ]
 
-    def met(force: float) -> bool:
-        return target <= level(force) <= target * (1.0 + 2.0 * within)
-
-    def found(force: float, below: float | None = None) -> SearchResult:
-        others = [other for other in tried if other != force and 0.0 < level(other) < math.inf]
-        near = min(others, key=lambda other: abs(other - force), default=0.0)
-        other = level(near) if near else at_zero
-        rate = (level(force) - other) / (force - near) if force != near and math.isfinite(level(force)) else None
-        return SearchResult(force, tried[force], force, below, rate if rate and rate > 0.0 else slope)
-
-    def rising(low: float, fallen: float) -> tuple[float, float]:
-        """Return forces below and at the target before the level falls; the second is inf where it rises to less."""
-        for _ in range(_MOST_HALVED):
-            middle = 0.5 * (low + fallen)
-            if level(middle) >= target:
-                return low, middle
-            low, fallen = (middle, fallen) if level(middle) > level(low) else (low, middle)
-        return low, math.inf
-
-    low, high = 0.0, math.inf
-    if met(guess):
-        return found(guess)
-    if level(guess) >= target:
-        high = guess
-        for force in _downward(guess, level(guess), target, slope):
-            if level(force) < target:
-                low = force
-                break
-            high = force
-    else:
-        low = guess
-        for force in _upward(guess, level(guess), at_zero, target, most, slope) if upward is None else upward:
-            if level(force) >= target:
-                high = force
-            elif level(force) < level(low):
-                low, high = rising(low, force)
-            if math.isfinite(high):
-                break
-            low = force
-    if not math.isfinite(high):
-        best = max(tried, key=level)
-        return SearchResult(None, tried[best], best, None, None)
-    aim = target * (1.0 + within)
-    ends = [(low, _height(level(low) if low else at_zero, aim)), (high, _height(level(high), aim))]
-    path = sorted(ends, key=lambda end: -abs(end[1]))  # what was tried, the latest last
-    while not met(high) and high - low > _NARROW * high and len(tried) < _MOST_ASKED:
-        if high - low <= _LEAPS_WITHIN * high and level(high) > _LEAP * (level(low) if low else at_zero):
+    search = RootSearch(sample, guess, resolution=_NARROW, near=_WITHIN / (2.0 + _WITHIN), same=1e-6, jump=_JUMP)
+    enough = _is_enough(search, guess)
+    for share in (*_DOWN, 0.0) if enough else _UP:
+        if _is_enough(search, share * guess) is not enough:
             break
-        (one, before), (two, last) = path[-2:]
-        middle = two - last * (two - one) / (last - before) if math.isfinite(last - before) and last != before else 0.0
-        slow = len(path) > 3 and abs(last) > 0.5 * abs(path[-3][1])
-        if slow or not low < middle < high:
-            middle = 0.5 * (low + high)
-        path.append((middle, _height(level(middle), aim)))
-        if level(middle) < target:
-            low = middle
-        else:
-            high = middle
-    return found(high, None if met(high) else level(low) if low else at_zero)
+    else:
+        search.find_extremes(_SECTIONS)  # between forces that were too small and too large
+    rising = [crossing for crossing in search.crossings() if crossing.rises]
+    met = [one for one in search.samples if one.level is not None and abs(one.level) <= search.near]
+    if met:
+        return Need(met[0].at, met[0].found)
+    if rising:
+        before, after = rising[0].before, rising[0].after
+        return Need(after.at, after.found, below=before.found.search_level)
+    best = max(search.samples, key=lambda one: one.found.search_level)
+    return Need(None, best.found, best.at)
 
 
-def _downward(guess: float, level: float, target: float, slope: float | None) -> list[float]:
-    """Forces below a guess to try in turn."""
-    forces = [guess * share for share in _DOWN]
-    straight = guess - 1.05 * (level - target) / slope if slope and math.isfinite(level) else 0.0
-    if not 0.0 < straight < guess:
-        return forces
-    return [straight, *(force for force in forces if force < 0.99 * straight)]
-
-
-def _upward(guess: float, level: float, at_zero: float, target: float, most: float, slope: float | None) -> list[float]:
-    """Forces above a guess to try in turn: where a straight line leads, then further and further."""
-    forces = [guess * factor for factor in _UP]
-    straight = 0.0
-    if slope:
-        straight = guess + 1.05 * (target - level) / slope
-    elif level > at_zero and math.isfinite(level):
-        straight = guess + 1.05 * guess * (target - level) / (level - at_zero)
-    if straight > guess:
-        forces = [straight, *(force for force in forces if force > 1.01 * straight)]
-    if not math.isfinite(most):
-        return forces
-    return sorted({force for force in forces if force < most} | {guess + share * (most - guess) for share in _SHARES})
-
-
-def _height(level: float, aim: float) -> float:
-    return math.log(level / aim) if 0.0 < level < math.inf else math.copysign(math.inf, level - aim)
+def _is_enough(search: RootSearch[Answer], force: float) -> bool:
+    return (search.at(force).level or 0.0) >= -search.near

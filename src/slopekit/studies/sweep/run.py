@@ -38,7 +38,6 @@ from slopekit.studies.points import (
     kept_points,
     lines_of,
     lower_of,
-    other_history,
     rules_left_out,
     said_at,
     status_of,
@@ -55,10 +54,9 @@ from slopekit.studies.protocol import (
     number_of,
     study,
 )
-from slopekit.studies.ranges import MOST, how_written, meant_in_steps, parse_values
+from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, checked_crew
 
-_SAME = 1e-9  # factors that differ by less do not rise or fall
 _LEVELS = (*ON_FACTOR, "fos.closed_form")  # names of the rules whose levels are looked for
 
 
@@ -93,7 +91,7 @@ class Sweep(StudyOutcome):
     points : for each value of the second key, those of the first
     methods : both, closed-form or pre-ie
     levels : what the factor is held against: (level, words)
-    of_inputs : what is said of keys and design: ranges that may have been meant as steps, means taken, likely slips
+    of_inputs : what is said of keys and design: means taken, likely slips
     """
 
     name: ClassVar[str] = "sweep"
@@ -187,16 +185,6 @@ class Sweep(StudyOutcome):
         if factor_at(at_first[1], method) == level:
             yield Critical(level, what, method, line, (at_first[0], at_first[0]), at_first[0], "at a point")
 
-    def shape(self, method: Method) -> str:
-        """How the factor goes with the first key: rises, falls, stays, turns; over all lines the same, or turns."""
-        shapes = set()
-        for _, points in self.lines():
-            factors = [factor for _, point in points if (factor := factor_at(point, method)) is not None]
-            steps = {_step(low, high) for low, high in pairwise(factors)} - {"stays"}
-            shapes.add("turns" if len(steps) > 1 else steps.pop() if steps else "stays" if len(factors) > 1 else "")
-        shapes -= {""}
-        return "" if not shapes else shapes.pop() if len(shapes) == 1 else "turns"
-
     @property
     def counts(self) -> dict[str, int]:
         """How many points there are of each status, or code where there is no block, the most frequent first."""
@@ -232,17 +220,6 @@ class Sweep(StudyOutcome):
             *self.of_inputs,
         )
 
-    @property
-    def governing(self) -> int | None:
-        """The point with the least factor that has the highest level, or with the least of all where none has it."""
-        factors = {
-            k: factor for k, point in enumerate(self.points)
-            if (factor := factor_at(point, self.asked[0])) is not None and math.isfinite(factor)
-        }  # fmt: skip
-        level = max(level for level, _ in self.levels)
-        above = {k: factor for k, factor in factors.items() if factor >= level} or factors
-        return min(above, key=above.__getitem__, default=None)
-
     def where(self, number: int) -> str:
         """The place of a point, in words."""
         place = zip(self.keys, self.places[number], strict=True)
@@ -266,7 +243,6 @@ class Sweep(StudyOutcome):
             "disagree": self.disagree,
             "changes": json_of(self.changes),
             "critical": json_of(self.critical),
-            "shape": {method: self.shape(method) or None for method in self.asked},
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -340,7 +316,6 @@ def sweep(
         with faults.kept():
             key = key_of(design, path)
             axes.append((key, parse_values(key, given)))
-            said += meant_in_steps(key, given, axes[-1][1])
     count = math.prod(len(values) for _, values in axes)
     if count > MOST:
         faults.append(Fault("E312", f"{count} points are too many for one sweep (most: {MOST})"))
@@ -354,11 +329,7 @@ def sweep(
     tasks = [values_of(design, own, place) for place in swept.places]
     keeps_bolts = not any(key.path.startswith("support.") for key in own)
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk, keeps_bolts))
-    swept = replace(swept, points=points)
-    governing = swept.governing
-    if governing is not None:
-        said += other_history(design, tasks[governing], swept.where(governing))
-    return replace(swept, of_inputs=tuple(said), seconds=time.perf_counter() - began)
+    return replace(swept, points=points, seconds=time.perf_counter() - began)
 
 
 def evaluated(
@@ -421,12 +392,6 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
         checked_target(fos, "Write --fos 1.5")
         levels.setdefault(fos, f"target, FoS {number(fos)}")
     return tuple(levels.items())
-
-
-def _step(low: float, high: float) -> str:
-    if low == high or abs(high - low) <= _SAME * max(low, high):
-        return "stays"
-    return "rises" if high > low else "falls"
 
 
 def _by_pre_ie(point: Point) -> Point:

@@ -1,9 +1,7 @@
-"""The sheet of a sweep: a curve as a table, a grid as a matrix; both with all their points, or as many as fit."""
+"""The sheet of a sweep: a curve as a table, a grid as a matrix; both with all their points."""
 
-import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import pairwise
 from operator import itemgetter
 from typing import Any, TypeAlias
 
@@ -14,13 +12,11 @@ from slopekit.studies.points import Method, Point, factor_at
 from slopekit.studies.sweep.run import Critical, Sweep
 from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
-_MOST_ROWS = 100
 _CELL = 9
 _BRIEFLY = {
     "slides_on_both": "both", "no_driving_force": "stands", "not_converged": "no conv", "slides_on_basal": "basal",
     "slides_on_J1_and_J2": "J1, J2", "slides_on_J1_and_basal": "J1, B", "slides_on_J2_and_basal": "J2, B",
 }  # fmt: skip
-_GOES = {"rises": "rises with it", "falls": "falls with it", "stays": "does not depend on it", "turns": "turns around"}
 
 
 def sheet_of(swept: Sweep) -> Sheet:
@@ -33,9 +29,7 @@ def sheet_of(swept: Sweep) -> Sheet:
     return Sheet(head(swept.design, "sweep"), (
         *(Section("KEY", [text]) for text in keys),
         Section("CURVE", [_curve(swept)]) if one else Section("GRID", _grid(swept), hang=0),
-        Section("SHAPE", _shape(swept)),
-        Section("PASSES", _critical(swept)),
-        Section("STATUS", _changes(swept)),
+        Section("PASSES", _critical(swept) if one else []),
         Section("COUNTED", [_counted(swept)]),
         Section("REASONS", _reasons(swept)),
         Section("TIME", [f"{swept.seconds:.2f} s"]),
@@ -94,8 +88,10 @@ _PointOfCurve: TypeAlias = tuple[float, Point, str, bool]
 def _curve(swept: Sweep) -> Table[_PointOfCurve]:
     key, (_, points) = swept.keys[0], swept.lines()[0]
     statuses = [swept.status(point) for _, point in points]
-    kept = _thinned(statuses)
-    rows = [(*points[k], statuses[k], n > 0 and statuses[k] != statuses[kept[n - 1]]) for n, k in enumerate(kept)]
+    rows = [
+        (*point, status, k > 0 and status != statuses[k - 1])
+        for k, (point, status) in enumerate(zip(points, statuses, strict=True))
+    ]
     title = key.path if len(key.path) <= 22 else "…" + key.path[-21:]
     known = next((one.factors.also for _, one in points if one.factors is not None and one.factors.also), None)
     least, before = (17, "   ") if known is None else (9, " ")  # with a column more the lines are as long
@@ -110,9 +106,7 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
         columns.append(Column(known.BRIEF, _also, known.NAME, show=_factor_text, width=12))
     if len(swept.asked) > 1:
         columns.append(Column(f"{before}check", lambda row: before + check_word(row[1]), "check", width=-1))
-    left = len(points) - len(kept)
-    rest = f"… {left} more points are left out here: see the JSON or the CSV" if left else ""
-    return Table(columns, rows, rest=rest)
+    return Table(columns, rows)
 
 
 def _slides(status: str) -> bool:
@@ -145,16 +139,6 @@ def _also(row: _PointOfCurve) -> float | str | None:
 
 def _factor_text(factor: float | str | None) -> str:
     return factor_text(factor).strip() if isinstance(factor, float) else factor or ""
-
-
-def _thinned(statuses: Sequence[str]) -> list[int]:
-    """All the points, or so many of them evenly, and those on both sides of a change of status."""
-    if len(statuses) <= _MOST_ROWS:
-        return list(range(len(statuses)))
-    every = math.ceil(len(statuses) / _MOST_ROWS * 2)
-    kept = {k for k in range(len(statuses)) if k % every == 0} | {0, len(statuses) - 1}
-    changed = [k for k in range(1, len(statuses)) if statuses[k] != statuses[k - 1]][: _MOST_ROWS // 4]
-    return sorted(kept | {j for k in changed for j in (k - 1, k)})
 
 
 # -- a grid -----------------------------------------------------------------------------------------------------------
@@ -215,30 +199,11 @@ def _unit(key: Key) -> str:
 # -- what it comes to -------------------------------------------------------------------------------------------------
 
 
-def _shape(swept: Sweep) -> list[str]:
-    entries, said = list[str](), dict[str, list[str]]()
-    with_first = "" if len(swept.keys) == 1 else f" along {swept.keys[0].path}"
-    for method in swept.asked:
-        shape = swept.shape(method)
-        factors = [
-            (factor, place) for place, point in zip(swept.places, swept.points, strict=True)
-            if (factor := factor_at(point, method)) is not None and is_number(factor)
-        ]  # fmt: skip
-        if not shape or not factors:
-            entries.append(f"{METHODS[method]}: no curve")
-            continue
-        least, most = (f"{cell(factor)} at {_place(swept, at)}" for factor, at in (min(factors), max(factors)))
-        said.setdefault(f"{_GOES[shape]}{with_first}; least {least}, greatest {most}", []).append(METHODS[method])
-    return [*entries, *(f"{' and '.join(methods)}: {text}" for text, methods in said.items())]
-
-
 def _place(swept: Sweep, place: tuple[float, ...]) -> str:
     return ", ".join(key.shown(value, 6) for key, value in zip(swept.keys, place, strict=True))
 
 
 def _critical(swept: Sweep) -> list[str]:
-    if len(swept.keys) > 1:
-        return _passes_of_a_grid(swept)
     critical = swept.critical
     entries = []
     for level, what in swept.levels:
@@ -267,55 +232,6 @@ def _passed(swept: Sweep, one: Critical) -> str:
         return f"between {a} and {b}, {one.how}"
     how = one.how if one.how == "at a point" else f"{one.how} between {a} and {b}"
     return f"{key.shown(one.at, 5)}, {how}"
-
-
-def _passes_of_a_grid(swept: Sweep) -> list[str]:
-    """The first key at which each level is passed, for each value of the second."""
-    first, second = swept.keys
-    method = swept.asked[0]
-    entries = []
-    for level, what in swept.levels:
-        own = [one for one in swept.critical if one.level == level and one.method == method]
-        own.sort(key=lambda one: one.line or 0.0)
-        ats = [f"{second.shown(one.line or 0.0, 6)}: {_briefly(first, one)}" for one in own]
-        entries.append(f"{what}, {first.path} interpolated: {'; '.join(ats) or _down_a_grid(swept, level)}")
-    return entries
-
-
-def _down_a_grid(swept: Sweep, level: float) -> str:
-    """Between which values of the second key a level is passed that the first key never passes."""
-    method, second = swept.asked[0], swept.keys[1]
-    lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
-    places = []
-    for (upper, above), (lower, below) in pairwise(lines):
-        factors = [
-            (factor_at(one, method), factor_at(other, method))
-            for (_, one), (_, other) in zip(above, below, strict=True)
-        ]
-        if any(a is not None and b is not None and (a < level) != (b < level) for a, b in factors):
-            places.append(f"{second.shown(upper or 0.0, 6)} and {second.shown(lower or 0.0, 6)}")
-    return f"nowhere, but {second.path} passes it between {', '.join(places)}" if places else "passed nowhere"
-
-
-def _briefly(key: Key, one: Critical) -> str:
-    if one.at is not None:
-        return key.shown(one.at, 5) + (" (status changes)" if one.how == "across a change of status" else "")
-    return f"between {key.shown(one.between[0], 5)} and {key.shown(one.between[1], 5)}"
-
-
-def _changes(swept: Sweep) -> list[str]:
-    changes = swept.changes
-    if not changes or len(swept.keys) > 1:
-        return [f"{counted(len(changes), 'change')} of status between neighbours: see the JSON"] if changes else []
-    key = swept.keys[0]
-    entries = []
-    for change in changes[:12]:
-        a, b = (key.shown(end, 6) for end in change["between"])
-        one, other = (status_words(swept.design, status) for status in change["statuses"])
-        entries.append(f"between {a} and {b}: {one} -> {other}")
-    if len(changes) > 12:
-        entries.append(f"… {len(changes) - 12} more changes, see the JSON")
-    return entries
 
 
 def _counted(swept: Sweep) -> str:

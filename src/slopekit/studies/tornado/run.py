@@ -30,7 +30,6 @@ from slopekit.studies.points import (
     asked_of,
     code_without_blocks,
     factor_at,
-    other_history,
     said_at,
     status_of,
 )
@@ -69,14 +68,6 @@ class TornadoBar:
     at_low: Point
     at_high: Point
     swings: Mapping[Method, float | None]
-
-    def spread(self, base: Point, method: Method) -> float:
-        """How far apart the factors lie that there are: the order of the bars."""
-        if (swing := self.swings[method]) is not None:
-            return swing
-        factors = [factor_at(point, method) for point in (base, self.at_low, self.at_high)]
-        finite = [factor for factor in factors if factor is not None and math.isfinite(factor)]
-        return max(finite) - min(finite) if finite else 0.0
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -234,11 +225,10 @@ def tornado(
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
     points = evaluated(design, "tornado", tasks, methods, crew, desk, keeps_bolts=True)
     said = (*notices_of_inputs(design), *peak_only(design, "factors are those"))
-    said += (*other_history(design, {}, "as it is"),)
     study = Tornado(design, points[0], (), tuple(left_out), methods, of_inputs=said)
     bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
-    bars.sort(key=lambda bar: (bar.swings[first] is None, -bar.spread(points[0], first), bar.key.path))
+    bars.sort(key=lambda bar: (bar.swings[first] is None, -(bar.swings[first] or 0.0), bar.key.path))
     return replace(study, bars=tuple(bars), seconds=time.perf_counter() - began)
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from slopekit.core.sheet import Column, Section, Sheet, Table, counted, is_number
+from slopekit.core.sheet import Column, Section, Sheet, Table, is_number
 from slopekit.studies.keys import listed
 from slopekit.studies.points import Method, Point, factor_at, status_of
 from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar
@@ -12,16 +12,13 @@ from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
 def sheet_of(study: Tornado) -> Sheet:
     """The sheet of a tornado."""
-    end = f"; {study.disagree} disagree or did not converge" if len(study.asked) > 1 or study.disagree else ""
     moved = [bar for bar in study.bars if bar.swings[study.asked[0]] != 0.0]
     return Sheet(head(study.design, "tornado"), (
         Section("RULE", [RULE]),
         Section("NOW", [_now(study)]),
         Section("BARS", [_bars(study, moved) if moved else "no number changes the factor of safety"]),
         Section("NOTHING", _without_effect(study)),
-        Section("STATUS", _statuses(study)),
         Section("LEFT OUT", _left_out(study)),
-        Section("COUNTED", [f"{counted(len(study.points), 'point')}{end}"]),
         Section("TIME", [f"{study.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
     ))  # fmt: skip
@@ -95,22 +92,6 @@ def _without_effect(study: Tornado) -> list[str]:
     first = study.asked[0]
     names = [bar.key.path for bar in study.bars if bar.swings[first] == 0.0]
     return [f"changes nothing: {', '.join(names)}"] if names else []
-
-
-def _statuses(study: Tornado) -> list[str]:
-    """Ends at which the block moves otherwise than it does now, or forms none."""
-    method = study.asked[0]
-    now = status_of(study.base, method)
-    entries = []
-    for bar in study.bars:
-        for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high)):
-            status = status_of(point, method)
-            wrong = point.factors is not None and point.factors.agree is False
-            if status != now or wrong:
-                said = status_words(study.design, status) if point.factors is not None else f"{status} {point.message}"
-                check = f" ({check_word(point)})" if check_word(point) not in ("", "agree") else ""
-                entries.append(f"{bar.key.path} = {bar.key.shown(value, 6)}: {said}{check}")
-    return entries
 
 
 def _left_out(study: Tornado) -> list[str]:
