@@ -13,8 +13,8 @@ from benchmarks.goldens import compare, differences, read
 from slopekit.cli import app
 from slopekit.design.templates import names
 
-#: Cases that stand for the rest in every run of the tests: some faults of designs (tests/design has each by itself), some
-#: kinds, some studies.
+#: Cases that stand for the rest in every run of the tests: some faults of designs (tests/design has each by itself),
+#: some kinds, some studies.
 CHEAP = re.compile(
     r"^(broken/(files|structure|results|quake|no-wedge|wedge-options)|wedge/paper|output/(templates|explain|help)|examples/02"
     r"|designs/(sheets|strike)|templates/(blocks|plane)|checks/footing"

@@ -206,8 +206,6 @@ def scheduler(certificates):
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
 def test_dask_over_tls_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None:
     """The scheduler takes no connection without the certificate; the client finds it by Dask's rules."""
-    import json
-
     from slopekit.studies import running
 
     file, workers = scheduler
