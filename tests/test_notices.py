@@ -229,7 +229,7 @@ _STUDIES = {
     "solve": lambda design: sk.solve(design, "loads.seismic.k", fos=1.2),
     "prob": lambda design: sk.prob(design, n=100, confirm=0, near=0),
     "quake": lambda design: sk.quake(design, ["sine:0.5g,1Hz"]),
-    "support": lambda design: sk.support(design, fos=1.5),
+    "support": lambda design: sk.support(design, fos=1.5, acts="active", toward="000/10"),
     "check": sk.check,
 }
 

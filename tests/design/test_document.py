@@ -9,6 +9,7 @@ import pytest
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Line, Plane
+from slopekit.design.reading import yaml as yaml_room
 from slopekit.design.reading.document import load_document, read_document
 from slopekit.design.reading.nodes import Node, document_from
 from slopekit.design.reading.overrides import ALTERNATIVES, parse_override, with_overrides
@@ -371,9 +372,10 @@ def test_a_library_that_lacks_an_attribute_is_no_fault_of_the_file(tmp_path, mon
         load_document(path)
 
 
-def test_as_many_values_as_the_message_says(tmp_path) -> None:
-    """A list of 250,000 numbers is more than 200,000 values; one of 199,990 is not."""
-    many, few = (f"a: [{', '.join(['1'] * count)}]".encode() for count in (250_000, 199_990))
+def test_as_many_values_as_the_message_says(tmp_path, monkeypatch) -> None:
+    """A list of 2,500 numbers is more than 2,000 values; one of 1,990 is not. (Of 200,000 and a million: above.)"""
+    monkeypatch.setattr(yaml_room, "MAX_VALUES", 2_000)
+    many, few = (f"a: [{', '.join(['1'] * count)}]".encode() for count in (2_500, 1_990))
     refused = caught(lambda: load_document(written(tmp_path, many))).faults[0]
     assert (refused.code, refused.message) == ("E149", "there are more than 200000 values")
-    assert len(load_document(written(tmp_path, few)).root.get("a").elements) == 199_990
+    assert len(load_document(written(tmp_path, few)).root.get("a").elements) == 1_990

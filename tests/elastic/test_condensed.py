@@ -37,7 +37,7 @@ def wall(cohesion: float = 0.0, high: int = 4) -> dict:
 @pytest.fixture(scope="module")
 def scenes():
     """The wall, condensed and with its flexibilities in dense matrices."""
-    design = sk.load(wall())
+    design = sk.load(wall(high=3))
     given = design, cut(design), sk.analyse(design)
     condensed = scene_of_many(*given)
     with pytest.MonkeyPatch.context() as patch:
@@ -106,7 +106,7 @@ def test_a_wall_rests_as_with_all_its_flexibilities(scenes) -> None:
 
 def test_what_still_parts_is_not_at_rest() -> None:
     """Rounds or steps that run out leave bonds in tension: that is no rest."""
-    design = sk.load(wall(cohesion=1.0))
+    design = sk.load(wall(cohesion=1.0, high=2))
     scene = scene_of_many(design, cut(design), sk.analyse(design))
     assert RestSearch(scene.model, scene.stiffness).rest(1.0).parted.any()
     search = RestSearch(scene.model, scene.stiffness)

@@ -79,12 +79,12 @@ SIZE = [
     Sweep("wedge, c stays", TIMES, lambda s: wedge(WYLLIE, height=30.0 * s), SIZES, ROUNDING, "size"),
     Sweep("plane, crack, water", TIMES, sized, SIZES, ROUNDING, "size"),
     Sweep("footing", TIMES, lambda s: footing(2000 * s * s, 40, 8 * s, 120 * s), SIZES, ROUNDING, "size"),
-    Sweep("sphere, φ = 0", TIMES, lambda s: sphere(10 * s, 20 * s), SIZES[::4], MESH, "size", tested=2),
+    Sweep("sphere, φ = 0", TIMES, lambda s: sphere(10 * s, 20 * s), SIZES[::4], MESH, "size"),
     Sweep("block", TIMES, lambda s: stack(c=3 * s, size=s), SIZES, SECTION, "size-blocks"),
     Sweep("stack of six", TIMES, lambda s: stack(30, 1, 30, many=6, size=s), SIZES, SECTION, "size-blocks"),
     Sweep("toppling columns", TIMES, lambda s: columns(size=s), SIZES[::2], SECTION, "size-blocks",
-          statuses=("slides",), tested=2),
-    Sweep("bench", TIMES, bench, SIZES[::4], SPACE, "size-blocks", tested=2),
+          statuses=("slides",)),
+    Sweep("bench", TIMES, bench, SIZES[::4], SPACE, "size-blocks"),
 ]  # fmt: skip
 
 # -- offset -----------------------------------------------------------------------------------------------
@@ -98,8 +98,8 @@ OFFSET = [
     Sweep("stack of six", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS, SECTION, "offset"),
     Sweep("stack: volume", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS,
           (1e-8, "corners of 1 m given as floats at 1e7 m: 2e-9 of a side"), "offset", "volume"),
-    Sweep("sphere, φ = 0", FAR, lambda x: sphere(shift=x), OFFSETS[1::4], MESH, "offset", tested=2),
-    Sweep("bench", FAR, lambda x: bench(shift=x), OFFSETS[1::7], SPACE, "offset", tested=2),
+    Sweep("sphere, φ = 0", FAR, lambda x: sphere(shift=x), OFFSETS[1::4], MESH, "offset"),
+    Sweep("bench", FAR, lambda x: bench(shift=x), OFFSETS[1::7], SPACE, "offset"),
 ]  # fmt: skip
 
 # -- aspect -----------------------------------------------------------------------------------------------
@@ -141,7 +141,7 @@ ASPECT = [
     Sweep("stack of six plates", SLENDER, lambda a: stack(30 * a, 1, 30, many=6), geometric(1.0, 1e4, 21), SECTION,
           "aspect"),
     Sweep("bench: length", SLENDER, lambda a: bench(length=30 * a, spacings=(9, 12, 14 * a)),
-          geometric(1.0, 5.0, 5), SPACE, "aspect", statuses=("topples", "rotates"), tested=2),
+          geometric(1.0, 5.0, 5), SPACE, "aspect", statuses=("topples", "rotates")),
 ]  # fmt: skip
 
 # -- stiffness --------------------------------------------------------------------------------------------
@@ -157,10 +157,10 @@ def sheared(base: object, ratio: float) -> Case:
 
 
 STIFFNESS = [
-    Sweep("paper's wedge", STIFFER, lambda r: sheared(PAPER, r), RATIOS, ROUNDING, "stiffness", tested=2),
-    Sweep("Wyllie & Mah's wedge", STIFFER, lambda r: sheared(WYLLIE, r), RATIOS, ROUNDING, "stiffness", tested=2),
+    Sweep("paper's wedge", STIFFER, lambda r: sheared(PAPER, r), RATIOS, ROUNDING, "stiffness"),
+    Sweep("Wyllie & Mah's wedge", STIFFER, lambda r: sheared(WYLLIE, r), RATIOS, ROUNDING, "stiffness"),
     Sweep("plane", STIFFER, lambda r: plane(stiffness=r, criterion="all-pairs"), RATIOS, ROUNDING, "stiffness",
-          tested=2),
+          ),
 ]  # fmt: skip
 
 # -- water ------------------------------------------------------------------------------------------------

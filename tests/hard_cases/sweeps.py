@@ -44,7 +44,7 @@ class Sweep:
     quantity: str = "factor"
     logarithmic: bool = True
     statuses: tuple[str, ...] = ()
-    tested: int = 3
+    tested: int = 2
     left_out: int = 0
 
     @property

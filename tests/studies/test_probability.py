@@ -178,11 +178,11 @@ def test_all_at_once_is_one_at_a_time(values, met) -> None:
 
 def test_passive_bolts_and_directions_go_one_at_a_time() -> None:
     passive = default_wedge() | {"support": {"bolts": [{"force": 2e5, "toward": "000/10", "acts": "passive"}]}}
-    study = prob(load(passive), 60, fos=1.6, confirm=10, near=0.0)
+    study = prob(load(passive), 30, fos=1.6, confirm=5, near=0.0)
     assert study.judged.evaluator == "closed form, sample by sample"
-    assert study.confirmation.agree == 10
+    assert study.confirmation.agree == 5
     turning = {"force": 500, "toward": {"dist": "fisher", "mean": "180/10", "k": 200}}
-    study = prob(load(default_wedge() | {"loads": {"forces": [turning]}}), 60, confirm=0)
+    study = prob(load(default_wedge() | {"loads": {"forces": [turning]}}), 20, confirm=0)
     assert study.judged.evaluator == "closed form, sample by sample"
 
 
@@ -315,7 +315,7 @@ def test_nothing_that_speaks_against_it_is_accepted(monkeypatch) -> None:
 
 def test_the_line_on_acceptance_says_what_the_exit_code_says() -> None:
     """No limit is met where the methods disagree (exit code 4), nor where no sample forms a block (3)."""
-    study = prob(load(default_wedge()), 300, fos=1.0, accept=0.99)
+    study = prob(load(default_wedge()), 300, fos=1.0, accept=0.99, confirm=10)
     assert (study.accepted, study.exit_code) == (True, 0)
     factors = replace(point_of(load(default_wedge()), {}).factors, agree=False)
     apart = replace(study, judged=replace(study.judged, points=(Point(factors),) * 2))
@@ -324,7 +324,7 @@ def test_the_line_on_acceptance_says_what_the_exit_code_says() -> None:
     assert "not met" in apart.line
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
                                          "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
-    none = prob(load(away), 50, accept=0.99)
+    none = prob(load(away), 50, accept=0.99, confirm=0)
     assert (none.accepted, none.exit_code) == (False, 3)
     assert "NOT MET, no sample forms a block" in " ".join(str(none).split())
 
@@ -443,11 +443,11 @@ def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
     """The table of the sheet, its file and its records are the same; the journal goes when all is written."""
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(WILD))
-    run = slopekit("prob", str(file), "-n", "40", "--confirm", "6", "--near", "0", "-o", str(tmp_path / "out"))
+    run = slopekit("prob", str(file), "-n", "40", "--confirm", "3", "--near", "0", "-o", str(tmp_path / "out"))
     assert run.returncode == 0, run.stderr
     assert {path.name for path in (tmp_path / "out").iterdir()} - {"histogram.png"} == {
         "prob.json", "prob.txt", "samples.csv"}  # fmt: skip
-    study = prob(load(WILD), 40, confirm=6, near=0.0)
+    study = prob(load(WILD), 40, confirm=3, near=0.0)
     table = study.sheet.tables["samples.csv"]
     assert (tmp_path / "out/samples.csv").read_text(encoding="utf-8") == table.csv()
     rows = list(csv.DictReader(table.csv().splitlines()))

