@@ -482,7 +482,7 @@ def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
     assert (fails.displacements.at_factor_one, fails.scene.displacement) == (None, None)
 
 
-def test_walls_that_rest_only_at_many_times_their_strength_say_what_was_found() -> None:
+def test_a_wall_has_its_limit_state_or_says_that_its_factor_is_a_last_rest() -> None:
     """Wall 261 has the limit of an independent history of its path; wall 44 was last at rest, and says so."""
     result = sk.run(populations.wall(261))
     assert (result.status, result.fos.limit) == ("topples", pytest.approx(0.0821181, rel=1e-5))
@@ -490,8 +490,7 @@ def test_walls_that_rest_only_at_many_times_their_strength_say_what_was_found() 
     assert "W317" not in [notice.code for notice in result.warnings]  # a limit state, exact
     result = sk.run(populations.wall(44))
     assert result.fos.limit == pytest.approx(0.2325, rel=1e-3)
-    assert ["only with joints 8 times" in notice.message for notice in result.warnings] == [False, True]
-    assert not [notice for notice in sk.run(populations.wall(0)).warnings if "only with joints" in notice.message]
+    assert [notice.code for notice in result.warnings].count("W317") == 1
 
 
 def test_a_last_rest_whose_mechanism_is_too_large_has_no_range() -> None:

@@ -120,7 +120,7 @@ def test_inertia_of_blocks_in_space_and_in_a_section() -> None:
     assert gyration(SimpleNamespace(assembly=box))[0] == pytest.approx(np.diag([13.0, 10.0, 5.0]) / 12.0, abs=1e-12)
     flat = Assembly(np.array([9.0]), np.array([[1.0, 0.0, 2.0]]), np.array([False]), None, True, none, none, none)
     outline = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 6.0]])
-    scene = SimpleNamespace(assembly=flat, outlines={"B1": outline}, names=("B1",))
+    scene = SimpleNamespace(assembly=flat, polygons=(outline,))
     assert gyration(scene)[0, 1, 1] == pytest.approx(45.0 / 18.0, rel=1e-12)
 
 

@@ -185,21 +185,6 @@ def test_studies_of_a_block_that_turns_have_its_factor_without() -> None:
     assert swept.margin == factors.limit < target
 
 
-# -- what nobody reads ------------------------------------------------------------------------------------------------
-
-
-def test_samples_do_not_make_notices_that_nobody_reads(monkeypatch) -> None:
-    from slopekit.kinds.single_block import one_block
-
-    made = []
-    monkeypatch.setattr(one_block, "notices_of_factor", lambda *_: made.append(1) or ())
-    design = sk.load(WHOLE)
-    bolts.Sampled(design)({"strength.joint.phi": 40})
-    assert not made
-    assert points.Evaluation(design)({"strength.joint.phi": 40})
-    assert made == [1]
-
-
 def test_ends_that_only_the_tornado_makes_dilate_say_nothing() -> None:
     found = sk.tornado(sk.load(WHOLE), {"strength.joint.dilation": [0, 4]})
     assert not notices(found, "W310")

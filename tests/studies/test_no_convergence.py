@@ -143,5 +143,5 @@ def test_a_mesh_without_a_factor_is_no_convergence() -> None:
     design = sk.load(path_of("wedge"))
     result = sk.run(design)
     rungs = tuple(Rung("mesh", "", 10**k, None, factor, 0.0) for k, factor in ((4, 1.5), (5, 0.0)))
-    said = checking._convergence(result, rungs, (), "")
+    said = checking._convergence(result, rungs, "")
     assert (said.met, said.value) == (False, None)

@@ -81,9 +81,8 @@ def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, v
             if one.head_m is None:
                 assert holds[k, 0]
                 continue
-            turn = np.eye(3) if made.axes is None else made.axes
-            head, way = turn @ np.array(one.head_m), turn @ one.toward.vector()
-            if made.axes is not None:
+            head, way = made.axes @ np.array(one.head_m), made.axes @ one.toward.vector()
+            if design.kind == "plane":
                 head, way = head * [1.0, 0.0, 1.0], way * [1.0, 0.0, 1.0]
             met = faces_met(made.block, head, way)
             last = faces_met(onward, head, way)[-1:]  # behind a crack as if it were not there
