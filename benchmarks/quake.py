@@ -41,8 +41,9 @@ def rate_above(design: Design, block: str, above: float, steps: int = 100) -> fl
     ramp = (second.forces - first.forces, second.moments - first.moments)
     found = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0)
     assert found is not None
-    part = found.failure.parts[0]
-    model, load = part.model, found.multiplier + above
+    multiplier, failure = found
+    part = failure.parts[0]
+    model, load = part.model, multiplier + above
     blocks = mass_of(model, first.weights, gyration(scene))
     count, size = model.load.shape
     mass = np.zeros((count * size, count * size))
@@ -51,7 +52,7 @@ def rate_above(design: Design, block: str, above: float, steps: int = 100) -> fl
     bed = Bed(model, Drive(model.load.ravel(), model.live.ravel(), 1.0), part.limit.bond)
     at: Floats = bed.elastic_displacement
     for share in _NEARER:
-        at = relaxed(bed, at, share * found.multiplier, 0.0, runs_at=1e3).at
+        at = relaxed(bed, at, share * multiplier, 0.0, runs_at=1e3).at
     which = model.moving.tolist().index(scene.names.index(block))
     moves = slice(which * size, which * size + (2 if size == 3 else 3))
     velocity, speeds = np.zeros(count * size), []

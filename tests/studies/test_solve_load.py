@@ -14,7 +14,7 @@ from slopekit.core.errors import Notice
 from slopekit.design.reading.files import with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.protocol import AtLoad, Factors
+from slopekit.kinds.protocol import Factors
 from slopekit.notices import lost_cohesion_notices
 from slopekit.studies.points import Point
 from slopekit.studies.running import ALONE
@@ -66,17 +66,17 @@ def test_both_ways_to_the_yield_of_a_slab_are_one() -> None:
     assert found.warnings == ()
 
 
-def path_ends(monkeypatch, at: float, runs: float | None = None, status: str = "slides") -> None:
+def path_ends(monkeypatch, at: float) -> None:
     """The path in a load of a design ends there, whatever its blocks do."""
-    kind = replace(kind_of(_slab()), at_load=lambda *_: AtLoad(at, status, runs))
+    kind = replace(kind_of(_slab()), at_load=lambda *_: at)
     for module in (by_factor, factor_request):
         monkeypatch.setattr(module, "kind_of", lambda _: kind)
 
 
-@pytest.mark.parametrize(("part", "runs"), [(1.3, None), (0.8, 0.9), (1.3, 1.31)])
-def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, part, runs) -> None:
+@pytest.mark.parametrize("part", [0.8, 1.3])
+def test_where_the_ways_differ_the_value_is_that_of_the_strength(monkeypatch, part) -> None:
     """Wherever the path in the load ended, k is where the factor is the target."""
-    path_ends(monkeypatch, part * YIELD, None if runs is None else runs * YIELD)
+    path_ends(monkeypatch, part * YIELD)
     found = sk.solve(_slab(), KEY, fos=1.0)
     assert found.answer.value == pytest.approx(YIELD, rel=2e-6)
     assert found.answer.factor == pytest.approx(1.0, rel=1e-6)
@@ -113,7 +113,7 @@ def test_the_end_of_the_path_stands_where_no_factor_is_found_beyond_it(monkeypat
 
 def test_a_jump_beyond_the_end_of_the_path_is_found(monkeypatch) -> None:
     """The column that tips at 1/2, where the path in the load is said to end before."""
-    path_ends(monkeypatch, 0.45, None, "topples")
+    path_ends(monkeypatch, 0.45)
     found = sk.solve(sk.load(COLUMN), KEY, fos=1.0)
     assert found.answer.value == pytest.approx(0.5, rel=1e-4)
     assert found.answer.value <= 0.5

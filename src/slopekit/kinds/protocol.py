@@ -11,7 +11,6 @@ from slopekit.design.common import Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
 from slopekit.evidence import WithoutBasal
-from slopekit.notices import LostCohesion
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -62,24 +61,6 @@ class Factors:
     def factor(self) -> float | None:
         """The limit where there is one, else the closed form's factor."""
         return self.limit if self.limit is not None else self.closed_form
-
-
-@dataclass(frozen=True, slots=True)
-class AtLoad:
-    """A multiplier of a load at which the factor is a target.
-
-    Attributes
-    ----------
-    multiplier : of the limit state, or of the last state at rest where the motion did not settle
-    status : how the blocks move there
-    runs : in that case the first multiplier at which they run, None otherwise
-    lost : the cohesion that is lost there; None where it is that of a jump of the factor
-    """
-
-    multiplier: float
-    status: str
-    runs: float | None
-    lost: LostCohesion | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +129,7 @@ class Kind(Generic[D]):
     on_arrays: "OnArrays[D] | None" = None
     beside: Callable[[D], tuple[Notice, ...]] = lambda _: ()
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None
-    at_load: Callable[[D, D, float], AtLoad | None] | None = None
+    at_load: Callable[[D, D, float], float | None] | None = None
     seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()

@@ -500,7 +500,7 @@ static PyObject *pressed_share(PyObject *self, PyObject *const *a, Py_ssize_t n)
     const int corners = (int)PyLong_AsLong(a[2]), groups = (int)PyLong_AsLong(a[3]);
     const double touches = PyFloat_AsDouble(a[8]);
     Kept here = {0}, *kept = &here;
-    int failed = PyErr_Occurred() != NULL;
+    int failed = PyErr_Occurred() != NULL || corners > 3;
     const whole *contact = WHOLES(a[4], cells), *corner = WHOLES(a[5], cells * corners);
     const whole *group = WHOLES(a[6], cells * groups);
     const double *part = FLOATS(a[7], cells * groups), *x = FLOATS(a[9], c->blocks * u);

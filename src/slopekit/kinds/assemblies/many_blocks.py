@@ -29,7 +29,6 @@ from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColum
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
     debonding_notices,
-    lost_cohesion,
     notices_of,
 )
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, scene_loads
@@ -41,7 +40,6 @@ from slopekit.kinds.assemblies.many_blocks_states import (
     with_sizes,
 )
 from slopekit.kinds.protocol import (
-    AtLoad,
     ClosedForm,
     Factors,
     Gain,
@@ -63,7 +61,6 @@ from slopekit.loads import AssemblyLoads
 from slopekit.notices import those_of_factors
 from slopekit.preie.many_blocks.debonding import debonding_limit
 from slopekit.preie.many_blocks.ravelling import (
-    CriticalLoad,
     Failure,
     Part,
     Ravelling,
@@ -198,21 +195,18 @@ def kind_of_many_blocks(
     )  # fmt: skip
 
 
-def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> AtLoad | None:
+def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> float | None:
     """The multiplier of what one design has more of loads than another at which its factor is a target.
 
     None where the blocks do not stand without it, or stand with any of it.
     """
-    scene, _, critical = _critical(own, without, unit, target)
-    if critical is None:
-        return None
-    status, lost = mechanism(critical.failure, scene).status, lost_cohesion(critical.failure)
-    return AtLoad(critical.multiplier, status, critical.runs, lost)
+    _, _, critical = _critical(own, without, unit, target)
+    return None if critical is None else critical[0]
 
 
 def _critical(
     own: Blocks[A], without: A, unit: A, target: float
-) -> tuple[AssemblyScene, AssemblyLoads, CriticalLoad | None]:
+) -> tuple[AssemblyScene, AssemblyLoads, tuple[float, Failure] | None]:
     """The blocks of a design with their loads, and the critical multiplier of what another has more of them."""
     scene = own.cut(without)
     first, second = scene_loads(scene), scene_loads(own.cut(unit))
@@ -231,11 +225,11 @@ def _seismic_gain(own: Blocks[A], without: A, unit: A, k: float, by_closed_form:
     from slopekit.preie.motion.seismic_gain import seismic_gain
 
     scene, loads, critical = _critical(own, without, unit, 1.0)
-    if critical is None or abs(critical.multiplier / k - 1.0) > _SAME_K:
+    if critical is None or abs(critical[0] / k - 1.0) > _SAME_K:
         return None
-    part = critical.failure.parts[0]
+    multiplier, failure = critical
     with one_thread():
-        gain = seismic_gain(part, critical.multiplier, loads.weights, gyration(scene))
+        gain = seismic_gain(failure.parts[0], multiplier, loads.weights, gyration(scene))
     if gain is None:
         return None
     return Gain(gain.factor, scene.names[gain.block], gain.multiplier if gain.alone else None, gain.first)

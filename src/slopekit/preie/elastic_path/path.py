@@ -38,7 +38,8 @@ _COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose pe
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _LIGHTER = 4  # first loads, each a tenth of the one before
-_OTHER = 0.5  # of ln λ: a limit so far from the last rest, 0.6 times it, is that of another motion
+# of ln λ: a limit so far below the last rest, 0.6 times it, or so far above it is that of another motion
+_BELOW, _ABOVE = 0.5, 0.2
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
@@ -124,11 +125,13 @@ class _Path:
         while True:
             if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
                 unstable, flow, begun = runs.pop()
-                if self._worked() > begun + bed.elastic_work:  # it was tried before they crept to where they are
+                if self.is_strength and self._worked() > begun + bed.elastic_work:  # they have crept on since
                     nearer = at_rest_next(bed, self.state.at, unstable)
                     if nearer.ended == "rest":
                         self._rests(unstable, nearer)
+                        place = 0
                         continue
+                    flow = nearer
                 if flow.ended != "runs":
                     flow = relaxed(bed, flow.at, unstable, max(flow.viscosity, THICK), runs_at=RUNS)
                 if flow.ended != "rest":
@@ -198,9 +201,9 @@ class _Path:
     def _near(self, ended: PathLimit | None) -> PathLimit | None:
         """Return a limit that is that of the motion which ends the last rest; None where it is another's."""
         assert self.stable is not None
-        if ended is None or abs(math.log((ended.parameter or math.nan) / self.stable)) > _OTHER:
+        if ended is None or ended.parameter is None:
             return None
-        return ended
+        return ended if -_ABOVE < math.log(self.bed.drive.gap(ended.parameter, self.stable)) < _BELOW else None
 
     def _is_between(self, ended: PathLimit, unstable: float) -> bool:
         """Return whether a limit lies between the last state at rest and a parameter at which the blocks run."""

@@ -202,8 +202,8 @@ def _limit(
         if path_end.outcome is PathOutcome.GAVE_UP or unbalanced or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
     lowest = None if highest is None else factor
-    if path_end.early < math.inf and basis is not Basis.LIMIT:  # it crept on from there
-        lowest = 1.0 / path_end.early
+    if factor is not None and path_end.early < math.inf and basis is not Basis.LIMIT:  # it crept on from there
+        lowest = min(factor, 1.0 / path_end.early)
     if outcome is not Outcome.SLIDES or factor is None:
         factor, lowest, highest, basis = None, None, None, Basis.NONE
     elif highest is not None:

@@ -234,36 +234,23 @@ def _let_go(loads: AssemblyLoads, out: Bools) -> Bools:
     return freed
 
 
-@dataclass(frozen=True, slots=True)
-class CriticalLoad:
-    """A multiplier of a load and the mechanism there.
-
-    Attributes
-    ----------
-    multiplier : of the limit state, or, where the motion did not settle, of the last state at rest
-    failure : the mechanism
-    runs : in that case the first multiplier at which the blocks run, None otherwise
-    """
-
-    multiplier: float
-    failure: Failure
-    runs: float | None
-
-
 def critical_load(
     assembly: Assembly, loads: AssemblyLoads, ramp: tuple[Floats, Floats], strength: JointStrength, reduction: float
-) -> CriticalLoad | None:
+) -> tuple[float, Failure] | None:
     """The lowest multiplier of a load on top of others at which the strength times λ just holds, over all components.
 
     Parameters
     ----------
     ramp : forces and moments (b, 3) that grow
 
-    None where the blocks do not stand without the ramp, or stand with any of it.
+    Returns
+    -------
+    multiplier (of the last state at rest, where the motion did not settle) and mechanism; None where the blocks do not
+    stand without the ramp, or stand with any of it
     """
     scene = WholeAssembly(assembly, replace(loads, live=ramp), strength)
     there = ~assembly.fixed
-    lowest: tuple[float, Part, float | None] | None = None
+    lowest: tuple[float, Part] | None = None
     with one_thread(), work_limit.allowed(work_limit.MOST):
         for blocks in components(scene, np.flatnonzero(there)):
             model_patch = model_of(scene, there, blocks)
@@ -276,15 +263,14 @@ def critical_load(
                 return None
             if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
                 if lowest is None or path.parameter < lowest[0]:
-                    runs = None if path.found or path.peak is None else path.peak[1]
-                    lowest = path.parameter, Part(model, limit, blocks, patch), runs
+                    lowest = path.parameter, Part(model, limit, blocks, patch)
             elif path.outcome is not PathOutcome.STANDS:
                 return None
     if lowest is None:
         return None
-    multiplier, part, runs = lowest
+    multiplier, part = lowest
     blocks, motion = _moving(part, block_sizes(assembly))
-    return CriticalLoad(multiplier, Failure((part,), blocks, motion), runs)
+    return multiplier, Failure((part,), blocks, motion)
 
 
 def _load_limit(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:

@@ -56,9 +56,9 @@ def look_from_path(search: RootSearch[Point], asked: FactorRequest) -> list[Cros
     )
     with work_limit.allowed(_OF_PATH * work_limit.MOST):
         last = at_load(without, unit, asked.target)
-    if last is None or not asked.low < last.multiplier < asked.high:
+    if last is None or not asked.low < last < asked.high:
         return []
-    here = search.at(last.multiplier)
+    here = search.at(last)
     if here.level is None or abs(here.level) <= search.near:
         return crossings_of(search)
     stands = here.level > 0.0
