@@ -31,15 +31,15 @@ from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
 
 START = 2.0  # times the strength of the static bound, or of a known limit, at which a path begins
-_STRIDE, _LONGEST = 0.85, 0.5  # of the strength: the first step of stage A, and the longest
+_STRIDE = 0.85  # of the strength, a step of stage A
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _COHESIVE = (3e-3, 1e-4)  # and where cohesion acts on what is pressed, whose peaks need no more digits
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
 _LIGHTER = 4  # first loads, each a tenth of the one before
-# of ln λ: a limit so far below the last rest, 0.6 times it, or so far above it is that of another motion
-_BELOW, _ABOVE = 0.5, 0.2
+# of ln λ: a limit so far below the last rest, 0.6 times it, or a step of stage A above it is that of another motion
+_OTHER = 0.5
 _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
@@ -164,7 +164,7 @@ class _Path:
             if (trial < LEAST_STRENGTH * self.begun) if self.is_strength else (trial > FARTHEST):
                 return result_of(bed, PathOutcome.STANDS, None, None, tried.at, tried.at, tried.forces)
             if not runs:
-                ratio = max(ratio * _STRIDE, _LONGEST)
+                ratio = max(ratio * _STRIDE, 0.5)
 
     def _rests(self, parameter: float, flow: Flow) -> None:
         """Go on from a state at rest."""
@@ -203,7 +203,7 @@ class _Path:
         assert self.stable is not None
         if ended is None or ended.parameter is None:
             return None
-        return ended if -_ABOVE < math.log(self.bed.drive.gap(ended.parameter, self.stable)) < _BELOW else None
+        return ended if _STRIDE < self.bed.drive.gap(ended.parameter, self.stable) < math.exp(_OTHER) else None
 
     def _is_between(self, ended: PathLimit, unstable: float) -> bool:
         """Return whether a limit lies between the last state at rest and a parameter at which the blocks run."""
