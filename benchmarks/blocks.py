@@ -195,7 +195,7 @@ def show_multipliers(names: Iterable[str]) -> None:
 
 
 def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tuple[float | None, str, float]:
-    """The part of a load at which F is 1 as `slopekit solve` finds it, the status there, and CPU seconds."""
+    """The part of a load at which F is 1 as `slopekit solve` begins with it, whether there is one, and CPU seconds."""
     import slopekit as sk
     from slopekit.kinds import kind_of
 
@@ -207,8 +207,7 @@ def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tupl
             found = None if at_load is None else at_load(design, sk.load(unit), 1.0)
     except TimeoutError:
         return None, "time", time.process_time() - began
-    value, status = (None, "none") if found is None else (found.multiplier, found.status)
-    return value, status, time.process_time() - began
+    return found, "none" if found is None else "found", time.process_time() - began
 
 
 # -- populations ------------------------------------------------------------------------------------------------------

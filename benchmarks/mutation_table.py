@@ -582,6 +582,9 @@ MUTATIONS = (
         ("a bracket in the load", "preie/many_blocks/ravelling.py",
          "(path.found or path.outcome is PathOutcome.BRACKET)",
          "path.found", _GAIN),
+    ),
+    *_group(
+        "blocks on shaken ground",
         ("inertia of turning in a section", "preie/motion/seismic_gain.py",
          "(about[:, 1:2, 1:2] if section else about)",
          "1.01 * (about[:, 1:2, 1:2] if section else about)", _GAIN),
