@@ -37,7 +37,7 @@ def test_notebook(path, tmp_path, monkeypatch) -> None:
     shell = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell()
     monkeypatch.setitem(sys.modules, "pandas", None)  # no extra of slopekit brings it
     if path.stem != "wedge":
-        monkeypatch.setattr(notebook, "picture_of", lambda document, what: "")
+        monkeypatch.setattr(notebook, "page_picture", lambda document, what: "")
     for data in path.parent.glob("*.csv"):
         shutil.copy(data, tmp_path)
     monkeypatch.chdir(tmp_path)

@@ -358,11 +358,11 @@ def plot(
 
     ``sk.plot(wedge, "exploded", "wedge.png")`` then draws one.
     """
-    from slopekit.exchange.documents import by_case, document_of
+    from slopekit.exchange.documents import by_case, load_document
     from slopekit.views import plots
     from slopekit.views.notebook import Drawing
 
-    document, file = document_of(source)
+    document, file = load_document(source)
     name = str(document.get("study") or document.get("kind") or "result") if file is None else file.stem
     if what is None:
         return plots.offers(document)
@@ -426,8 +426,8 @@ def report(
 
 def _document(source: Any) -> Mapping[str, Any]:
     """The JSON of anything that has one."""
-    from slopekit.exchange.documents import document_of
+    from slopekit.exchange.documents import load_document
 
     if not isinstance(source, str | os.PathLike | Mapping) and not hasattr(source, "to_dict"):
         raise wrong_kind("report", "results", "results, studies, or paths of their JSON", source)
-    return document_of(source)[0]
+    return load_document(source)[0]

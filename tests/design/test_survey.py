@@ -165,11 +165,11 @@ def test_missing_and_oversize_files(tmp_path) -> None:
     assert "esh" not in fault.advice
 
 
-def test_twenty_thousand_rows(tmp_path) -> None:
-    content = "dip,dd\n" + "".join(f"{k % 90},{k % 360}\n" for k in range(20_000))
+def test_a_hundred_thousand_rows(tmp_path) -> None:
+    content = "dip,dd\n" + "".join(f"{k % 90},{k % 360}\n" for k in range(100_000))
     survey = read_joints(written(tmp_path, content))
-    assert len(survey.joints) == 20_000
-    assert survey.joints[-1].name == "J20000"
+    assert len(survey.joints) == 100_000
+    assert survey.joints[-1].name == "J100000"
 
 
 def test_mutated_lists_give_faults_and_no_traceback(tmp_path) -> None:

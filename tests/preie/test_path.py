@@ -17,7 +17,7 @@ from slopekit.preie.elastic_path import path
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces, Drive
 from slopekit.preie.elastic_path.flow import Flow
-from slopekit.preie.elastic_path.path import at_rest_first, follow
+from slopekit.preie.elastic_path.path import at_rest_first, at_rest_next, follow, has_crept
 from slopekit.preie.elastic_path.path_limit import PathOutcome, limit_state
 from slopekit.preie.many_blocks import blocks
 from slopekit.preie.many_blocks.blocks import limit_of_blocks, load_limit
@@ -243,6 +243,30 @@ def test_a_path_that_creeps_ends_at_the_same_limit_wherever_it_begins(monkeypatc
     assert [found.basis for found in ended] == [Basis.LIMIT] * 3
     assert [found.factor for found in ended] == pytest.approx([ended[0].factor] * 3, rel=1e-8)
     assert ended[0].factor < ended[0].static_bound < 1.05 * ended[0].factor
+
+
+def test_a_last_rest_of_blocks_that_crept_has_the_factor_near_where_they_set_off_as_its_lowest() -> None:
+    """Bench 9: within 30 elastic displacements at its lowest, farther at its factor."""
+    model = model_of(populations.bench(9))
+    found = limit_of_blocks(model)
+    assert found.basis is Basis.PEAK
+    assert found.lowest < 0.99 * found.factor
+    bed = Bed(model, Drive(model.load.ravel()))
+    _, flow = at_rest_first(bed, 2.0 / found.static_bound, 7)
+    near, beyond = (at_rest_next(bed, flow.at, 1.0 / factor) for factor in (found.lowest, found.factor))
+    assert (near.ended, has_crept(bed, near)) == ("rest", False)
+    assert beyond.ended != "rest" or has_crept(bed, beyond)
+
+
+@pytest.mark.parametrize("part", [0.01, 0.1])
+def test_the_factor_tends_to_that_without_cohesion_as_cohesion_goes(part) -> None:
+    """Section 103, whose motion after a snap has a limit ten times lower: no other motion's limit is its factor."""
+    none, some = (populations.section(103) for _ in range(2))
+    for design, times in ((none, 0.0), (some, part)):
+        for strength in design["strength"].values():
+            strength["c"] = times * strength["c"]
+    limits = [limit_of_blocks(model_of(design), ranged=False).factor for design in (none, some)]
+    assert limits[0] <= limits[1] < limits[0] * (1.0 + 0.1 * part)
 
 
 @pytest.mark.parametrize("number", [104, 419])
@@ -525,7 +549,8 @@ def test_with_normality_a_mechanism_has_one_factor(name) -> None:
 def test_dilation_beyond_the_friction_angle_says_no_more(model) -> None:
     """Friction is reduced all along the path: tan ψ = tan φ and five times that are one law, and one state."""
     one, other = (limit_of_blocks(replace(model, tan_dilation=k * model.tan_friction)) for k in (1.0, 5.0))
-    ours, same = ([found.factor, found.lowest, found.highest or 0.0] for found in (one, other))
+    assert (one.highest is None) == (other.highest is None)
+    ours, same = ([x for x in (found.factor, found.lowest, found.highest) if x is not None] for found in (one, other))
     assert same == pytest.approx(ours, rel=1e-9)
     none = np.zeros(0, dtype=np.int64)
     states = [

@@ -273,6 +273,20 @@ def test_toward_another_trend_a_symmetric_wedge_sees_the_part_along_its_line(wed
     assert aside.toward_deg == 150.0
 
 
+def test_toward_into_the_slope_is_said_with_the_way_out(wedge) -> None:
+    """The wedge goes toward 180: toward 000 it would have to be pushed up, at seven times the k_y."""
+    into = sk.quake(wedge.design, "sine:0.5g,1Hz", toward=0)
+    assert into.yields[0].status == "slides_up"
+    assert [notice.code for notice in into.warnings] == ["W328", "W379"]
+    assert "toward 180 pushes out of it" in into.warnings[0].message
+    nowhere = sk.quake(sk.load(PLANE), "sine:0.5g,1Hz", toward=20)
+    assert nowhere.coefficient is None
+    assert [notice.code for notice in nowhere.warnings] == ["W328", "W462"]
+    assert "--toward 200" in nowhere.warnings[0].message
+    for trend in (100, 240):
+        assert "W328" not in [n.code for n in sk.quake(sk.load(PLANE), "sine:0.5g,1Hz", toward=trend).warnings]
+
+
 def test_peaks_are_scaled() -> None:
     found = sk.quake(sk.load(PLANE), ["sine:0.5g,1Hz", "triangular:0.2g,1s"], scale_pga=0.3)
     assert [one.record.pga_g for one in found.shaken] == pytest.approx([0.3, 0.3], rel=1e-14)

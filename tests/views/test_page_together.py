@@ -117,7 +117,7 @@ def test_damaged_inputs_are_a_fault_and_no_traceback(junk) -> None:
 
 def test_the_histogram_is_drawn_and_not_listed_too(monkeypatch) -> None:
     asked = []
-    monkeypatch.setattr(page_pictures, "picture_of", lambda _, what, __: asked.append(what) or "data:,")
+    monkeypatch.setattr(page_pictures, "page_picture", lambda _, what, __: asked.append(what) or "data:,")
     made = report_of(documents()[:2])
     assert "histogram" in made.pictures
     assert asked.count("stereonet") == 1  # one design has one

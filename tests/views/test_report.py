@@ -354,7 +354,7 @@ def test_without_the_extra_plot_the_page_names_what_is_missing(monkeypatch) -> N
     def refuse(found, what, options):
         raise DesignError([sk.Fault("E140", "drawing needs the extra plot (pyvista)")])
 
-    monkeypatch.setattr(page_pictures, "picture_of", refuse)
+    monkeypatch.setattr(page_pictures, "page_picture", refuse)
     pictures, missing = still_pictures(document("wedge"))
     assert pictures == []
     assert missing == ["scene, stereonet, tractions, mechanism: E140 drawing needs the extra plot (pyvista)"]

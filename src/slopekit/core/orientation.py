@@ -219,7 +219,7 @@ def overturned_plane(dip_deg: float, dip_direction_deg: float) -> Plane:
     >>> print(overturned_plane(95.0, 30.0))
     85/210
     """
-    return Plane(180.0 - dip_deg, (dip_direction_deg + 180.0) % 360.0)
+    return Plane(180.0 - dip_deg, opposite(dip_direction_deg))
 
 
 def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
@@ -439,3 +439,12 @@ def _of_a_face(fault: Fault, value: object, name: str) -> Fault:
         return Fault("E103", fault.message, fault.where, f"Dip comes first: did you mean {Plane(direction, dip)}?")
     message = f"dip of {name} is {number(dip)}, more than 90: it overhangs"
     return Fault("E101", message, fault.where, overhang)
+
+
+def opposite(trend_deg: float) -> float:
+    """Return the trend that points the other way, 0 to 360°.
+
+    >>> opposite(200.0)
+    20.0
+    """
+    return (trend_deg + 180.0) % 360.0

@@ -16,7 +16,7 @@ _MOST_BYTES = 2_000_000_000
 MAKE = "slopekit run design.yaml -o DIR makes one: DIR/result.json."
 
 
-def document_of(source: Any) -> tuple[Document, Path | None]:
+def load_document(source: Any) -> tuple[Document, Path | None]:
     """The JSON of a result, a study, their `to_dict()`, or the path of their JSON or folder; and the file, if any.
 
     Raises

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from slopekit.block_scene import BlockScene
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-from slopekit.exchange.documents import MAKE, Document, by_case, document_of
+from slopekit.exchange.documents import MAKE, Document, by_case, load_document
 
 if TYPE_CHECKING:
     from slopekit.result import Result
@@ -37,26 +37,26 @@ Given: TypeAlias = "Result | Cases[Any] | Mapping[str, Any] | str | os.PathLike[
 
 
 def sources_of(given: Given, case: str | None = None) -> dict[str, ExportSource]:
-    """What `source_of` makes, of each load case by its name or of the one that is named; without cases by no name.
+    """What `export_source` makes, of each load case by its name or of the one that is named; without cases by no name.
 
     Raises
     ------
     DesignError
-        Those of `source_of`; E197 and E313 for the name of a case.
+        Those of `export_source`; E197 and E313 for the name of a case.
     """
     from slopekit.result import Result
 
     if isinstance(given, Result) and case is None:
-        return {"": source_of(given)}
-    document, file = document_of(given)
+        return {"": export_source(given)}
+    document, file = load_document(given)
     name = "the result" if file is None else file.name
     return {
-        own: source_of(one, f"{name}, case {own}" if own else name)
+        own: export_source(one, f"{name}, case {own}" if own else name)
         for own, one in by_case(document, case, name).items()
     }
 
 
-def source_of(given: "Result | Document", name: str = "") -> ExportSource:
+def export_source(given: "Result | Document", name: str = "") -> ExportSource:
     """A result, or its JSON, as a source.
 
     Raises

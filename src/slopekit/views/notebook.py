@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from slopekit.core.errors import DesignError
 from slopekit.core.shown import Shown
-from slopekit.views.pages.page_pictures import picture_of
+from slopekit.views.pages.page_pictures import page_picture
 
 if TYPE_CHECKING or os.name != "nt":  # not one expression: a class needs a base that is known
     from pathlib import PosixPath as _Own
@@ -44,7 +44,7 @@ def _picture(document: dict[str, Any]) -> str:
 
     for what, caption in offers(document).items():
         try:
-            uri = picture_of(document, what)
+            uri = page_picture(document, what)
         except DesignError:
             continue
         return f'<img src="{uri}" alt="{escape(caption)}" style="max-width: 720px; width: 100%">'

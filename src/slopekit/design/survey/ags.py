@@ -21,7 +21,7 @@ _FLAT = re.compile(r"0+(\.0*)?")
 _FEW = 8  # lines that are listed one by one
 
 
-def table_of(name: str, content: bytes) -> SurveyTable:
+def read_ags_table(name: str, content: bytes) -> SurveyTable:
     """The table in a file, known by how its content begins.
 
     Raises

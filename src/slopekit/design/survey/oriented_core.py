@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.core.orientation import Line, Plane, line_of, number
+from slopekit.core.orientation import Line, Plane, line_of, number, opposite
 from slopekit.design.survey.columns import (
     BOTTOM,
     CORE,
@@ -61,7 +61,7 @@ def plane_on_core(alpha_deg: float, beta_deg: float, hole: Line, is_from_bottom:
     toward_lower_end = math.cos(beta) * toward_line + math.sin(beta) * np.cross(axis, toward_line)
     normal = math.sin(alpha) * axis - math.cos(alpha) * toward_lower_end
     pole = line_of(normal if normal[2] < 0.0 else -normal)
-    return Plane(90.0 - pole.plunge_deg, (pole.trend_deg + 180.0) % 360.0)
+    return Plane(90.0 - pole.plunge_deg, opposite(pole.trend_deg))
 
 
 def core_columns(

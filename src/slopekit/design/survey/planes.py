@@ -10,6 +10,7 @@ from slopekit.core.orientation import (
     bearing,
     look_like_radians,
     number,
+    opposite,
     overturned_plane,
     parse_plane,
     parse_quadrants,
@@ -137,7 +138,7 @@ class PlaneReader:
             message = f"trend of {name} is {number(trend)}, a direction lies between 0 and 360"
             raise DesignError([Fault("E102", message, where)])
         self.angles.append((plunge, trend))
-        return Plane(90.0 - plunge, (trend + 180.0) % 360.0)
+        return Plane(90.0 - plunge, opposite(trend))
 
     def by_core(self, name: str, texts: Sequence[str], where: str) -> Plane:
         """A plane by alpha, beta, trend and plunge of the hole, and the line on the core that beta is measured from."""

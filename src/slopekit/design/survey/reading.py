@@ -20,7 +20,7 @@ from slopekit.core.orientation import (
 from slopekit.core.units import quantity
 from slopekit.design.reading.nodes import fail
 from slopekit.design.reading.on_disk import read_bytes
-from slopekit.design.survey.ags import table_of
+from slopekit.design.survey.ags import read_ags_table
 from slopekit.design.survey.bad_rows import BadRow, grouped_faults, skipped_rows
 from slopekit.design.survey.beyond_vertical import SHARE_OF_BAD_ROWS, BeyondVertical, beyond_vertical
 from slopekit.design.survey.columns import (
@@ -96,7 +96,7 @@ def read_joints(
         convention, or two formats, E193 a row, quantity or size that does not fit, or too many to be skipped: every bad
         row of the file, those of one kind together.
     """
-    table = table_of(Path(path).name, read_bytes(path, MOST_BYTES, _TOO_LARGE))
+    table = read_ags_table(Path(path).name, read_bytes(path, MOST_BYTES, _TOO_LARGE))
     return _Reader(table, convention, skip_bad, option, sizes, columns).survey()
 
 
@@ -104,7 +104,7 @@ def read_joints_text(
     name: str, text: str, skip_bad: bool = False, columns: str | Sequence[str] | None = None
 ) -> JointList:
     """Read the text of a joint list as `read_joints` reads a file of that name."""
-    return _Reader(table_of(name, text.encode()), None, skip_bad, "--convention", False, columns).survey()
+    return _Reader(read_ags_table(name, text.encode()), None, skip_bad, "--convention", False, columns).survey()
 
 
 def read_frame(

@@ -11,7 +11,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
-from slopekit.core.orientation import downward, line_of
+from slopekit.core.orientation import downward, line_of, opposite
 from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
 
@@ -156,7 +156,7 @@ def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats
         trends = f"It trends {math.degrees(math.acos(math.cos(apart))):.1f}° from the face's dip direction."
         if of_face.plunge_deg >= _COULD_OVERHANG:
             trends += (
-                f" A face that overhangs toward {(of_face.trend_deg + 180.0) % 360.0:05.1f} cuts no wedge here; "
+                f" A face that overhangs toward {opposite(of_face.trend_deg):05.1f} cuts no wedge here; "
                 "blocks below one are meshes of kind: blocks."
             )
         raise GeometryError([Fault("E204", message, "", trends + near)])

@@ -102,8 +102,15 @@ def factors_table(result: Result, rows: Iterable[Factor]) -> Table[Factor]:
 def locked_in(result: Result) -> Factor:
     """Return the range of factors of the mechanism, or its lowest estimate where the range was not looked for."""
     if has_range(result):
-        return Factor(result.fos.lowest, "range for other load paths and locked-in stresses", to=result.fos.highest)
-    return Factor(result.fos.lowest, "lowest estimate, for other load paths; other locked-in stresses not looked at")
+        return Factor(
+            result.fos.lowest,
+            "range for other load paths and locked-in stresses",
+            to=result.fos.highest,
+        )
+    return Factor(
+        result.fos.lowest,
+        "lowest estimate, for other load paths and before blocks creep; locked-in stresses not looked at",
+    )
 
 
 def has_range(result: Result) -> bool:
@@ -144,23 +151,23 @@ def series(result: Result) -> list[Entry]:
         return []
     horizontal = result.words.horizontal
 
-    def moved(step: ReductionStep, k: int) -> float | None:
+    def displacement_mm(step: ReductionStep, k: int) -> float | None:
         return None if step.movement is None else float(step.movement.displacement[k]) * 1e3
 
     def across(step: ReductionStep) -> float | None:
-        x, y = moved(step, 0), moved(step, 1)
+        x, y = displacement_mm(step, 0), displacement_mm(step, 1)
         return None if x is None or y is None else x if horizontal == "x" else (x * x + y * y) ** 0.5
 
-    def shown(displacement_mm: float | None) -> str:
-        return "no rest" if displacement_mm is None else f"{displacement_mm:.4f}"
+    def in_millimetres(value: float | None) -> str:
+        return "no rest" if value is None else f"{value:.4f}"
 
     parts = () if horizontal == "x" else (("east", 0), ("north", 1))
     columns: list[Column[ReductionStep]] = [
         Column("factor", attrgetter("factor"), "factor", show=".4f", width=-9),
-        Column(f"{horizontal} / mm", across, f"{horizontal}_mm", "mm", shown, 16),
-        Column("up / mm", lambda step: moved(step, 2), "up_mm", "mm", shown, 12),
+        Column(f"{horizontal} / mm", across, f"{horizontal}_mm", "mm", in_millimetres, 16),
+        Column("up / mm", lambda step: displacement_mm(step, 2), "up_mm", "mm", in_millimetres, 12),
         Column(f"failed of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=14),
-        *(Column(f"{title} / mm", partial(moved, k=k), f"{title}_mm", "mm", ".4f") for title, k in parts),
+        *(Column(f"{title} / mm", partial(displacement_mm, k=k), f"{title}_mm", "mm", ".4f") for title, k in parts),
     ]
     return [Table(columns, result.series)]
 

@@ -33,10 +33,10 @@ from slopekit.kinds.single_block.one_block_notices import notices as block_notic
 from slopekit.kinds.single_block.one_block_states import (
     ContactModel,
     arrows,
-    mechanism_of,
-    movement_of,
+    failure_mechanism,
     opening_pairs,
     pair_state,
+    rigid_movement,
     series_of,
 )
 from slopekit.kinds.single_block.secants import changed_laws, left_out_of_laws, secant_strength
@@ -99,9 +99,9 @@ def kind_of_one_block(
         found = solve(design, made, clock)
         status = block_status(found, made.joints)
         comparisons = Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design))
-        forces = forces_of(made, found, water_forces(made.loads, made.faces))
+        forces = resultant_forces(made, found, water_forces(made.loads, made.faces))
         return result(
-            words_of(design), design, made, found, status, closed, forces, clock, comparisons, tuple(notices(design))
+            own_words(design), design, made, found, status, closed, forces, clock, comparisons, tuple(notices(design))
         )
 
     def after(design: D) -> tuple[float | None, str]:
@@ -111,7 +111,7 @@ def kind_of_one_block(
             return None, f"no {words.block}"
         return closed.factor, closed.status
 
-    def words_of(design: D) -> Words:
+    def own_words(design: D) -> Words:
         return next((said for key, said in variants.items() if getattr(design, key) is not None), words)
 
     def factors(design: D) -> Factors:
@@ -203,12 +203,12 @@ def result(
             made.loads, {f"water {face}": f"water on {name}" for face, name in made.faces.items()}, origin, axes,
             None if limit.pulls is None else limit.pulls * model.force_scale,
         ),
-        mechanism_of(limit, model, axes), balance(of_one_block(model, analysis)),
+        failure_mechanism(limit, model, axes), balance(of_one_block(model, analysis)),
         _openings(found, made.interfaces, origin, axes), _curved(found, made.interfaces),
     )  # fmt: skip
     settled = None
     if rest is not None and rest.stands:
-        moved = movement_of(found.bounded.model, rest.displacement, axes)
+        moved = rigid_movement(found.bounded.model, rest.displacement, axes)
         settled = AtFactorOne(moved, rest.failed_pairs, rest.residual)
     return Result(
         design=design, words=words, status=status,
@@ -304,7 +304,7 @@ def _slides_on(limit: Limit, scene: ContactModel, interfaces: Sequence[int], ope
     return "slides_on_" + "_and_".join(_OF_THREE[joint] for joint in closed if joint in two)
 
 
-def forces_of(made: Cut, found: FoundLimit, water: Mapping[str, float], driven: bool = True) -> Forces:
+def resultant_forces(made: Cut, found: FoundLimit, water: Mapping[str, float], driven: bool = True) -> Forces:
     """Weight, normal force on each joint at the limit, water, and if `driven` what drives along the movement."""
     normal: dict[str, float | None] = {}
     for interface in made.interfaces:

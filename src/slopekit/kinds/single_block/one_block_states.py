@@ -126,17 +126,17 @@ def series_of(
         state = equilibrium(model, factor, stiffness, standing)
         if state.stands:
             standing = state
-        movement = movement_of(model, state.displacement, axes) if state.stands else None
+        movement = rigid_movement(model, state.displacement, axes) if state.stands else None
         yield ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count)
 
 
-def movement_of(model: Model, displacement: Floats, axes: Floats) -> Movement:
+def rigid_movement(model: Model, displacement: Floats, axes: Floats) -> Movement:
     """A displacement (u,) of the model in m and radians, in the user's axes."""
     translation, rotation = model.moved(displacement)
     return Movement(frozen(translation @ axes), frozen(rotation @ axes))
 
 
-def mechanism_of(limit: Limit, model: Model, axes: Floats) -> Movement | None:
+def failure_mechanism(limit: Limit, model: Model, axes: Floats) -> Movement | None:
     """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
     if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
         return None

@@ -36,7 +36,7 @@ from slopekit.geometry.solids.sliding_mass import (
     through,
 )
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
-from slopekit.kinds.single_block.one_block import DILATES, block_status, forces_of, result, solve
+from slopekit.kinds.single_block.one_block import DILATES, block_status, result, resultant_forces, solve
 from slopekit.kinds.single_block.one_block_limit import Cut, FoundLimit, Interface, find_limit
 from slopekit.kinds.single_block.one_block_states import ContactModel
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
@@ -103,7 +103,7 @@ def _analysed(design: SurfaceDesign, find: Callable[[Cut, Clock], FoundLimit]) -
     pressed = {NAME: 0.0 if "water" not in loads.parts else float(np.linalg.norm(loads.parts["water"]))}
     if "pond" in loads.parts:
         pressed["ground"] = float(np.linalg.norm(loads.parts["pond"]))
-    forces = forces_of(made, found, pressed, driven=status != "rotates")
+    forces = resultant_forces(made, found, pressed, driven=status != "rotates")
     moves = found.limit.outcome is not Outcome.NO_DRIVING_FORCE
     of_cut = _notices(design, cut, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
     notes = [*of_cut, *_columns_below(design, found.limit.factor, methods), *extra]

@@ -28,7 +28,7 @@ from slopekit.kinds.single_block.closed_forms import (
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block
 from slopekit.kinds.single_block.secants import changed_laws
-from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, scaled_of, shape_of
+from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     line_in_words,
@@ -290,7 +290,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield from basal.notices(design)
     water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
     yield from design.ground_notices(toe, toe + height_of(design))
-    if (scaled := scaled_of(design)) is not None and scaled["by"] is not None:
+    if (scaled := size_scale(design)) is not None and scaled["by"] is not None:
         places = [
             name for name, has_any in (
                 ("points of forces", any(force.at_m is not None for force in design.forces)),

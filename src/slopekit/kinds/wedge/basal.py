@@ -10,7 +10,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError, Notice
-from slopekit.core.orientation import Line, Plane, number
+from slopekit.core.orientation import Line, Plane, number, opposite
 from slopekit.core.sheet import counted
 from slopekit.design.parts import Bolt
 from slopekit.evidence import WithoutBasal
@@ -171,7 +171,7 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
         )
     apart = math.radians(basal.plane.dip_direction_deg - design.face.dip_direction_deg)
     if basal.plane.dip_deg > 0.0 and math.cos(apart) < -_ACROSS:
-        turned = Plane(basal.plane.dip_deg, (basal.plane.dip_direction_deg + 180.0) % 360.0)
+        turned = Plane(basal.plane.dip_deg, opposite(basal.plane.dip_direction_deg))
         yield Notice(
             "W410",
             f"the basal joint ({basal.plane}) dips into the slope: the block does not slide out on it, it would have "

@@ -193,11 +193,11 @@ def _geometry(design: WedgeDesign, shape: Shape) -> WedgeGeometry:
         block.volume, float(np.ptp(block.corners[:, 2])), areas, line.trend_deg, line.plunge_deg, shape.line_length_m,
         {name: frozen(point + origin) for name, point in shape.corners_m.items()}, frozen(block.centroid + origin),
         {name: frozen(polygon + origin) for name, polygon in faces.items()}, sizes_of_faces(faces, areas, crest),
-        scaled_of(design),
+        size_scale(design),
     )  # fmt: skip
 
 
-def scaled_of(design: WedgeDesign) -> "Mapping[str, Any] | None":
+def size_scale(design: WedgeDesign) -> "Mapping[str, Any] | None":
     if design.limits is None:
         return None
     from slopekit.kinds.wedge import limits

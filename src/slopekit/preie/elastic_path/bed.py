@@ -126,17 +126,14 @@ class Bed:
             )  # fmt: skip
         else:
             relative = self.rows @ displacement if self.held is None else self.rows @ displacement + self._of_held
-            opening, by_slip, size = relative[: self.pairs], None, None
-            if self.dilates:
-                size, by_slip = self._slip_of_contacts(displacement)
-                dilation = self._dilation(reduction)[self._group_starts]
-                opening = opening - (dilation * size)[self.model.pair_contact]
-            share, slopes = cells.pressed_share(opening - TOUCHES, self.model.normal_rows, self.groups)
-            if by_slip is not None and size is not None:
-                # where the joint dilates by all of its reduced friction angle that angle falls too
-                steeper = np.where(self.model.tan_dilation > reduction * self.friction, self.friction, 0.0)
-                by_strength = -slopes[:, 0] * steeper * size[contact]
-                slopes[:, 1 : 1 + self.tangents] -= (dilation[:, None] * by_slip)[contact] * slopes[:, :1]
+            size, by_slip = self._slip_of_contacts(displacement)
+            dilation = self._dilation(reduction)[self._group_starts]
+            gaps = relative[: self.pairs] - (dilation * size)[self.model.pair_contact] - TOUCHES
+            share, slopes = cells.pressed_share(gaps, self.model.normal_rows, self.groups)
+            # where the joint dilates by all of its reduced friction angle that angle falls too
+            steeper = np.where(self.model.tan_dilation > reduction * self.friction, self.friction, 0.0)
+            by_strength = -slopes[:, 0] * steeper * size[contact]
+            slopes[:, 1 : 1 + self.tangents] -= (dilation[:, None] * by_slip)[contact] * slopes[:, :1]
         if self.have_opened is not None:
             gone = self.have_opened[contact]
             share[gone] = by_strength[gone] = 0.0

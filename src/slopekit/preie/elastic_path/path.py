@@ -82,15 +82,15 @@ class _Path:
     Attributes
     ----------
     stable : the last parameter at rest, None before the first; state : the flow that came to rest there
-    early : the last at rest within so many elastic displacements as a motion that runs has; crept : whether blocks rest
-        farther off
+    last_near : the last at rest within so many elastic displacements as a motion that runs has; has_crept : whether
+        blocks rest farther off
     """
 
     def __init__(self, bed: Bed, start: float) -> None:
         self.bed, self.start = bed, start
         self.is_strength = bed.drive.ramp is None
         self.stable: float | None = None
-        self.early, self.crept = math.nan, False
+        self.last_near, self.has_crept = math.nan, False
         self.failed: Flow | None = None  # the last flow whose forces did not settle
         bolts, cohesion = bed.bolted is not None, bed.cells is not None
         self.rounds = self.is_strength and not bed.dilates and not cohesion
@@ -106,14 +106,14 @@ class _Path:
             outcome = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
             return result_of(bed, outcome, None, None, flow.at, flow.at - flow.before, flow.forces)
         self.begun, self.first = parameter, flow.at
-        self._rests(parameter, flow)
+        self._accept_rest(parameter, flow)
         if self.smooth and bed.size > MANY:
             ended = traced_in_section(bed, flow.at, parameter, _BROADLY)
             if ended is not None:
                 return ended
             self.smooth = False
         ended = self._narrowed()
-        return replace(ended, early=self.early) if self.crept else ended
+        return replace(ended, last_near=self.last_near) if self.has_crept else ended
 
     def _narrowed(self) -> PathLimit:
         """Return the limit between a state at rest and ever nearer parameters at which the blocks run."""
@@ -124,11 +124,11 @@ class _Path:
         ratio, place, snaps = _STRIDE, 0, 0 if self.is_strength else _SNAPS
         while True:
             if runs and 1.0 - bed.drive.gap(runs[-1][0], self.stable) < brackets[place]:
-                unstable, flow, begun = runs.pop()
-                if self.is_strength and self._worked() > begun + bed.elastic_work:  # they have crept on since
+                unstable, flow, work_before = runs.pop()
+                if self.is_strength and self._work_done() > work_before + bed.elastic_work:  # they have crept on since
                     nearer = at_rest_next(bed, self.state.at, unstable)
                     if nearer.ended == "rest":
-                        self._rests(unstable, nearer)
+                        self._accept_rest(unstable, nearer)
                         place = 0
                         continue
                     flow = nearer
@@ -138,7 +138,7 @@ class _Path:
                     ended = self._running_limit(flow, unstable) if place < self.tried else None
                     if ended is not None:
                         return replace(ended, peak=(self.stable, unstable))
-                    runs.append((unstable, flow, self._worked()))
+                    runs.append((unstable, flow, self._work_done()))
                     place += 1
                     if place < len(brackets):
                         continue
@@ -150,7 +150,7 @@ class _Path:
                     flow, snaps, ratio = slow, snaps - 1, _STRIDE  # they only snapped, to another rest
                     runs.clear()
                     place = 0
-                self._rests(unstable, flow)
+                self._accept_rest(unstable, flow)
             if runs:
                 ratio = math.sqrt(bed.drive.gap(runs[-1][0], self.stable))
             trial = bed.drive.harder(self.stable, ratio)
@@ -158,22 +158,22 @@ class _Path:
                 1.0 / trial if self.is_strength else trial)  # fmt: skip
             tried = at_rest_next(bed, self.state.at, trial)
             if tried.ended != "rest":
-                runs.append((trial, tried, self._worked()))
+                runs.append((trial, tried, self._work_done()))
                 continue
-            self._rests(trial, tried)
+            self._accept_rest(trial, tried)
             if (trial < LEAST_STRENGTH * self.begun) if self.is_strength else (trial > FARTHEST):
                 return result_of(bed, PathOutcome.STANDS, None, None, tried.at, tried.at, tried.forces)
             if not runs:
                 ratio = max(ratio * _STRIDE, 0.5)
 
-    def _rests(self, parameter: float, flow: Flow) -> None:
+    def _accept_rest(self, parameter: float, flow: Flow) -> None:
         """Go on from a state at rest."""
         self.stable, self.state = parameter, flow
-        self.crept = crept(self.bed, flow)
-        if not self.crept:
-            self.early = parameter
+        self.has_crept = has_crept(self.bed, flow)
+        if not self.has_crept:
+            self.last_near = parameter
 
-    def _worked(self) -> float:
+    def _work_done(self) -> float:
         """Return the work of the load that drives, up to the last state at rest."""
         return abs(float(self.bed.working @ self.state.at))
 
@@ -190,15 +190,15 @@ class _Path:
         if ended is None and self.rounds and bed.tangents > 1:
             ended, self.rounds = traced(bed, self.state.at, self.stable), False
         if bed.cells is None or (ended is not None and self._is_between(ended, unstable)):
-            return self._near(ended)
+            return self._of_this_motion(ended)
         bonded = bed.with_cohesion_at(self.state.at, self.stable)
         flow = relaxed(bonded, self.state.at, unstable, THICK, runs_at=RUNS)
-        ended = self._near(_run(bonded, flow, unstable)) if flow.ended == "runs" else None
+        ended = self._of_this_motion(_run(bonded, flow, unstable)) if flow.ended == "runs" else None
         if ended is None or ended.parameter is None or bed.drive.gap(ended.parameter, self.stable) < 1.0:
             return None
         return ended
 
-    def _near(self, ended: PathLimit | None) -> PathLimit | None:
+    def _of_this_motion(self, ended: PathLimit | None) -> PathLimit | None:
         """Return a limit that is that of the motion which ends the last rest; None where it is another's."""
         assert self.stable is not None
         if ended is None or ended.parameter is None:
@@ -235,7 +235,7 @@ def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
             if tried.ended == "rest":
                 return float(parameter), tried
         return start, flow
-    parameter, far = start, None
+    parameter, far = start, list[tuple[float, Flow]]()
     flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
@@ -244,14 +244,14 @@ def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
             return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
         flow = relaxed(bed, none, parameter, 1.0, runs_at=3e2)
         if flow.ended == "rest":
-            if not crept(bed, flow):
+            if not has_crept(bed, flow):
                 return parameter, flow
-            far = far or (parameter, flow)  # stronger joints may hold them nearer
+            far.append((parameter, flow))  # stronger joints may hold them nearer
         parameter *= 2.0
-    return far or (parameter, flow)
+    return [*far, (parameter, flow)][0]
 
 
-def crept(bed: Bed, flow: Flow) -> bool:
+def has_crept(bed: Bed, flow: Flow) -> bool:
     """Return whether blocks are farther from where they set off than a motion that runs gets at once."""
     return abs(float(bed.working @ flow.at)) > RUNS * bed.elastic_work
 

@@ -43,7 +43,8 @@ class PathLimit:
     displacement : (N,) of the elastic joints
     reduction : λ of the joints there
     residual : largest unbalanced force in parts of the largest load
-    early : the last parameter at rest within `RUNS` elastic displacements, nan where the last of all is
+    last_near : the last parameter at rest within `RUNS` elastic displacements, where the blocks crept on from there;
+        nan where they did not, or were never at rest so near
     group : blocks that were not held when it was found, 0 where none was; width : how much nearer than that, in
         parts of it, all blocks were not seen at rest
     factorisations : work done
@@ -62,7 +63,7 @@ class PathLimit:
     residual: float
     factorisations: int
     bond: Floats
-    early: float = math.nan
+    last_near: float = math.nan
     group: int = 0
     width: float = 0.0
     rounding: float = 0.0

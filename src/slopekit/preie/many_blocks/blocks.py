@@ -154,9 +154,8 @@ def with_range(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | No
     except WorkSpentError:
         span = None
     if span is None:  # a last rest and where the blocks run are no range of the mechanism
-        crept = limit.lowest is not None and limit.lowest < factor
-        peak = replace(limit, lowest=limit.lowest if crept else None, highest=None)
-        return peak if limit.basis is Basis.PEAK else limit
+        has_crept = limit.lowest is not None and limit.lowest < factor
+        return replace(limit, lowest=limit.lowest if has_crept else None, highest=None)
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or factor
@@ -202,8 +201,8 @@ def _limit(
         if path_end.outcome is PathOutcome.GAVE_UP or unbalanced or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
     lowest = None if highest is None else factor
-    if factor is not None and path_end.early < math.inf and basis is not Basis.LIMIT:  # it crept on from there
-        lowest = min(factor, 1.0 / path_end.early)
+    if factor is not None and path_end.last_near < math.inf and basis is not Basis.LIMIT:  # they crept on from there
+        lowest = min(factor, 1.0 / path_end.last_near)
     if outcome is not Outcome.SLIDES or factor is None:
         factor, lowest, highest, basis = None, None, None, Basis.NONE
     elif highest is not None:
@@ -295,7 +294,7 @@ def _weaker(path_end: PathLimit, unit: float) -> PathLimit:
     peak = None if path_end.peak is None else (path_end.peak[0] / unit, path_end.peak[1] / unit)
     return replace(
         path_end, parameter=_times(path_end.parameter, 1.0 / unit), peak=peak, reduction=path_end.reduction / unit,
-        early=path_end.early / unit,
+        last_near=path_end.last_near / unit,
     )  # fmt: skip
 
 

@@ -36,8 +36,8 @@ class BlocksLimit:
     bond : (m,) share of the cohesion of a pair that acts
     static_bound : None where none was found, or none exists; locked : none does, joints that dilate would hold the
         blocks at any friction; lowest, highest : the range of the mechanism's factors, the
-        lowest no more than the factor that finer node pairs gave before their motion had settled, and, where the path
-        crept to no exact limit state, than that at 30 elastic displacements
+        lowest no more than the factor that finer node pairs gave before their motion had settled, and, where they
+        crept to no exact limit state, than the factor at 30 elastic displacements
     tips : the part of the loads beside weight and water at which the blocks tip at that factor and any lower one, in a
         motion that slips nowhere; None where no such motion was found
     steps : factorisations of the path; bound_steps : of the bound

@@ -71,12 +71,6 @@ def spend(units: float, times: float = 1.0) -> None:
             raise WorkSpentError
 
 
-def is_spent() -> bool:
-    """Whether the work that is allowed is done."""
-    meter = _METER.get()
-    return meter is not None and meter.spent > meter.most
-
-
 @contextmanager
 def allowed(units: float) -> Iterator[None]:
     """Allow so much work within; where less is left of what is allowed about it, that."""

@@ -135,7 +135,7 @@ def fan_rule(count: int, refine: int) -> tuple[Floats, Floats, Ints, Ints]:
     """
     n = 2**refine
     fan = [(0, 1, 2)] if count == 3 else [(count, k, (k + 1) % count) for k in range(count)]
-    width = count if count == 3 else count + 1
+    width = 1 + max(max(corners) for corners in fan)
     lattice = [(i, j) for i in range(n + 1) for j in range(n + 1 - i)]
     upright = [((i, j), (i + 1, j), (i, j + 1)) for i, j in lattice if i + j < n]
     turned = [((i + 1, j), (i, j + 1), (i + 1, j + 1)) for i, j in lattice if i + j < n - 1]

@@ -19,7 +19,7 @@ import numpy as np
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
-from slopekit.core.orientation import number
+from slopekit.core.orientation import number, opposite
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design
@@ -37,6 +37,7 @@ from slopekit.studies.quake.yielding import (
     check_stands,
     shown_k,
     static_design,
+    way_out,
     yields_of,
 )
 from slopekit.studies.running import checked_crew
@@ -371,9 +372,12 @@ def quake(
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
         in_six = None if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
-    aside = _off_section(static)
+        out = way_out(static, yields[0], advance)
+    aside = _into_the_slope(static, yields[0], out) or _off_section(static)
     beside_it = [notice for one in others if one is not None for notice in one.notices]
-    warnings = tuple(dict.fromkeys((*aside, *beside_it, *_notices(static, yields, shaken), *_of_six(in_six))))
+    warnings = tuple(
+        dict.fromkeys((*aside, *beside_it, *_notices(static, yields, shaken, out is None), *_of_six(in_six)))
+    )
     trend = static.seismic.trend_deg
     beside = None if in_six is None else _beside(in_six.motion, static, yields[0], taken)
     return Quake(
@@ -447,6 +451,18 @@ def _motion(record: Record, way: Way, of: RecordSlide, limit: float, factor: flo
 _WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
 
 
+def _into_the_slope(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[Notice]:
+    """W328 where the shaking pushes the block into the slope."""
+    if out is None:
+        return []
+    toward, back = (f"{number(trend):0>3}" for trend in (opposite(out[0]), out[0]))
+    message = (
+        f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {back} pushes out of "
+        f"it, k_y is below {shown_k(out[1])}: --toward {back}"
+    )
+    return [Notice("W328", message)]
+
+
 def _off_section(static: Design) -> list[Notice]:
     """W323 where a section is shaken another way than it lies."""
     in_section, trend = kind_of(static).in_section, static.seismic.trend_deg
@@ -472,8 +488,8 @@ def _of_six(six: InSix | None) -> list[Notice]:
     ]  # fmt: skip
 
 
-def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) -> list[Notice]:
-    """What is to be known: of the records, of κ, of the methods."""
+def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken], outwards: bool) -> list[Notice]:
+    """What is to be known: of the records, of κ, of the methods; W328 says what is of shaking into the slope."""
     notes = [notice for one in shaken for notice in one.record.notices]
     ours = yields[0]
     if ours.coefficient is not None and ours.factor is None:
@@ -504,6 +520,6 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     elif ours.jumps:
         notes.append(Notice("W353", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
                             "gone"))  # fmt: skip
-    notes += beyond_sense(KEY, ours.coefficient)
+    notes += beyond_sense(KEY, ours.coefficient) if outwards else ()
     notes += new_notices(notices_of_inputs(static, [KEY]), notes)
     return [*notes, *peak_only(static, "displacements one way are those")]

@@ -15,7 +15,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import DesignError, Fault, NoConvergenceError, Notice, SlopekitError
-from slopekit.core.orientation import number
+from slopekit.core.orientation import number, opposite
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.parts import Force
@@ -112,6 +112,17 @@ def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bo
     else:
         message = f"{named} is {number(toward)}: a section is shaken toward 090 or 270"
     return Fault("E253", message, "", f"Give {named} 270 (or 090): x is east (090), -x west (270).")
+
+
+def way_out(static: Design, ours: Yield, advance: Advance) -> tuple[float, float] | None:
+    """Return the trend opposite to the shaking and half of its k_y, where that is above the k_y there; else None."""
+    trend = static.seismic.trend_deg
+    if trend is None:
+        return None
+    half, back = 0.5 * (ours.coefficient or MOST_K), opposite(trend)
+    factor = factor_at(point_of(static, {KEY: half, TOWARD: back}), "pre_ie")
+    advance(1)
+    return (back, half) if factor is not None and factor < 1.0 else None
 
 
 def check_stands(static: Design) -> None:

@@ -151,7 +151,7 @@ class BoltCase:
         return self.factors is not None and not self.lacks
 
     @property
-    def said(self) -> tuple[Notice, ...]:
+    def all_notices(self) -> tuple[Notice, ...]:
         """What is to be known of what each method needs, and of the layout."""
         needs = [need.notice for need in (self.closed_form, self.pre_ie) if need is not None]
         return (*(notice for notice in needs if notice is not None), *self.notices)

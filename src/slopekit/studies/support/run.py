@@ -241,7 +241,7 @@ class _Search:
 
     def _lacking(self, case: BoltCase) -> BoltCase:
         """A case without bolts to build, and why."""
-        codes = ", ".join(dict.fromkeys(notice.code for notice in case.said if notice.code.startswith("E")))
+        codes = ", ".join(dict.fromkeys(notice.code for notice in case.all_notices if notice.code.startswith("E")))
         bare = self.bare_limit.factor
         without = "no FoS" if bare is None else f"FoS {bare:.4f}"
         return replace(

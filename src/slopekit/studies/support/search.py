@@ -303,8 +303,9 @@ def least_force(ask: Callable[[float], Answer], target: float, guess: float, at_
     if met:
         return Need(met[0].at, met[0].found)
     if rising:
-        before, after = rising[0].before, rising[0].after
-        return Need(after.at, after.found, below=before.found.search_level)
+        first = rising[0]
+        below = None if first.how == "root" else first.before.found.search_level
+        return Need(first.after.at, first.after.found, below=below)
     best = max(search.samples, key=lambda one: one.found.search_level)
     return Need(None, best.found, best.at)
 

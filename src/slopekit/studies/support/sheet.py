@@ -49,7 +49,7 @@ def line_of(support: Support) -> str:
         parts += [] if case.toward is None else [f"toward {line_in_words(case.toward)}"]
         if case.layout is not None:
             parts.append(f"{len(case.layout)} {'rows' if support.unit == 'kN/m' else 'bolts'}")
-        lines.append("  ".join([*parts, *dict.fromkeys(notice.code for notice in case.said)]))
+        lines.append("  ".join([*parts, *dict.fromkeys(notice.code for notice in case.all_notices)]))
     return "\n".join(lines)
 
 
@@ -93,7 +93,7 @@ def _target(support: Support) -> list[str]:
 
 def _case(support: Support, case: BoltCase) -> list[str]:
     """Return what bolts of one way to act need, and how they are built."""
-    notices = [str(notice) for notice in case.said]
+    notices = [str(notice) for notice in case.all_notices]
     if case.toward is None:
         return notices
     chosen = "the direction given" if support.options.toward else "optimum within the allowed plunge"

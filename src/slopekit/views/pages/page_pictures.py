@@ -49,7 +49,7 @@ def still_pictures(
     missing: dict[str, list[str]] = {}
     for what, caption, test in asked:
         try:
-            uri = picture_of(document, what, test or None)
+            uri = page_picture(document, what, test or None)
             pictures.append({"what": what, "caption": caption, "uri": uri, "is_chart": what not in _SCENES})
         except DesignError as error:
             fault = error.faults[0]
@@ -66,7 +66,7 @@ def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
     return [what for what in names if what not in left]
 
 
-def picture_of(document: Mapping[str, Any], what: str, test: str | None = None) -> str:
+def page_picture(document: Mapping[str, Any], what: str, test: str | None = None) -> str:
     """A picture of a document as a data URI.
 
     Raises
