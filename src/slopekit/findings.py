@@ -84,6 +84,21 @@ class Mechanism:
 
 
 @dataclass(frozen=True, slots=True)
+class Chips:
+    """Blocks that fail in mechanisms too light to count, and were taken away.
+
+    Attributes
+    ----------
+    blocks : in the order in which they fail; below_t : mass of the lightest mechanism that counts, t
+    fos : from which they fail; None where one falls with any strength
+    """
+
+    blocks: tuple[str, ...]
+    below_t: float
+    fos: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class MechanismRow:
     """A row of the table of mechanisms of a result.
 
@@ -136,6 +151,7 @@ class Findings:
     checks : what was checked with its figure (volume error, area error, largest unbalanced force, ...)
     table : Goodman & Bray's columns, empty for other kinds
     shear_to_normal : k_t / k_n of the elastic joints of the path; None where there was none
+    chips : None where there are none
     """
 
     mechanisms: tuple[Mechanism, ...]
@@ -148,6 +164,7 @@ class Findings:
     checks: Mapping[str, float]
     table: tuple[ToppleColumn, ...] = ()
     shear_to_normal: float | None = None
+    chips: Chips | None = None
 
     @property
     def rows(self) -> tuple[MechanismRow, ...]:

@@ -217,6 +217,10 @@ class PassiveBolts:
     forces: Floats
     points: Floats
 
+    def chosen(self, which: Ints) -> "PassiveBolts":
+        """Return some of them, by their numbers."""
+        return PassiveBolts(self.head[which], self.toe[which], self.forces[which], self.points[which])
+
 
 NO_BOLTS = PassiveBolts(
     np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), frozen(np.zeros((0, 3))), frozen(np.zeros((0, 3)))
@@ -277,10 +281,13 @@ def without_anchors_of(assembly: "Assembly", loads: AssemblyLoads, gone: Bools) 
         for sums, part in ((live, pull), (forces, pull), (turning, turn), (moments, turn)):
             np.subtract.at(sums, own, part)
     left = np.setdiff1d(np.arange(len(anchors.head)), lost)
-    kept = PassiveBolts(anchors.head[left], anchors.toe[left], anchors.forces[left], anchors.points[left])
     return replace(
-        loads, forces=frozen(forces), moments=frozen(moments), live=(frozen(live), frozen(turning)), anchors=kept
-    )  # fmt: skip
+        loads,
+        forces=frozen(forces),
+        moments=frozen(moments),
+        live=(frozen(live), frozen(turning)),
+        anchors=anchors.chosen(left),
+    )
 
 
 def assembly_loads(

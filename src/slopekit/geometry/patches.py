@@ -1,5 +1,9 @@
 """Contact patches: the flat pieces of joint through which the blocks of an assembly press on each other."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK
@@ -60,3 +64,11 @@ class Assembly:
 
     def __len__(self) -> int:
         return len(self.volumes)
+
+    def without(self, gone: Bools) -> "Assembly":
+        """Return the assembly without some blocks (n,): they keep their numbers, cannot move and touch nothing."""
+        out = np.append(gone, False)
+        parted = out[self.patches.plus] | out[self.patches.minus]
+        plus, minus = (np.where(parted, BEDROCK, side) for side in (self.patches.plus, self.patches.minus))
+        patches = replace(self.patches, plus=plus, minus=minus)
+        return replace(self, fixed=self.fixed | gone, patches=patches)

@@ -190,6 +190,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     from slopekit.preie.solvers import work_limit
     from slopekit.preie.system.components import whole_model
 
+    scene = scene.without(_gone(scene, result))
     assembly, (rock, _) = scene.assembly, rock_of(design)
     moving = int((~assembly.fixed).sum())
     if moving > _MOST_BLOCKS:
@@ -274,6 +275,15 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
         [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
         whole.length_scale, edge, [one for one, *_ in flexible],
     )  # fmt: skip
+
+
+def _gone(scene: AssemblyScene, result: Result) -> Bools:
+    """The chips (b,) that fail before the first mechanism."""
+    findings, limit = result.findings, result.fos.limit or math.inf
+    chips = () if findings is None or findings.chips is None else findings.chips.blocks
+    factors = {} if findings is None else findings.factor_by_block
+    first = {name for name in chips if (factors[name] or 0.0) <= limit}
+    return np.array([name in first for name in scene.names], dtype=bool)
 
 
 def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:

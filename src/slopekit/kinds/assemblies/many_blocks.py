@@ -25,7 +25,7 @@ from slopekit.evidence import (
     ModelSize,
     SecantLine,
 )
-from slopekit.findings import AssemblyGeometry, Findings, Mechanism, ToppleColumn
+from slopekit.findings import AssemblyGeometry, Chips, Findings, Mechanism, ToppleColumn
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_notices import (
     debonding_notices,
@@ -97,11 +97,10 @@ _ENDS = {
 
 @dataclass(frozen=True, slots=True)
 class SolvedAssembly:
-    """A result with what it was read from."""
+    """A result with what it was read from; the scene is without the chips."""
 
     result: Result
     scene: AssemblyScene
-    loads: AssemblyLoads
     ravelling: Ravelling
 
 
@@ -150,7 +149,7 @@ def kind_of_many_blocks(
 
     def factors(design: A) -> Factors:
         scene = own.cut(design)
-        ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+        ravelling = _ravelled(design, scene, scene_loads(scene), 1, ranged=False)
         mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
         status = mechanisms[0].status if mechanisms else "no_driving_force"
         settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > PASSES_SETTLED)
@@ -166,7 +165,7 @@ def kind_of_many_blocks(
         if not any(strength.cohesion_kpa for _, strength in design.strengths):
             return ()
         scene = own.cut(design)
-        ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+        ravelling = _ravelled(design, scene, scene_loads(scene), 1, ranged=False)
         limit = ravelling.failures[0].limit.factor if ravelling.failures else None
         return () if limit is None else debonding(ravelling.failures[0].parts[0], MOST_FOLLOWED, limit)[1]
 
@@ -213,7 +212,8 @@ def _critical(
     ramp = (second.forces - first.forces, second.moments - first.moments)
     if not ramp[0].any() and not ramp[1].any():
         return scene, first, None
-    critical = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target)
+    lightest = _lightest(without, scene, first)
+    critical = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target, lightest)
     return scene, first, critical
 
 
@@ -250,14 +250,15 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     with clock("loads"):
         loads = scene_loads(scene)
     with clock("solve"), work_limit.allowed(math.inf):
-        ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
+        ravelling = _ravelled(design, scene, loads, design.mechanisms)
+    standing = scene.without(ravelling.gone)
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
         mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
     with clock("all_pairs"):
         all_pairs = None
         if design.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
-            all_pairs = search_of_all_pairs(design, scene, loads, mechanisms[0].fos)
+            all_pairs = search_of_all_pairs(design, standing, mechanisms[0].fos)
     status = mechanisms[0].status if mechanisms else "no_driving_force"
     sure = bool(mechanisms) and mechanisms[0].status != "not_converged"
     limit = mechanisms[0].fos if sure else None
@@ -271,14 +272,14 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
             low = low if stable is None else min(stable, low or stable)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
-        settled = at_full_strength(design, scene, loads) if stands else None
+        settled = at_full_strength(design, standing, scene_loads(standing)) if stands else None
     with clock("closed_form"):
         closed, table = own.closed_form(design, mechanisms[0] if mechanisms else None)
     difference, agree = compare(limit, status, closed, design.agree_within)
     findings = Findings(
-        mechanisms, _factors(ravelling, scene, mechanisms), _standing(ravelling, scene), len(assembly),
+        mechanisms, _factors(ravelling, scene), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
-        SHEAR_TO_NORMAL,
+        SHEAR_TO_NORMAL, _chips(ravelling, scene, _lightest(design, scene, loads) / design.gravity_m_s2),
     )  # fmt: skip
     parts = ravelling.parts
     first = ravelling.failures[0].parts if ravelling.failures else ()
@@ -304,7 +305,20 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         displacements=Displacements(settled, all_pairs), comparisons=Comparisons(), findings=findings,
         timing_s=clock.done(),
     )  # fmt: skip
-    return SolvedAssembly(result, scene, loads, ravelling)
+    return SolvedAssembly(result, standing, ravelling)
+
+
+def _ravelled(
+    design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, count: int, ranged: bool = True
+) -> Ravelling:
+    """The first mechanisms of a scene that are no chips."""
+    lightest = _lightest(design, scene, loads)
+    return ravel(scene.assembly, loads, joint_strength(scene.strengths), count, ranged, lightest)
+
+
+def _lightest(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> float:
+    """Weight of the lightest mechanism that counts, kN."""
+    return design.smallest_block * float(np.median(loads.weights[~scene.assembly.fixed]))
 
 
 def debonding(part: Part, most: int, limit: float) -> tuple[float | None, tuple[Notice, ...]]:
@@ -339,28 +353,38 @@ def _debonding_factors(part: Part, most: int) -> tuple[float, float | None] | No
         return None
 
 
-def search_of_all_pairs(
-    design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, limit: float
-) -> AllPairsFailed | None:
+def search_of_all_pairs(design: AssemblyDesign, scene: AssemblyScene, limit: float) -> AllPairsFailed | None:
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
-    model = whole_model(scene.assembly, loads, joint_strength(scene.strengths))
+    model = whole_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths))
     return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
 
 
-def _factors(ravelling: Ravelling, scene: AssemblyScene, mechanisms: Sequence[Mechanism]) -> dict[str, float | None]:
+def _factors(ravelling: Ravelling, scene: AssemblyScene) -> dict[str, float | None]:
     """The factor at which each block fails as strength is reduced; None where no strength holds it.
 
     A block that only the one before it held fails together with it, however low its own factor is then.
     """
     out: dict[str, float | None] = {}
     reached: float | None = None
-    for failure, one in zip(ravelling.failures, mechanisms, strict=True):
-        reached = one.fos if reached is None else max(reached, one.fos or 0.0)
-        if one.status == "not_converged":
+    for failure in ravelling.sequence:
+        if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in failure.parts):
             break
+        factor = failure.limit.factor
+        reached = factor if reached is None else max(reached, factor or 0.0)
         for block in failure.blocks.tolist():
             out[scene.names[block]] = reached
     return out
+
+
+def _chips(ravelling: Ravelling, scene: AssemblyScene, below_t: float) -> Chips | None:
+    """What was too light to count; None where nothing was."""
+    chips = [failure for failure in ravelling.sequence if failure.is_chip]
+    if not chips:
+        return None
+    factors = [chip.limit.factor for chip in chips]
+    known = [factor for factor in factors if factor is not None]
+    names = tuple(scene.names[block] for chip in chips for block in chip.blocks.tolist())
+    return Chips(names, below_t, min(known) if len(known) == len(factors) else None)
 
 
 def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:

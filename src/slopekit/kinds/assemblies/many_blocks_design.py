@@ -50,6 +50,7 @@ class AssemblyDesign(Design):
     ----------
     strengths : by name, in the order of the file
     mechanisms : how many successive mechanisms are wanted: what fails first is taken away, and so on
+    smallest_block : weight of the lightest mechanism that counts, in parts of that of the median block that can move
     seed : of all random numbers
     table_points_m : places from the toe, or x, and elevations
     """
@@ -67,6 +68,17 @@ class AssemblyDesign(Design):
         1000,
         default=1,
         doc="successive mechanisms: what fails first is taken away, and so on",
+    )
+    smallest_block: float = number_field(
+        "analysis.smallest_block",
+        "ratio",
+        default=0.02,
+        least=0.0,
+        most=1.0,
+        code="E186",
+        scatters=False,
+        role="setting",
+        doc="of the weight of the median block: a lighter mechanism is a chip, taken away first and said",
     )
     seed: int = 0
     table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")

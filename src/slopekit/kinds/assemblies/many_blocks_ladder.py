@@ -13,6 +13,7 @@ from slopekit.kinds.assemblies.many_blocks import (
     search_of_all_pairs,
 )
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
 from slopekit.kinds.single_block.ladders import MOST_PAIRS, OTHER_STRENGTH, Ladder, Rung, often, timed
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.preie.many_blocks.blocks_limit import Basis, BlocksLimit
@@ -29,7 +30,7 @@ def ladder_of_blocks(design: AssemblyDesign, solution: SolvedAssembly) -> Ladder
     few = result.model.moving_blocks <= _MOST_SEARCHED
     if few and result.fos.limit and result.displacements.all_pairs is None:
         say("all pairs", head=True)
-        search = search_of_all_pairs(design, solution.scene, solution.loads, result.fos.limit)
+        search = search_of_all_pairs(design, solution.scene, result.fos.limit)
         if search is not None:
             fos = replace(result.fos, all_pairs_failed=search.factor)
             result = replace(result, fos=fos, displacements=replace(result.displacements, all_pairs=search))
@@ -87,7 +88,7 @@ def _rungs(solution: SolvedAssembly) -> Iterator[Rung]:
     for level in range(3 if _refines(solution) else 1):
         model = part.model
         if level:
-            model = finer_model(scene.assembly, solution.loads, joint_strength(scene.strengths), part, level)
+            model = finer_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), part, level)
         if level and len(model.control_area) > MOST_PAIRS:
             break
         say(f"ladder, parts split {often(level)}", head=True)

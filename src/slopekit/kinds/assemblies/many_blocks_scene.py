@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, cross, frozen
+from slopekit.core.arrays import Bools, Floats, cross, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
@@ -114,6 +114,31 @@ class AssemblyScene:
         if self.outlines:
             return float(np.ptp(np.concatenate([outline[:, 1] for outline in self.outlines.values()])))
         return float(np.ptp(self.assembly.vertices[self.assembly.triangles.ravel(), 2]))
+
+    def without(self, gone: Bools) -> "AssemblyScene":
+        """Return the scene without some blocks (n,), what acts on them, and the bolts and anchors to them."""
+        if not gone.any():
+            return self
+        out = np.append(gone, False)
+        bolts, anchors = (np.flatnonzero(~(out[ties.head] | out[ties.toe])) for ties in (self.bolts, self.anchors))
+        anchor_pushes = tuple(self.anchor_pushes[k] for k in anchors.tolist())
+        let_go = set(self.anchor_pushes) - set(anchor_pushes)
+        nothing = PointForce(np.zeros(3), None)
+        pushes = (
+            (block, nothing if gone[block] or number in let_go else push)
+            for number, (block, push) in enumerate(self.pushes, 1)
+        )
+        return replace(
+            self,
+            assembly=self.assembly.without(gone),
+            pushes=tuple(pushes),
+            pond=tuple((block, push) for block, push in self.pond if not gone[block]),
+            surcharge=tuple((block, push) for block, push in self.surcharge if not gone[block]),
+            bolts=self.bolts.chosen(bolts),
+            bolt_names=tuple(self.bolt_names[k] for k in bolts.tolist()),
+            anchors=self.anchors.chosen(anchors),
+            anchor_pushes=anchor_pushes,
+        )
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:

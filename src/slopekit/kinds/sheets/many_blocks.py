@@ -8,9 +8,9 @@ import numpy as np
 
 from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
-from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism
+from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Chips, Findings, GoverningInterface, Mechanism
 from slopekit.findings import ToppleColumn as GoodmanBray
-from slopekit.kinds.words import in_order, line_in_words, names_in_runs, short, size_number
+from slopekit.kinds.words import in_order, line_in_words, mass_in_words, names_in_runs, short, size_number
 from slopekit.result import Result
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
@@ -40,6 +40,7 @@ def sections(result: Result, findings: Findings) -> Iterator[Section]:
     first = findings.mechanisms[0] if findings.mechanisms else None
     yield Section("MOVES", (), details=_moves(result, first))
     left = [findings.standing] if findings.standing else []
+    yield Section("CHIPS", _chips(findings.chips))
     yield Section("MECHANISM", _mechanisms(result, findings, _order(result)), hang=42, details=left)
     yield Section("TABLE", (), details=toppling_rows(result, findings.table))
     yield Section("CHECKS", (), details=_checks(result, findings, first))
@@ -170,6 +171,16 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 
 
 # -- what comes after -----------------------------------------------------------------------------------------------
+
+
+def _chips(chips: Chips | None) -> list[Entry]:
+    """What fails first and is too light to count."""
+    if chips is None:
+        return []
+    blocks = counted(len(chips.blocks), "block")
+    fails = "fall with any strength" if chips.fos is None else f"fail from FoS {factor_text(chips.fos).strip()}"
+    below = mass_in_words(chips.below_t)
+    return [f"{blocks} in mechanisms lighter than {below} {fails}, taken away (analysis.smallest_block)"]
 
 
 def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:

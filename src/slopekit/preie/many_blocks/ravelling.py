@@ -3,12 +3,16 @@
 Blocks that touch only through bedrock form components, and each is solved for itself: a block that touches nothing
 changes nothing. The component with the lowest factor gives the mechanism; its moving blocks are taken away, and only
 what is left of that component is solved anew. Contacts in space that twist get finer node pairs until the factor stays.
+
+Mechanisms lighter than a given weight are chips: they are taken away first, and are no answer to whether a slope holds.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from functools import partial
+from itertools import takewhile
+from operator import attrgetter, itemgetter
 from typing import Any
 
 import numpy as np
@@ -75,12 +79,14 @@ class Part:
 class Failure:
     """One mechanism: the parts that fail together (at the same factor), and the blocks (k,) that move.
 
-    `motion` (k, 6) displacement and rotation (per m) of the blocks, the fastest motion 1.
+    `motion` (k, 6) displacement and rotation (per m) of the blocks, the fastest motion 1; `is_chip`: it is too light to
+    count.
     """
 
     parts: tuple[Part, ...]
     blocks: Ints
     motion: Floats
+    is_chip: bool = False
 
     @property
     def limit(self) -> BlocksLimit:
@@ -90,15 +96,28 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Ravelling:
-    """The sequence of mechanisms, the parts of the first round, and the blocks (b,) left at the end.
+    """The sequence of mechanisms and chips, the parts at the first mechanism, and the blocks (b,) left at the end.
 
     `ended` says why the sequence ends: count, stands, gone or not_converged.
     """
 
-    failures: tuple[Failure, ...]
+    sequence: tuple[Failure, ...]
     parts: tuple[Part, ...]
     left: Bools
     ended: str
+
+    @property
+    def failures(self) -> tuple[Failure, ...]:
+        """The mechanisms that are no chips."""
+        return tuple(failure for failure in self.sequence if not failure.is_chip)
+
+    @property
+    def gone(self) -> Bools:
+        """The blocks (b,) of the chips that were taken away before the first mechanism."""
+        gone = np.zeros(len(self.left), dtype=bool)
+        for chip in takewhile(attrgetter("is_chip"), self.sequence):
+            gone[chip.blocks] = True
+        return gone
 
     @property
     def static_bound(self) -> float | None:
@@ -114,7 +133,12 @@ class Ravelling:
 
 
 def ravel(
-    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, count: int = 1, ranged: bool = True
+    assembly: Assembly,
+    loads: AssemblyLoads,
+    strength: JointStrength,
+    count: int = 1,
+    ranged: bool = True,
+    lightest: float = 0.0,
 ) -> Ravelling:
     """The first `count` mechanisms of an assembly.
 
@@ -122,50 +146,58 @@ def ravel(
     ----------
     strength : indexed by the patches' joint
     ranged : whether the range of the mechanisms' factors is wanted
+    lightest : weight of the lightest mechanism that counts, kN; lighter ones are chips
     """
-    scene = WholeAssembly(assembly, loads, strength, ranged)
     with one_thread():
-        return _ravel(scene, count)
+        return _ravel(WholeAssembly(assembly, loads, strength, ranged), count, lightest)
 
 
-def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
+def _ravel(scene: WholeAssembly, count: int, lightest: float) -> Ravelling:
     assembly, size = scene.assembly, block_sizes(scene.assembly)
     there = ~assembly.fixed
     with work_limit.allowed(work_limit.MOST):
         parts = list(_solved(scene, there, np.flatnonzero(there)))
     first = parts
-    failures: list[Failure] = []
+    sequence: list[Failure] = []
+    found = 0
     ended = "count"
-    while len(failures) < count:
+    while True:
         with work_limit.allowed(work_limit.MOST):
             parts = _refined(scene, there, parts)
         rank = min((part.rank for part in parts), default=math.inf)
+        if not found:
+            first = parts
         if rank == math.inf:
             ended = "stands" if parts else "gone"
             break
         together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_LIMIT]
         left = [part for part in parts if part.rank > rank + abs(rank) * SAME_LIMIT]
-        with work_limit.allowed(work_limit.MOST):
-            together = [_ranged(scene, part) for part in together]
         slides = _sliding_alone(scene, there, parts, rank)
         if slides is not None:
             number, alone = slides
             together, left = [alone], [part for k, part in enumerate(parts) if k != number]
-            rank = alone.rank
+        light = [_is_chip(scene, part, size, lightest) for part in together]
+        is_chip = any(light)
+        if is_chip:  # those first, however heavy what fails with them
+            left += [part for part, chip in zip(together, light, strict=True) if not chip]
+            together = [part for part, chip in zip(together, light, strict=True) if chip]
+        elif slides is None:
+            with work_limit.allowed(work_limit.MOST):
+                together = [_ranged(scene, part) for part in together]
         moved = [_moving(part, size) for part in together]
         blocks = np.concatenate([fallen for fallen, _ in moved])
-        failures.append(Failure(tuple(together), blocks, np.concatenate([motion for _, motion in moved])))
+        motion = np.concatenate([motion for _, motion in moved])
+        sequence.append(Failure(tuple(together), blocks, motion, is_chip))
         if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in together):
             ended = "not_converged"
             break
-        if len(failures) == 1:
+        if not found and not is_chip:
             first = [*together, *left]
+        found += not is_chip
         there[blocks] = False
-        out = np.append(~there & ~assembly.fixed, False)
-        opened = out[assembly.patches.plus] | out[assembly.patches.minus]
-        freed = _let_go(scene.loads, out)
-        scene = replace(scene, loads=without_anchors_of(assembly, drained(assembly, scene.loads, opened), out[:-1]))
-        if len(failures) == count:
+        freed = _let_go(scene.loads, there, assembly.fixed)
+        scene = _drained(scene, there)
+        if found == count:
             break
         again = [part for part in left if freed[part.blocks].any()]
         left = [part for part in left if not freed[part.blocks].any()]
@@ -175,7 +207,14 @@ def _ravel(scene: WholeAssembly, count: int) -> Ravelling:
             for part in together:
                 left += _solved(scene, there, part.blocks[there[part.blocks]])
         parts = left
-    return Ravelling(tuple(failures), tuple(replace(part, groups=None) for part in first), there, ended)
+    return Ravelling(tuple(sequence), tuple(replace(part, groups=None) for part in first), there, ended)
+
+
+def _is_chip(scene: WholeAssembly, part: Part, size: Floats, lightest: float) -> bool:
+    """Whether what moves of a part is lighter than what counts."""
+    blocks, _ = _moving(part, size)
+    known = part.limit.outcome is not Outcome.NOT_CONVERGED
+    return known and float(scene.loads.weights[blocks].sum()) < lightest
 
 
 def _sliding_alone(scene: WholeAssembly, there: Bools, parts: Sequence[Part], limit: float) -> tuple[int, Part] | None:
@@ -226,22 +265,37 @@ def _pressed_by_others(assembly: Assembly, there: Bools, part: Part) -> Bools:
     return crowded
 
 
-def _let_go(loads: AssemblyLoads, out: Bools) -> Bools:
-    """Blocks (n,) at whose anchors nothing pulls any more, as those at the other ends (n + 1,) are gone."""
+def _let_go(loads: AssemblyLoads, there: Bools, fixed: Bools) -> Bools:
+    """Blocks (n,) at whose anchors nothing pulls any more, as those at the other ends are gone."""
     head, toe = loads.anchors.head, loads.anchors.toe
-    freed = np.zeros(len(out) - 1, dtype=bool)
+    out = np.append(~there & ~fixed, False)
+    freed = np.zeros(len(there), dtype=bool)
     freed[head[out[toe]]] = freed[toe[out[head]]] = True
     return freed
 
 
+def _drained(scene: WholeAssembly, there: Bools) -> WholeAssembly:
+    """The scene without water in the joints of blocks that are gone, and without the anchors to them."""
+    assembly = scene.assembly
+    out = np.append(~there & ~assembly.fixed, False)
+    opened = out[assembly.patches.plus] | out[assembly.patches.minus]
+    return replace(scene, loads=without_anchors_of(assembly, drained(assembly, scene.loads, opened), out[:-1]))
+
+
 def critical_load(
-    assembly: Assembly, loads: AssemblyLoads, ramp: tuple[Floats, Floats], strength: JointStrength, reduction: float
+    assembly: Assembly,
+    loads: AssemblyLoads,
+    ramp: tuple[Floats, Floats],
+    strength: JointStrength,
+    reduction: float,
+    lightest: float = 0.0,
 ) -> tuple[float, Failure] | None:
     """The lowest multiplier of a load on top of others at which the strength times λ just holds, over all components.
 
     Parameters
     ----------
     ramp : forces and moments (b, 3) that grow
+    lightest : weight of the lightest mechanism that counts, kN; what is lighter is taken away
 
     Returns
     -------
@@ -249,28 +303,55 @@ def critical_load(
     stand without the ramp, or stand with any of it
     """
     scene = WholeAssembly(assembly, replace(loads, live=ramp), strength)
-    there = ~assembly.fixed
-    lowest: tuple[float, Part] | None = None
     with one_thread(), work_limit.allowed(work_limit.MOST):
-        for blocks in components(scene, np.flatnonzero(there)):
+        try:
+            return _critical_load(scene, reduction, lightest)
+        except work_limit.WorkSpentError:  # before the first step of a path
+            return None
+
+
+def _critical_load(scene: WholeAssembly, reduction: float, lightest: float) -> tuple[float, Failure] | None:
+    """The multiplier and the mechanism of `critical_load`."""
+    size, there = block_sizes(scene.assembly), ~scene.assembly.fixed
+    found: list[tuple[float, Part]] = []
+    waiting = [np.flatnonzero(there)]
+    while waiting:
+        for blocks in components(scene, waiting.pop()):
             model_patch = model_of(scene, there, blocks)
             if model_patch is None or not model_patch[0].live.any():
                 continue
-            model, patch = model_patch
-            try:
-                model, path, limit = _load_limit(model, reduction)
-            except work_limit.WorkSpentError:  # before the first step of a path
-                return None
+            model, path, limit = _load_limit(model_patch[0], reduction)
             if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
-                if lowest is None or path.parameter < lowest[0]:
-                    lowest = path.parameter, Part(model, limit, blocks, patch)
+                found.append((path.parameter, Part(model, limit, blocks, model_patch[1])))
             elif path.outcome is not PathOutcome.STANDS:
-                return None
-    if lowest is None:
+                chips = _chips_at_once(scene, there, reduction, lightest)
+                if not chips[blocks].any():
+                    return None
+                there[chips] = False
+                waiting.append(blocks[there[blocks]])
+        found.sort(key=itemgetter(0))
+        if found and not waiting and _is_chip(scene, found[0][1], size, lightest):
+            _, chip = found.pop(0)
+            there[_moving(chip, size)[0]] = False
+            waiting.append(chip.blocks[there[chip.blocks]])
+        left = _drained(scene, there)
+        scene = replace(left, loads=replace(left.loads, live=scene.loads.live))
+    if not found:
         return None
-    multiplier, part = lowest
-    blocks, motion = _moving(part, block_sizes(assembly))
-    return multiplier, Failure((part,), blocks, motion)
+    multiplier, part = found[0]
+    return multiplier, Failure((part,), *_moving(part, size))
+
+
+def _chips_at_once(scene: WholeAssembly, there: Bools, reduction: float, lightest: float) -> Bools:
+    """The chips (b,) that do not stand where nothing grows, with the strength reduced."""
+    gone = ~there & ~scene.assembly.fixed
+    live = np.zeros_like(scene.loads.live[0]), np.zeros_like(scene.loads.live[1])
+    still = replace(scene, assembly=scene.assembly.without(gone), loads=replace(scene.loads, live=live), ranged=False)
+    chips = np.zeros(len(there), dtype=bool)
+    for failure in _ravel(still, 1, lightest).sequence:
+        if failure.is_chip and failure.parts[0].rank * reduction < 1.0:
+            chips[failure.blocks] = True
+    return chips
 
 
 def _load_limit(model: AssemblyModel, reduction: float) -> tuple[AssemblyModel, PathLimit, BlocksLimit]:
