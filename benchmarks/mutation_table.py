@@ -28,6 +28,7 @@ _WEDGES = ("tests/closed_form/test_wedges.py", "tests/closed_form/test_wedge.py"
 _PLANES = ("tests/closed_form/test_planes.py", "tests/closed_form/test_plane.py")
 _RESTS = ("tests/preie/test_local_viscosity.py", "tests/preie/test_groups.py")
 _PATHS = ("tests/preie/test_path.py",)
+_CHIPS = ("tests/kinds/test_chips.py",)
 _CELLS = ("tests/preie/test_contact_cells.py",)
 _CASES = ("tests/studies/test_cases.py",)
 _FACTORS = ("tests/design/test_partial_factors.py",)
@@ -425,6 +426,16 @@ MUTATIONS = (
         ("friction that follows the pressed share", "preie/elastic_path/bed.py",
          "np.where(there.slips, reduction * self.cohesion, 0.0)",
          "np.where(there.slips, 1.01 * reduction * self.cohesion, 0.0)", _CELLS),
+        ("what is too light to count", "preie/many_blocks/ravelling.py",
+         "(scene.loads.weights[blocks].sum()) < lightest",
+         "(scene.loads.weights[blocks].sum()) < 1.01 * lightest", _CHIPS),
+        ("chips of a load", "preie/many_blocks/ravelling.py", "and _is_chip(scene, found[0][1], size, lightest)",
+         "and False", _CHIPS),
+        ("chips at full strength", "kinds/assemblies/many_blocks.py",
+         "settled = at_full_strength(design, standing, scene_loads(standing))",
+         "settled = at_full_strength(design, scene, loads)", _CHIPS),
+        ("anchors of chips", "kinds/assemblies/many_blocks_scene.py", "if gone[block] or number in let_go",
+         "if gone[block]", _CHIPS),
         ("contacts that are partly open", "preie/many_blocks/ravelling.py", "partly_open = (pressed > 0.0)",
          "partly_open = (pressed > 2.0)", ("tests/validation/test_blocks_by_hand.py",)),
         ("a first rest that is balanced", "preie/elastic_path/path.py",

@@ -308,7 +308,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     def said(mesh_change: float | None = None, **changes) -> dict[str, str]:
         limit = replace(part.limit, **changes)
         changed = replace(failure, parts=(replace(part, limit=limit, mesh_change=mesh_change),))
-        sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
+        sequence = replace(ravelling_, sequence=(changed,), parts=changed.parts)
         notices = notices_of(design, scene, sequence, [mechanism(changed, scene)])
         return {notice.code: notice.message for notice in notices}
 

@@ -7,7 +7,6 @@ import pytest
 import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.studies.support.for_cases import _in_case
-from tests.kinds.test_small_part import beside_a_chip
 
 BASAL = str(path_of("wedge-basal"))
 WEDGE = str(path_of("wedge"))
@@ -122,20 +121,6 @@ def test_joints_that_dilate_are_not_compared_in_an_earthquake() -> None:
     assert (found.agree, found.exit_code) == (None, 0)
     assert "DISAGREE" not in str(found.sheet)
     assert "W310" in codes(found)
-
-
-def test_a_factor_of_a_chip_is_said_where_no_value_is_found() -> None:
-    """E315 names the factor that comes nearest; that it is the chip's, W503 of a run there, stands beside it."""
-    design = beside_a_chip(0.1)
-    found = sk.solve(sk.load(design), "strength.weak.phi=25:34", fos=5.0)
-    assert found.reason.code == "E315"
-    at, factor = found.pre_ie.most
-    run = sk.run(design, set={"strength.weak.phi": at})
-    assert run.fos.limit == pytest.approx(factor, rel=1e-9)
-    (of_run,) = (notice for notice in run.warnings if notice.code == "W503")
-    (ours,) = (notice for notice in found.warnings if notice.code == "W503")
-    assert ours.message.startswith("of the factor of safety at strength.weak.phi = ")
-    assert ours.message.endswith(of_run.message)
 
 
 @cache

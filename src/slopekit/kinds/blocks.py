@@ -170,7 +170,7 @@ def read_blocks(reader: Reader) -> BlocksDesign:
     section = reader.at("section")
     if section is not None and nodes and all(node.get("mesh") is not None for node in nodes.values()):
         reader.fault("E112", "section says nothing beside meshes", section, "Leave it out.")
-    own = reader.fields(BlocksDesign, only=("thickness_m", "contact_tolerance_m", "mechanisms"))
+    own = reader.fields(BlocksDesign, only=("thickness_m", "contact_tolerance_m", "mechanisms", "smallest_block"))
     moves = {name: not is_fixed for name, is_fixed in fixed.items()}
     shared = common(reader, moves, in_section, None, [value for _, _, value in water])
     sound = tuple(block for block in blocks if block is not None)

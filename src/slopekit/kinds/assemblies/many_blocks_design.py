@@ -75,7 +75,7 @@ class AssemblyDesign(Design):
         default=0.02,
         least=0.0,
         most=1.0,
-        code="E186",
+        code="E137",
         scatters=False,
         role="setting",
         doc="of the weight of the median block: a lighter mechanism is a chip, taken away first and said",

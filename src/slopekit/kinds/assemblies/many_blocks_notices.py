@@ -8,7 +8,6 @@ from slopekit.core.errors import Notice
 from slopekit.findings import Mechanism
 from slopekit.kinds.assemblies.many_blocks_design import AssemblyDesign
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene
-from slopekit.kinds.words import mass_in_words, short
 from slopekit.notices import (
     SQUARE,
     LostCohesion,
@@ -23,10 +22,6 @@ from slopekit.preie.many_blocks.ravelling import Failure, Part, Ravelling
 from slopekit.preie.one_block.passes import Outcome
 from slopekit.preie.tolerances import PASSES_SETTLED, SAME_LIMIT, TINY
 
-_SMALL = 0.01  # of the volume that can move: the factor of less says little of the slope
-_BOULDER_M3 = 1.0  # a piece that may be left to its neighbours; a larger one is a failure of its own
-_FEW = 3  # mechanisms, of which one is mostly larger
-
 
 def notices_of(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism]
@@ -37,7 +32,6 @@ def notices_of(
     if not mechanisms:
         return
     first, limit = mechanisms[0], ravelling.failures[0].limit
-    yield from said_of_size(design, scene, ravelling)
     yield from bolt_notices(design)
     if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
         yield undrawn_notice()
@@ -70,31 +64,6 @@ def debonding_notices(stable: float, fails: float, limit: float) -> Iterator[Not
     below = (1.0 - fails / limit) * 100.0
     yield Notice("W504", f"with progressive slip and debonding the blocks are stable at {stable:.4f} and fail at "
                  f"{fails:.4f}, {below:.2g} % below the factor of safety: rely on the lower")  # fmt: skip
-
-
-def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling) -> Iterator[Notice]:
-    """W503: the factor is that of a small part of what can move, and how to come to larger ones."""
-    assembly, first = scene.assembly, ravelling.failures[0]
-    whole = float(assembly.volumes[~assembly.fixed].sum())
-    volumes = [float(assembly.volumes[failure.blocks].sum()) for failure in ravelling.failures]
-    small = volumes[0]
-    if not first.limit.factor or small >= _SMALL * whole:
-        return
-    weight_kn = float(assembly.volumes[first.blocks] @ scene.unit_weights[first.blocks])
-    mass = f" ({mass_in_words(weight_kn / design.gravity_m_s2)})" if weight_kn else ""
-    share = f"{max(small / whole * 100.0, 0.001):.2g} %"
-    larger = next((k for k, volume in enumerate(volumes) if volume >= _SMALL * whole), None)
-    more = ""
-    if larger is not None:
-        factor = ravelling.failures[larger].limit.factor
-        has = "no number" if factor is None else f"{factor:.4f}"
-        more = f"; the first larger one under MECHANISM, n {larger + 1}, has {has}, those before it taken away"
-    elif ravelling.ended == "count":
-        more = f"; analysis.mechanisms: {max(_FEW, 2 * design.mechanisms)} goes on to what fails after it"
-    if getattr(design, "min_volume_m3", None) is not None and small < _BOULDER_M3:
-        more += f"; a cut.min_volume above {short(small)} m3 joins such pieces to their neighbours"
-    yield Notice("W503", f"the factor of safety is that of {short(small)} m³{mass}, {share} of the {short(whole)} m³ "
-                 f"that can move{more}")  # fmt: skip
 
 
 def lost_cohesion(failure: Failure) -> LostCohesion:

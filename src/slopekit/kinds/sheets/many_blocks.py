@@ -177,10 +177,9 @@ def _chips(chips: Chips | None) -> list[Entry]:
     """What fails first and is too light to count."""
     if chips is None:
         return []
-    blocks = counted(len(chips.blocks), "block")
-    fails = "fall with any strength" if chips.fos is None else f"fail from FoS {factor_text(chips.fos).strip()}"
-    below = mass_in_words(chips.below_t)
-    return [f"{blocks} in mechanisms lighter than {below} {fails}, taken away (analysis.smallest_block)"]
+    blocks, below = counted(len(chips.blocks), "block"), mass_in_words(chips.below_t)
+    fails = "no strength holds" if chips.fos is None else f"from FoS {factor_text(chips.fos).strip()}"
+    return [f"mechanisms lighter than {below}: {blocks}, {fails}; taken away first (analysis.smallest_block)"]
 
 
 def _mechanisms(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:

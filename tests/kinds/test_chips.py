@@ -1,0 +1,127 @@
+"""Chips: mechanisms lighter than 2 % of the median block are taken away first, and what is left is the answer."""
+
+import math
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.core.orientation import Line
+from slopekit.kinds import cut, kind_of
+from slopekit.kinds.assemblies.many_blocks_scene import scene_loads
+from tests.kinds.test_assembly import box, on_incline
+
+BETA = 20.0
+
+
+def slides(friction: float) -> float:
+    return math.tan(math.radians(friction)) / math.tan(math.radians(BETA))
+
+
+def design(high: float, on_wall: bool = False, friction: float = 30.0, **more) -> dict:
+    """Three walls of 4 m³ on an incline, and a weaker piece 0.4 m long beside or on top of the first."""
+    outlines = {f"wall{k}": box(20 * k, 0, 4, 1) for k in (1, 2, 3)}
+    outlines["chip"] = box(21, 1, 0.4, high) if on_wall else box(0, 0, 0.4, high)
+    made = on_incline(outlines, BETA, 35, **more)
+    made["strength"]["weak"] = {"c": 0, "phi": friction}
+    made["interfaces"] = {"default": "joint", "chip/wall1" if on_wall else "chip/base": "weak"}
+    return made
+
+
+def without_chip(given: dict) -> dict:
+    blocks = {name: block for name, block in given["blocks"].items() if name != "chip"}
+    strength = {"joint": given["strength"]["joint"]}
+    return given | {"blocks": blocks, "interfaces": {"default": "joint"}, "strength": strength}
+
+
+@pytest.mark.parametrize(("high", "is_chip"), [(0.199, True), (0.201, False)])
+def test_a_piece_below_a_fiftieth_of_the_median_block_is_a_chip(high, is_chip) -> None:
+    """The median of 4, 4, 4 m³ and the piece is 4 m³: 0.08 m³ of 25 kN/m³."""
+    result = sk.run(design(high))
+    assert result.fos.limit == pytest.approx(slides(35.0 if is_chip else 30.0), rel=1e-9)
+    chips = result.findings.chips
+    assert (chips is not None) == is_chip
+    assert result.findings.factor_by_block["chip"] == pytest.approx(slides(30.0), rel=1e-9)
+    if chips is not None:
+        assert chips.blocks == ("chip",)
+        assert chips.fos == pytest.approx(slides(30.0), rel=1e-9)
+        assert chips.below_t == pytest.approx(0.02 * 100.0 / 9.81, rel=1e-9)
+        assert "CHIPS     mechanisms lighter than 203.9 kg: 1 block, from FoS 1.586; taken away first" in str(result)
+        assert result.to_dict()["assembly"]["chips"]["blocks"] == ["chip"]
+
+
+def test_what_counts_is_set_by_the_smallest_block() -> None:
+    assert sk.run(design(0.1), set={"analysis.smallest_block": 0}).fos.limit == pytest.approx(slides(30.0), rel=1e-9)
+    result = sk.run(design(0.3), set={"analysis.smallest_block": 0.04})
+    assert result.fos.limit == pytest.approx(slides(35.0), rel=1e-9)
+    with pytest.raises(sk.DesignError, match="E137"):
+        sk.load(design(0.1), set={"analysis.smallest_block": 1.5})
+
+
+def test_chips_of_one_factor_go_before_what_is_heavier() -> None:
+    result = sk.run(design(0.1, friction=35.0))
+    assert result.findings.chips.blocks == ("chip",)
+    assert {block.name for block in result.findings.mechanisms[0].blocks} == {"wall1", "wall2", "wall3"}
+
+
+def test_all_numbers_are_those_of_the_blocks_without_the_chip() -> None:
+    """It lies on a wall, pulls it by a bolt, has water under it and a surcharge on it, and would run at once."""
+    given = design(0.1, on_wall=True, friction=10.0, c=2)
+    given["water"] = {"pressures": {"chip/wall1": "0.5 kPa"}}
+    given["loads"] = {"surcharge": {"chip": "3 kPa"}}
+    alone = without_chip(given) | {"water": "dry", "loads": {}}
+    options = {"set": {"analysis.criterion": "all-pairs"}}
+    result, expected = sk.run(given, **options), sk.run(alone, **options)
+    assert result.findings.chips.fos < 1.0 < result.fos.limit
+    for name in ("limit", "static_bound", "all_pairs_failed", "lowest", "highest"):
+        assert getattr(result.fos, name) == pytest.approx(getattr(expected.fos, name), rel=1e-7), name
+    ours, theirs = result.displacements.at_factor_one, expected.displacements.at_factor_one
+    order = [sk.run(given).geometry.names.index(name) for name in expected.geometry.names]
+    assert ours.block == theirs.block
+    assert np.asarray(ours.every)[order] == pytest.approx(np.asarray(theirs.every), rel=1e-6, abs=1e-12)
+    assert kind_of(sk.load(given)).factors(sk.load(given)).limit == pytest.approx(result.fos.limit, rel=1e-9)
+
+
+@pytest.mark.parametrize("headed", ["chip", "wall1"])
+def test_the_loads_of_what_is_left(headed) -> None:
+    """An active bolt between the chip and the wall pulls neither once the chip is gone; other forces stay."""
+    given = design(0.1, on_wall=True)
+    given["loads"] = {"forces": [{"force": "5 kN", "toward": "270/00", "block": "wall2"}]}
+    head = np.array(cut(sk.load(given)).assembly.centroids[-1])
+    toward = "270/80"
+    if headed == "wall1":
+        head, toward = head + 0.6 * Line(270.0, 80.0).vector(), "090/-80"
+    bolt = {"force": "40 kN", "toward": toward, "head": head.tolist(), "length": 0.6, "block": headed}
+    scene = cut(sk.load(given | {"support": {"bolts": [bolt]}}))
+    gone = np.array([name == "chip" for name in scene.names])
+    left, plain = scene_loads(scene.without(gone)), scene_loads(cut(sk.load(without_chip(given))))
+    assert np.abs(scene_loads(scene).forces[~gone] - plain.forces).max() > 30.0
+    assert left.forces[~gone] == pytest.approx(plain.forces, abs=1e-9)
+    assert left.moments[~gone] == pytest.approx(plain.moments, abs=1e-9)
+
+
+@pytest.mark.parametrize("friction", [30.0, 10.0])
+def test_a_load_grows_until_what_counts_fails(friction) -> None:
+    """k = tan(φ - β) of the walls, where the chip fails at less, and where it does not stand at all."""
+    still = design(0.1, friction=friction)
+    still["loads"] = {"seismic": {"k": 0, "toward": 270}}
+    shaken = still | {"loads": {"seismic": {"k": 1.0, "toward": 270}}}
+    kind = kind_of(sk.load(still))
+    expected = math.tan(math.radians(35.0 - BETA))
+    assert kind.at_load(sk.load(still), sk.load(shaken), 1.0) == pytest.approx(expected, rel=1e-6)
+
+
+def test_elastic_blocks_are_those_that_are_left() -> None:
+    """The chip would not come to rest (W450)."""
+    pytest.importorskip("skfem")
+    given = design(0.1, on_wall=True, friction=10.0)
+    given["rock"] |= {"modulus": "1 GPa", "poisson": 0.2}
+    ours, theirs = (sk.run(one, elastic=True).elastic for one in (given, without_chip(given)))
+    assert ours.factor == theirs.factor == 1.0
+    assert ours.displacement_m == pytest.approx(theirs.displacement_m, rel=1e-6)
+
+
+def test_check_climbs_with_what_is_left() -> None:
+    ladder = kind_of(sk.load(design(0.1))).ladder(sk.load(design(0.1)))
+    assert {rung.method for rung in ladder.rungs} == {"stiffness", "mesh"}
+    assert [rung.factor for rung in ladder.rungs] == pytest.approx([slides(35.0)] * len(ladder.rungs), rel=1e-6)
