@@ -477,7 +477,7 @@ def _too_coarse(part: Part) -> Bools:
     area = np.bincount(model.pair_contact, model.control_area, len(model.plus))
     pressed = np.bincount(model.pair_contact, limit.bond * model.control_area, len(model.plus)) / np.maximum(area, TINY)
     carries = carries + bonds * pressed  # what is left of cohesion at the limit
-    partly_open = (pressed > 0.0) & (pressed < 1.0) & (bonds > TWISTS * float(carries.sum()))
+    partly_open = (pressed > 0.0) & (pressed < 1.0 - SAME_LIMIT) & (bonds > TWISTS * float(carries.sum()))
     too_coarse: Bools = partly_open
     if model.unknowns == 3:
         return too_coarse
