@@ -26,7 +26,7 @@ _CURVED_BLOCKS = ("tests/strength/test_curved_blocks.py", "tests/preie/test_join
 _CURVES = ("tests/strength/test_curved_strength.py",)
 _WEDGES = ("tests/closed_form/test_wedges.py", "tests/closed_form/test_wedge.py")
 _PLANES = ("tests/closed_form/test_planes.py", "tests/closed_form/test_plane.py")
-_RESTS = ("tests/preie/test_local_viscosity.py", "tests/preie/test_groups.py")
+_RESTS = ("tests/preie/test_rests.py", "tests/preie/test_groups.py")
 _PATHS = ("tests/preie/test_path.py",)
 _CHIPS = ("tests/kinds/test_chips.py",)
 _CELLS = ("tests/preie/test_contact_cells.py",)
@@ -413,7 +413,6 @@ MUTATIONS = (
     ),
     *_group(
         "paths of many blocks",
-        ("what may stay unbalanced", "preie/elastic_path/flow.py", "ENOUGH = 0.3 ", "ENOUGH = 30.0 ", _RESTS),
         ("just before a factor", "preie/elastic_path/rests.py", "(factor * (1.0 - trial)), flow",
          "(factor * (1.0 + trial)), flow",
          _RESTS),

@@ -1,6 +1,5 @@
 """What elastic joints with curved laws resist and how it follows their normal forces, held against the laws alone."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from benchmarks import populations
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.rounded import RoundedPath
 from slopekit.preie.system.assembly import AssemblyModel
 from slopekit.preie.system.joint_strengths import strengths_of
 from tests.preie.path_oracle import model_of
@@ -83,18 +81,3 @@ def test_compiled_forces_are_those_of_numpy(monkeypatch) -> None:
     one, other = found
     for name in ("normal", "friction", "strength", "slips", "unbalanced"):
         assert getattr(one, name) == pytest.approx(getattr(other, name), abs=1e-12), name
-
-
-def test_the_rounded_joints_follow_the_law(monkeypatch) -> None:
-    """A point on their curve: friction against slip is at its product with λ τ(σ) of the pairs, by the law alone."""
-    model = model_with("section", "power")
-    bed = Bed(model, Drive(model.load.ravel()))
-    curve = RoundedPath(bed, 1e-2)
-    assert curve.begin(bed.elastic_displacement, 2.0)
-    assert curve.onto(1e3, 250)
-    normal, friction = curve.forces
-    kpa = model.control_area * (model.area_scale / model.force_scale)
-    tau = np.bincount(model.group_of_pair, model.lines.laws[0].resistance(normal / kpa) * kpa)
-    used = np.abs(friction[:, 0]) / (curve.reduction * tau)
-    assert 0.99 < float(used.max()) <= 1.0
-    assert math.isclose(float(np.abs(model.unbalanced(normal, friction)).max()), 0.0, abs_tol=1e-5)

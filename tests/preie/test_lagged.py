@@ -8,15 +8,14 @@ import pytest
 from slopekit.preie.elastic_path import rests
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import Drive
-from slopekit.preie.elastic_path.flow import Flow
+from slopekit.preie.elastic_path.flow import Flow, relaxed
 from slopekit.preie.elastic_path.lagged import lagged_rest
-from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathOutcome, result_of
 from slopekit.preie.elastic_path.rests import rests_before
 from slopekit.preie.kernels import compiled
 from slopekit.preie.tolerances import LAGGED_ROUNDING, RESTS_NEAR
 from tests.preie.test_flow import model_of_bench
-from tests.preie.test_local_viscosity import LIMIT, admissible
+from tests.preie.test_rests import LIMIT, admissible
 
 pytestmark = pytest.mark.skipif(compiled() is None, reason="its steps are compiled")
 
@@ -33,9 +32,9 @@ def bed() -> Bed:
 def both(bed) -> tuple[Flow, Flow]:
     """A rounded rest and a sharp one at the same strength."""
     parameter = 1.0 / (0.95 * LIMIT)
-    rest, sharp = lagged_rest(bed, parameter), rest_from(bed, bed.elastic_displacement, parameter)
+    rest, sharp = lagged_rest(bed, parameter), relaxed(bed, bed.elastic_displacement, parameter, 1.0)
     assert rest is not None
-    assert sharp is not None
+    assert sharp.ended == "rest"
     return rest, sharp
 
 

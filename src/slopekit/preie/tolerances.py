@@ -104,7 +104,7 @@ TOUCHES = 1e-9
 #: The same where it takes no further step: still good for seven digits of λ.
 ROUGHLY_SETTLED = 1e-8
 
-#: Of each block on elastic joints, sharp or rounded, and in a program, in parts of its own load, and of what a program
+#: Of each block on elastic joints, and in a program, in parts of its own load, and of what a program
 #: says of strengths; load that a proposal may shed. Ten times as much moves none of 23 designs, a tenth, in programs,
 #: one.
 EACH_BALANCED = 1e-6
@@ -134,9 +134,6 @@ LIFTED_BALANCED = 2e-2
 #: What the residuals of its motion may be worth, in parts of the load factor, and of the equation P v = 1 of that.
 MOTION_RESIDUAL = 1e-4
 
-#: Angle (rad) between friction and slip on the curve of rounded joints.
-ALIGNED = 1e-3
-
 # -- Searches: where one ends -----------------------------------------------------------------------------------------
 
 #: Tolerance of a cone program, and complementarity of a proposal; distance of admissible forces from those of a
@@ -159,12 +156,6 @@ CLOSE = 3e-7
 #: slip have to have settled too. From 0.015 to 0.7 in sections, from 1e-4 to 0.01 in space, 23 designs move by 1e-13.
 VISCOUS_LEFT = 1e-2
 
-#: Rounding of joints that is none, in parts of a mean load times its elastic displacement.
-SHARP = 1e-10
-
-#: The same far down a path, where displacements are a thousand times the elastic ones.
-SHARP_FAR_DOWN = 1e-5
-
 #: Rounding of the joints of thousands of blocks at rest, in parts of their elastic energy: 0.05 % beyond the limits of
 #: three benches it is twice that, five times of more blocks, and grows.
 LAGGED_ROUNDING = 5e-3
@@ -177,12 +168,6 @@ PASSES_STEADY = 1e-5
 
 #: Change of displacements, in parts of the largest, that ends the rounds of stiffnesses.
 SETTLEMENT_STEADY = 1e-3
-
-#: Loads that come on last, in parts of them: what fits on up to this is decided with its modes.
-LOADS_FIT = 1e-3
-
-#: Width of the bracket of the strength at which they do, in parts of it, where its ends are no limits.
-LOADS_BRACKET = 1e-3
 
 #: Step of ln F towards a factor: one that no shorter step reaches has no equilibrium.
 SHORTEST_STRIDE = 1e-5
@@ -219,12 +204,6 @@ BOUND_ROUGHLY = 1e-3
 
 #: Where all blocks rest this near to the factor of a group, the last state at rest is an answer.
 RESTS_NEAR = 5e-2
-
-#: λ of rounded joints and of those made sharp, far down a path.
-SAME_SHARP = 1e-3
-
-#: λ in one step far along a motion: more is another motion.
-OTHER_MOTION = 0.1
 
 # -- Limits of what is a number ---------------------------------------------------------------------------------------
 

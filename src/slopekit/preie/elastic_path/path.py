@@ -3,7 +3,6 @@
 Joints are elastic without tension (`elastic_path.bed`). Gravity comes on at a strength well above the static bound,
 then
 
-    R   in a section of many blocks first: joints with rounded corners, whose path is one curve, made sharp far down it;
     A   the strength goes down, λ x 0.85 a step, until the blocks run: implicit viscous flow shows that they do;
     C   while they run, viscosity is taken away and λ set free, the work of the load prescribed and raised;
     L   once the modes of the contacts have settled, Newton on them and λ: the limit state, exact.
@@ -24,8 +23,7 @@ from slopekit.core.onlooker import say
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.elastic_path.flow import EASES, THICK, Flow, relaxed, stepped
-from slopekit.preie.elastic_path.path_limit import BORDERED, MANY, PathLimit, PathOutcome, limit_state, result_of
-from slopekit.preie.elastic_path.traced import traced, traced_in_section
+from slopekit.preie.elastic_path.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.programs.bounds import held_by_normals
 from slopekit.preie.solvers.work_limit import WorkSpentError
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, SAME_LIMIT, VISCOUS_LEFT
@@ -44,7 +42,6 @@ _FAILS = 7
 _BORDERED_AS_WELL = 600  # unknowns in space up to which stage L is tried before C has settled: its matrix is dense
 _CHEAPLY = 100  # and up to which it is tried with the same modes again
 _SNAPS, _FARTHER, _SLOWLY = 20, 1e3, 4000  # of a path in the load; work at which they run; factorisations
-_BROADLY, _FINELY = (1.0, 1e-2), (1e-4,)  # rounding in sections of many blocks, one after the other, and of few
 
 
 def follow(bed: Bed, start: float) -> PathLimit:
@@ -92,10 +89,8 @@ class _Path:
         self.stable: float | None = None
         self.last_near, self.has_crept = math.nan, False
         self.failed: Flow | None = None  # the last flow whose forces did not settle
-        bolts, cohesion = bed.bolted is not None, bed.cells is not None
-        self.rounds = self.is_strength and not bed.dilates and not cohesion
-        self.smooth = self.rounds and bed.tangents == 1 and not bolts
-        self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER[: None if bed.tangents == 1 else 2]))
+        cohesion = bed.cells is not None
+        self.brackets = (_BRACKET, *(_COHESIVE if cohesion else _NEARER))
         self.tried = 1 if cohesion and bed.tangents > 1 else len(self.brackets)  # brackets with a try at a limit state
 
     def limit(self) -> PathLimit:
@@ -105,13 +100,8 @@ class _Path:
         if flow.ended != "rest":
             outcome = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
             return result_of(bed, outcome, None, None, flow.at, flow.at - flow.before, flow.forces)
-        self.begun, self.first = parameter, flow.at
+        self.begun = parameter
         self._accept_rest(parameter, flow)
-        if self.smooth and bed.size > MANY:
-            ended = traced_in_section(bed, flow.at, parameter, _BROADLY)
-            if ended is not None:
-                return ended
-            self.smooth = False
         ended = self._narrowed()
         return replace(ended, last_near=self.last_near) if self.has_crept else ended
 
@@ -146,7 +136,9 @@ class _Path:
                     if snaps:
                         slow = relaxed(bed, self.state.at, unstable, THICK, runs_at=_FARTHER, patience=_SLOWLY)
                     if slow.ended != "rest":
-                        return self._peak(flow, unstable)
+                        moved, peak = flow.at - flow.before, (self.stable, unstable)
+                        at, forces = self.state.at, self.state.forces
+                        return result_of(bed, PathOutcome.BRACKET, self.stable, peak, at, moved, forces)
                     flow, snaps, ratio = slow, snaps - 1, _STRIDE  # they only snapped, to another rest
                     runs.clear()
                     place = 0
@@ -187,8 +179,6 @@ class _Path:
         assert self.stable is not None
         ended = None if flow is self.failed else _run(bed, flow, unstable)
         self.failed = flow  # the same again ends the same
-        if ended is None and self.rounds and bed.tangents > 1:
-            ended, self.rounds = traced(bed, self.state.at, self.stable), False
         if bed.cells is None or (ended is not None and self._is_between(ended, unstable)):
             return self._of_this_motion(ended)
         bonded = bed.with_cohesion_at(self.state.at, self.stable)
@@ -210,17 +200,6 @@ class _Path:
         assert self.stable is not None
         low, high = sorted((self.stable, unstable))
         return ended.parameter is not None and low * (1.0 - SAME_LIMIT) <= ended.parameter <= high * (1.0 + SAME_LIMIT)
-
-    def _peak(self, flow: Flow, unstable: float) -> PathLimit:
-        """Return the last state at rest; in a section the limit of hardly rounded joints, where that lies before it."""
-        assert self.stable is not None
-        bed, peak = self.bed, (self.stable, unstable)
-        if self.smooth:
-            ended = traced_in_section(bed, self.first, self.begun, _FINELY)
-            if ended is not None and (ended.parameter or 0.0) >= unstable:
-                return replace(ended, peak=peak)
-        moved, forces = flow.at - flow.before, self.state.forces
-        return result_of(bed, PathOutcome.BRACKET, self.stable, peak, self.state.at, moved, forces)
 
 
 def at_rest_first(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:

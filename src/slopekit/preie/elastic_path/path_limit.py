@@ -14,8 +14,6 @@ from slopekit.preie.elastic_path.bed_states import BedForces
 from slopekit.preie.tolerances import ADMISSIBLE, EQUILIBRIUM, MODES_SHIFT, NO_MOTION, OPENS_ROUGHLY, SAME_LIMIT, TINY
 
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
-#: Unknowns from which a path takes seconds: then other ways are tried first, and fewer where they lead nowhere.
-MANY = 600
 _TURNS = 12  # how often directions of slip in space follow the motion
 
 

@@ -12,19 +12,15 @@ from slopekit.core.arrays import Floats
 from slopekit.preie.elastic_path.bed import Bed
 from slopekit.preie.elastic_path.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.elastic_path.lagged import lagged_flow, lagged_rest
-from slopekit.preie.elastic_path.local_viscosity import rest_from
 from slopekit.preie.elastic_path.path_limit import PathLimit
 from slopekit.preie.solvers.work_limit import WorkSpentError, part
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 
 _FIRST, JUST = 0.1, 1e-3  # gaps to a factor at which all have to come to rest: first, last
-#: From one gap to the next in parts of it: in one leap, and where they come to rest at none so near.
-_LEAP, _CLOSER = 0.01, 0.5
-#: Unknowns from which the last rest is looked for at once, and up to which: of 1,500 blocks that takes half as long as
-#: the first rest and a leap from it, of 939 hardly less. Of more a lagged one is found sooner (of 1,987 in a third of
-#: the time, of 3,199 in a sixth), up to some number just before the factor, of 7,251 in minutes only farther from it.
-_AT_ONCE, _LAGGED, _LAGGED_FAR = 6000, 10000, 30000
-_OF_AT_ONCE = 0.4  # of the work that is left, for that
+_CLOSER = 0.5  # from one gap to the next
+#: Unknowns from which a lagged rest is looked for first (of 304 blocks Newton's method and viscous flow take no longer,
+#: of 501 eight times as long), and up to which it is looked for just before the factor: of 7,251 that takes minutes.
+_LAGGED, _LAGGED_FAR = 2000, 30000
 _FAR = 5.0  # times the work: another rest is far away
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _OF_LEFT = 0.7  # of the work that is left
@@ -37,7 +33,10 @@ def rest_at(bed: Bed, at: Floats, parameter: float) -> Flow | None:
     None where they are not.
     """
     rest = lagged_rest(bed, parameter) if _is_large(bed) else None
-    return rest if rest is not None or bed.size > _LAGGED_FAR else rest_from(bed, at, parameter)
+    if rest is not None or bed.size > _LAGGED_FAR:
+        return rest
+    flow = relaxed(bed, at, parameter, 0.0, runs_at=RUNS, patience=_TO_REST)
+    return flow if flow.ended == "rest" else None
 
 
 def _is_large(bed: Bed) -> bool:
@@ -75,32 +74,17 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
 
 def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, float]]:
     """The last rest each time, and how near to the factor it is; at the end what `rests_before` returns."""
-    gap, space = _FIRST, bed.tangents > 1
-    strong = 1.0 / (factor * (1.0 - gap))
+    gap = _FIRST
     if _is_large(bed):
         for trial in (JUST, near) if bed.size <= _LAGGED_FAR else (near,):
             lagged = lagged_rest(bed, 1.0 / (factor * (1.0 - trial)))
             if lagged is not None:
                 yield lagged, trial
                 return
-    last = _last_at_once(bed, factor) if space and _AT_ONCE < bed.size <= _LAGGED_FAR else None
-    if last is not None:
-        yield last, JUST
-        return
-    at_once = rest_from(bed, bed.elastic_displacement, strong) if space else None
-    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
+    strong = 1.0 / (factor * (1.0 - gap))
+    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
-    leap = _LEAP
-    while flow.ended == "rest" and gap > JUST and leap < _CLOSER:
-        trial = max(leap * gap, JUST)
-        ahead_of_it = rest_from(bed, flow.at, 1.0 / (factor * (1.0 - trial)))
-        if ahead_of_it is None or not _near(bed, flow, ahead_of_it):
-            leap = math.sqrt(leap)
-            continue
-        moved, width = ahead_of_it.at - flow.at, gap - trial
-        flow, gap = ahead_of_it, trial
-        yield flow, gap
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
         parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
@@ -116,17 +100,6 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
         yield flow, gap
-
-
-def _last_at_once(bed: Bed, factor: float) -> Flow | None:
-    """The rest just before a factor from joints that stick; None where it is not found, or is far away from them."""
-    try:
-        with part(_OF_AT_ONCE):
-            last = rest_from(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - JUST)))
-    except WorkSpentError:
-        return None
-    far = last is None or abs(float(bed.working @ last.at)) >= _FAR * bed.elastic_work
-    return None if far else last
 
 
 def _near(bed: Bed, flow: Flow, other: Flow) -> bool:
