@@ -161,7 +161,7 @@ class Result(Shown):
     def criterion_fos(self) -> float | None:
         """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor."""
         limit = self.fos.limit
-        if self.design.criterion == "limit" or limit is None:
+        if self.design.analysis.criterion == "limit" or limit is None:
             return limit
         return None if self.fos.all_pairs_failed is None else min(limit, self.fos.all_pairs_failed)
 
@@ -205,7 +205,7 @@ class Result(Shown):
         """
         _, _, name = rule.name.partition(".")
         limit, pairs = self.fos.limit, self.fos.all_pairs_failed
-        by_pairs = self.design.criterion == "all-pairs" and (limit is None or pairs is None or pairs < limit)
+        by_pairs = self.design.analysis.criterion == "all-pairs" and (limit is None or pairs is None or pairs < limit)
         return name or ("all_pairs_failed" if by_pairs else "limit")
 
     def value_of(self, rule: Rule) -> float | None:
@@ -353,7 +353,7 @@ class Result(Shown):
     @property
     def mass_t(self) -> float:
         """Mass of what may move, t."""
-        return self.forces.weight / self.design.gravity_m_s2
+        return self.forces.weight / self.design.rock.gravity_m_s2
 
     @property
     def scene(self) -> BlockScene:
@@ -471,7 +471,7 @@ class Result(Shown):
             "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in beside.governs],
             "inputs": self.design.inputs(),
             "assumed": dict(self.design.assumed),
-            "defaults": list(self.design.defaults),
+            "defaults": list(self.design.reading.defaults),
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": dict(self.timing_s),
             "scene": self.scene.to_dict(),

@@ -217,4 +217,4 @@ def test_a_joint_list_counts_before_the_design_beside_waves_too(tmp_path) -> Non
     for strength, c, phi in zip(design.strengths, (11.0, 12.0), (31.0, 32.0), strict=True):
         steep = tan(radians(phi)) + tan(radians(4.0))
         assert strength.named_law.resistance(np.array([0.0, 10.0])) == pytest.approx([c, c + 10.0 * steep], rel=1e-12)
-    assert f"c of the design for A: {path} has its own" in design.left_out
+    assert f"c of the design for A: {path} has its own" in design.reading.left_out

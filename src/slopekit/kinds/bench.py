@@ -220,7 +220,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
     scene = AssemblyScene(
         assembly, tuple(f"B{k}" for k in range(1, len(assembly) + 1)), tuple(given.name for given in design.sets),
         tuple(design.strength(given.strength) for given in design.sets),
-        np.full(len(assembly), design.unit_weight_kn_m3),
+        np.full(len(assembly), design.rock.unit_weight_kn_m3),
         np.array([given.pressure_kpa for given in design.sets])[assembly.patches.joint],
         {},
         {"volume_error": cut.volume_error, "area_error": cut.area_error, "plane_error_m": cut.plane_error,

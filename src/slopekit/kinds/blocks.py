@@ -368,7 +368,7 @@ def cut(design: BlocksDesign) -> AssemblyScene:
         scene, assembly=replace(scene.assembly, patches=replace(patches, joint=joint)), joints=kinds,
         strengths=tuple(strength for _, strength in design.strengths), pressures=frozen(pressures),
         unit_weights=np.array([
-            design.unit_weight_kn_m3 if block.unit_weight_kn_m3 is None else block.unit_weight_kn_m3
+            design.rock.unit_weight_kn_m3 if block.unit_weight_kn_m3 is None else block.unit_weight_kn_m3
             for block in design.blocks
         ]), notices=tuple(notices),
     )  # fmt: skip
@@ -531,7 +531,7 @@ def _own_weights(design: BlocksDesign) -> list[str]:
     by_weight: dict[float, list[str]] = {}
     for block in design.blocks:
         own = block.unit_weight_kn_m3
-        if own is not None and not block.fixed and own != design.unit_weight_kn_m3:
+        if own is not None and not block.fixed and own != design.rock.unit_weight_kn_m3:
             by_weight.setdefault(own, []).append(block.name)
     if not by_weight:
         return []

@@ -165,11 +165,11 @@ def cut(design: FootingDesign) -> Cut:
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
     pushes = {"footing": push} | _water(design, section)
-    acting = block_loads(section.block, design.unit_weight_kn_m3, np.zeros(3), pushes=pushes)
+    acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes=pushes)
     bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
-    left_out += [] if design.unit_weight_kn_m3 else ["the weight of the rock"]
+    left_out += [] if design.rock.unit_weight_kn_m3 else ["the weight of the rock"]
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
         [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
@@ -190,7 +190,7 @@ def _water(design: FootingDesign, section: PlaneSection) -> dict[str, PointForce
 
 def closed_form(design: FootingDesign) -> ClosedForm:
     """The design by limit equilibrium."""
-    weight = design.unit_weight_kn_m3 * _block(design)[0].block.volume
+    weight = design.rock.unit_weight_kn_m3 * _block(design)[0].block.volume
     strip = on_secants(
         [design.strength],
         lambda lines: footing(

@@ -272,7 +272,7 @@ def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     k = design.seismic.coefficient * _in_section(design)
     strongest = max((bolt.force_kn for bolt in design.bolts), default=0.0)
     return block_loads(
-        section.block, design.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
+        section.block, design.rock.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * strongest],
         pushes(design, _local_slope(design, section)),
@@ -305,7 +305,8 @@ def arguments(design: PlaneDesign) -> Arguments:
         if water.mode == TABLE:
             given, pressures = True, means
     return columns | force | {
-        "height_m": design.height_m, **_of_strengths(_strengths(design)), "unit_weight_kn_m3": design.unit_weight_kn_m3,
+        "height_m": design.height_m, **_of_strengths(_strengths(design)),
+        "unit_weight_kn_m3": design.rock.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
         "water_in_crack_m": None if crack is None or given else crack.water_m,

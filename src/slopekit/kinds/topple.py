@@ -238,7 +238,7 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     shown = dict(zip(design.block_names, outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
     scene = AssemblyScene(
         assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
-        np.full(len(assembly), design.unit_weight_kn_m3),
+        np.full(len(assembly), design.rock.unit_weight_kn_m3),
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
         shown, {}, (), (), thickness=design.thickness_m, crest_x=_crest_x(design),
     )  # fmt: skip
@@ -331,7 +331,7 @@ def column_slope(design: ToppleDesign) -> ColumnSlope:
     toward, k = design.seismic.trend_deg, design.seismic.coefficient
     return ColumnSlope(
         heights_m=design.heights_m, width_m=design.width_m, step_m=design.base_step_m,
-        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.unit_weight_kn_m3,
+        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
         friction_angle_deg=base.friction_angle_deg, side_friction_angle_deg=sides.friction_angle_deg,
         cohesion_kpa=base.cohesion_kpa, seismic=k if toward is None or toward > 180.0 else -k, loads=_loads(design),
     )  # fmt: skip

@@ -157,7 +157,7 @@ def kind_of_many_blocks(
         reached = mechanisms[0].fos if mechanisms else None  # compared as in a result, whether it settled or not
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
-        difference, agree = compare(reached, status, closed, design.agree_within)
+        difference, agree = compare(reached, status, closed, design.analysis.agree_within)
         of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
         notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms), *of_kind))
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
@@ -253,10 +253,10 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
-        mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
+        mechanisms = tuple(with_sizes(moving, scene, design.rock.gravity_m_s2))
     with clock("all_pairs"):
         all_pairs = None
-        if design.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
+        if design.analysis.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
             all_pairs = search_of_all_pairs(design, scene, loads, mechanisms[0].fos)
     status = mechanisms[0].status if mechanisms else "no_driving_force"
     sure = bool(mechanisms) and mechanisms[0].status != "not_converged"
@@ -274,7 +274,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         settled = at_full_strength(design, scene, loads) if stands else None
     with clock("closed_form"):
         closed, table = own.closed_form(design, mechanisms[0] if mechanisms else None)
-    difference, agree = compare(limit, status, closed, design.agree_within)
+    difference, agree = compare(limit, status, closed, design.analysis.agree_within)
     findings = Findings(
         mechanisms, _factors(ravelling, scene, mechanisms), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,

@@ -55,12 +55,12 @@ class AssemblyDesign(Design):
     """
 
     UNSAID: ClassVar[tuple[str, ...]] = ("table_points_m", "table_plane", "pond_m")
+    WITHOUT: ClassVar[tuple[str, ...]] = ("analysis.factors",)
 
     strengths: tuple[tuple[str, Strength], ...]
     forces: tuple[Force, ...] = forces_without()
     bolts: tuple[Bolt, ...] = bolts_without()
     water_unit_weight_kn_m3: float = 9.81
-    factors: tuple[float, ...] = ()
     mechanisms: int = count(
         "analysis.mechanisms",
         1,

@@ -81,7 +81,7 @@ def said_of_size(design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravell
     if not first.limit.factor or small >= _SMALL * whole:
         return
     weight_kn = float(assembly.volumes[first.blocks] @ scene.unit_weights[first.blocks])
-    mass = f" ({mass_in_words(weight_kn / design.gravity_m_s2)})" if weight_kn else ""
+    mass = f" ({mass_in_words(weight_kn / design.rock.gravity_m_s2)})" if weight_kn else ""
     share = f"{max(small / whole * 100.0, 0.001):.2g} %"
     larger = next((k for k, volume in enumerate(volumes) if volume >= _SMALL * whole), None)
     more = ""

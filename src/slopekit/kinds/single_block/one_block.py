@@ -118,7 +118,7 @@ def kind_of_one_block(
         made, closed = cut(design), closed_form(design)
         found = find_limit(made, Clock())
         status = block_status(found, made.joints)
-        difference, agree = compare(found.comparable, status, closed, design.agree_within)
+        difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
         said = block_notices(design, made, found, closed.why_not, words.block)
         return Factors(
             status, found.limit.factor or None, closed.status, closed.factor or None, difference, agree,
@@ -166,12 +166,12 @@ def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
         if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
             at_rest = equilibrium(model, 1.0, stiffness)
     with clock("all_pairs"):
-        if design.criterion == "all-pairs" and limit.factor:
+        if design.analysis.criterion == "all-pairs" and limit.factor:
             from slopekit.preie.motion.all_pairs import all_pairs_failed
 
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
-        series = tuple(series_of(model, design.factors, stiffness, bound, made.axes))
+        series = tuple(series_of(model, design.analysis.factors, stiffness, bound, made.axes))
     return replace(found, bound=bound, at_rest=at_rest, pairs=pairs, series=series, lowest=lowest)
 
 
@@ -189,7 +189,7 @@ def result(
     pairs, searched = found.pairs, found.pairs.factor if found.pairs else None
     if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
         searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
-    difference, agree = compare(found.comparable, status, closed, design.agree_within)
+    difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
     rest, origin, axes = found.at_rest, made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
     highest = analysis.forces_only.factor if analysis.moments_govern else None

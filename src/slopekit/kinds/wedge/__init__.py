@@ -95,7 +95,7 @@ def arguments(design: WedgeDesign) -> Arguments:
         }  # fmt: skip
     return columns | force | {
         **_of_strengths(strengths_of(design)),
-        "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
+        "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
         "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[2],
         "crack_dip_deg": None if crack is None else crack.plane.dip_deg,
@@ -348,8 +348,8 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         entries.append(basal.plane_entry(design, geometry.areas_m2["basal"], strength_said))
     slope = [(name, f"{name} {plane}  {plane.in_words()}") for name, plane in
              (("face", design.face), ("upper", design.upper))]  # fmt: skip
-    entries += [text for name, text in slope if name not in design.defaults]
-    details = [text for name, text in slope if name in design.defaults]
+    entries += [text for name, text in slope if name not in design.reading.defaults]
+    details = [text for name, text in slope if name in design.reading.defaults]
     if design.crack:
         entries.append(
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
