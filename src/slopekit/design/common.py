@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 from slopekit.core.codec import digest
 from slopekit.core.orientation import Plane
@@ -304,11 +304,11 @@ class Design(DesignKeys):
         """A sentence on what happens, joints by the names that the user gave them."""
         return sentence
 
-    def at_residual(self) -> "Design":
+    def at_residual(self) -> Self:
         """The design with residual strength wherever there is one."""
         return self.each_strength(Strength.at_residual)
 
-    def each_strength(self, change: Callable[[Strength], Strength]) -> "Design":
+    def each_strength(self, change: Callable[[Strength], Strength]) -> Self:
         """The design with every strength changed."""
         changed = {part.name: _changed(getattr(self, part.name), change) for part in fields(self)}
         return replace(self, **changed)
@@ -321,9 +321,14 @@ class Design(DesignKeys):
             entries if self.analysis.partial is None else entries | {"partial_factors": self.analysis.partial.to_dict()}
         )
 
+    def plain(self, exact: bool = False) -> dict[str, Any]:
+        """The attributes as JSON values; planes as they are written unless every digit counts (`exact`)."""
+        record: dict[str, Any] = _plain(self._single(), exact)
+        return record
+
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
-        document: dict[str, Any] = _plain(self._single())
+        document = self.plain()
         for key in ("crack_searched", "reading", *_OF_STUDIES, "project", "partial"):
             document.pop(key, None)
         return document
@@ -334,7 +339,7 @@ class Design(DesignKeys):
         It is the hash of a single run: a design whose φ is a distribution of mean 20 has the hash of the one whose φ is
         20. What a study draws depends on `variables` and `correlation` too.
         """
-        exact = _plain(self._single(), exact=True) | {"kind": self.kind}
+        exact = self.plain(exact=True) | {"kind": self.kind}
         for key in ("crack_searched", "reading", *_OF_STUDIES, "project"):
             exact.pop(key, None)
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))

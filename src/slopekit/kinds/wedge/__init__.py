@@ -51,7 +51,7 @@ def compared(design: WedgeDesign) -> ClosedForm:
         rock_mass(design)
     else:
         shape_of(design)
-    return replace(closed_form(design), why_not=DILATES if any(design.dilation_deg) else "")
+    return replace(closed_form(design), why_not=DILATES if any(one.dilation_deg for one in design.strengths) else "")
 
 
 def _heights(design: WedgeDesign) -> tuple[Any, Any]:
@@ -257,13 +257,12 @@ def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
         of = "" if one_for_all else " of " + " and ".join(joint for joint, own in held if own == strength)
         for name, other in changed_laws(strength):
             each = [other if own == strength else own for own in design.strengths]
-            yield (name + of, design.with_strengths(each))
-    is_straight = not any((*design.laws, *design.made_of))
-    phi, c = design.friction_angle_deg, design.cohesion_kpa
-    if is_straight and max(phi) < 88.0:
-        yield "φ +1°", replace(design, friction_angle_deg=tuple(own + 1.0 for own in phi))
-    if is_straight and any(c):
-        yield "c +10 %", replace(design, cohesion_kpa=tuple(own * 1.1 for own in c))
+            yield (name + of, replace(design, strengths=tuple(each)))
+    is_straight = not any(strength.named_law for strength in design.strengths)
+    if is_straight and max(design.friction_angle_deg) < 88.0:
+        yield "φ +1°", design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
+    if is_straight and any(design.cohesion_kpa):
+        yield "c +10 %", design.each_strength(lambda one: replace(one, cohesion_kpa=one.cohesion_kpa * 1.1))
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
