@@ -67,6 +67,7 @@ class Words:
     assumes : what the limit takes for granted beside PRE-IE
     horizontal : the way that movements are told in
     along : the status says toward where the block slides; turns : it is asked whether the block turns first
+    variants : of designs that have the input of that name
     """
 
     title: str
@@ -80,6 +81,11 @@ class Words:
     horizontal: str = "horizontal"
     along: bool = False
     turns: bool = True
+    variants: "Mapping[str, Words]" = field(default_factory=dict)
+
+    def of(self, inputs: Mapping[str, Any]) -> "Words":
+        """What it calls a design with these inputs."""
+        return next((words for key, words in self.variants.items() if inputs.get(key) is not None), self)
 
     def status(self, status: str) -> str:
         """A status as a sentence."""

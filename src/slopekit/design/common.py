@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from slopekit.design.scatter.distributions import Variable
 
 Criterion = Literal["limit", "all-pairs"]
+#: When a design under work is analysed: while a slider is dragged, when it is let go, at a button.
+Answered = Literal["drag", "release", "button"]
 #: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.
 Pair: TypeAlias = tuple[str, str, float]
 
@@ -114,6 +116,12 @@ class DesignKeys:
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
     WITHOUT: ClassVar[tuple[str, ...]] = ()
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
+    #: How keys begin whose defaults stand for numbers of the slope.
+    PAPER_KEYS: ClassVar[tuple[str, ...]] = ()
+    #: The slope falls toward -x where nothing of a result says the way.
+    FALLS_WEST: ClassVar[bool] = False
+    #: When it is analysed under work, where it has no closed form.
+    ANSWERED: ClassVar[Answered] = "release"
     ACTIONS: ClassVar[Mapping[str, Action]] = {"water_unit_weight_kn_m3": "water"}
     #: Attributes that hold what stands at a key of another path.
     INTO: ClassVar[Mapping[str, str]] = {}
@@ -265,6 +273,11 @@ class Design(DesignKeys):
     def is_wet(self) -> bool:
         """Whether there is water."""
         return self.water.mode != "dry" or bool(self.water.crack_fill)
+
+    @property
+    def section_share(self) -> float | None:
+        """The part of an earthquake that acts in the section of the design; None where it knows all of it."""
+        return None
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

@@ -101,6 +101,7 @@ class BenchDesign(AssemblyDesign):
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
     UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "surcharge_kpa")
+    ANSWERED = "button"
 
     face: Plane = orientation("slope.face", axis="the face", example="70/180")
     upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180", left_out="level")
@@ -303,6 +304,6 @@ OWN = Blocks(
     cut, no_closed_form, _notices,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "bench", BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    with_areas=lambda design: {one.name for one in design.sets}, answered="button",
+    BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
+    with_areas=lambda design: {one.name for one in design.sets},
 )  # fmt: skip

@@ -553,5 +553,5 @@ OWN = Blocks(
     cut, no_closed_form, no_notices,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "blocks", BlocksDesign, read_blocks, OWN, _slope, _pressures,
+    BlocksDesign, read_blocks, OWN, _slope, _pressures,
 )  # fmt: skip

@@ -238,7 +238,7 @@ def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:
 
 
 KIND = kind_of_one_block(
-    "footing", FootingDesign, read_footing,
+    FootingDesign, read_footing,
     Words(
         "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
         {"slides_on_J1": "slides on the weak plane", "lifted": "is pushed off the weak plane"}, horizontal="x",

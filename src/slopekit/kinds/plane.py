@@ -99,6 +99,12 @@ class PlaneDesign(SlopeDesign):
         """The joint, and the crack where there is one."""
         return (self.joint_name, "crack") if self.crack is not None else (self.joint_name,)
 
+    @property
+    def section_share(self) -> float:
+        """The part of an earthquake that acts out of the slope, in its section."""
+        trend = self.seismic.trend_deg
+        return 1.0 if trend is None else math.cos(math.radians(trend - self.face.dip_direction_deg))
+
     def in_own_names(self, sentence: str) -> str:
         """A sentence with the name of the joint in place of "its plane", where it was given one."""
         return sentence if self.joint_name == "J1" else sentence.replace("its plane", self.joint_name)
@@ -259,17 +265,11 @@ def _full(slope: LocalSlope, unit_weight: float) -> Mapping[int, Pieces]:
     return {J1: even(slope.block.faces[J1], unit_weight * float(np.ptp(slope.block.corners[:, 2])) / 4.0)}
 
 
-def _in_section(design: PlaneDesign) -> float:
-    """The part of an earthquake that acts out of the slope, in its section."""
-    trend = design.seismic.trend_deg
-    return 1.0 if trend is None else math.cos(math.radians(trend - design.face.dip_direction_deg))
-
-
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
     hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way), axes)
-    k = design.seismic.coefficient * _in_section(design)
+    k = design.seismic.coefficient * design.section_share
     strongest = max((bolt.force_kn for bolt in design.bolts), default=0.0)
     return block_loads(
         section.block, design.rock.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
@@ -439,7 +439,7 @@ def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
 
 def _notices(design: PlaneDesign) -> Iterator[Notice]:
     yield from design.ground_notices(0.0, design.height_m)
-    share = _in_section(design)
+    share = design.section_share
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (
             f"the seismic load acts off the section: {share * 100:.0f} % of it acts out of the slope, "
@@ -478,8 +478,8 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     yield loads_part([*([] if design.water.mode == TABLE else water_in_words(result, 2.0) or in_crack), *own], result)
 
 
-KIND = replace(kind_of_one_block(
-    "plane", PlaneDesign, read_plane,
+KIND = kind_of_one_block(
+    PlaneDesign, read_plane,
     Words(
         "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
         "Hoek & Bray: forces only",
@@ -487,4 +487,4 @@ KIND = replace(kind_of_one_block(
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS,
-), in_section=_in_section)  # fmt: skip
+)  # fmt: skip

@@ -69,6 +69,7 @@ class ToppleDesign(NamedDesign):
     UNSAID: ClassVar[tuple[str, ...]] = ("slope_height_m", "slope_face_deg", "slope_upper_deg", "base_angle_deg")
     ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
 
+    FALLS_WEST = True
     ALSO: ClassVar[tuple[Field, ...]] = (
         declare("columns.base", "text", left_out="the only one", doc="strength of the bases"),
         declare("columns.sides", "text", left_out="the only one", doc="strength between the columns"),
@@ -400,11 +401,10 @@ OWN = Blocks(
     cut, goodman_bray, _notices, _closed_gain,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "topple", ToppleDesign, read_topple, OWN, _slope,
+    ToppleDesign, read_topple, OWN, _slope,
     lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
     figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit
         "toe_force_kn": lambda design, _: toe_force_required(column_slope(design)),
         "column_force_kn": lambda design, n: float(toppling_table(column_slope(design)).force_kn[int(n or 1) - 1]),
     },
-    falls_west=True,
 )  # fmt: skip

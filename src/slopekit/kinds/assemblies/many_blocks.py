@@ -5,7 +5,7 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 
 import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -135,10 +135,9 @@ def no_notices(*_: object) -> tuple[Notice, ...]:
 
 
 def kind_of_many_blocks(
-    name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
+    record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
-    figures: Mapping[str, Callable[[A, Any], float]] | None = None, falls_west: bool = False,
-    answered: Literal["release", "button"] = "release",
+    figures: Mapping[str, Callable[[A, Any], float]] | None = None,
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
@@ -187,11 +186,10 @@ def kind_of_many_blocks(
         )
 
     return Kind(
-        name, record, read, own.words, lambda design: solved(own, design).result, factors,
+        record, read, own.words, lambda design: solved(own, design).result, factors,
         ladder, lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {},
-        falls_west=falls_west, answered=answered,
     )  # fmt: skip
 
 

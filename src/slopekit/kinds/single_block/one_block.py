@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,11 +68,11 @@ def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[S
 
 
 def kind_of_one_block(
-    name: str, record: type[D], read: Callable[[Reader], D], words: Words,
+    record: type[D], read: Callable[[Reader], D], words: Words,
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Iterable[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
-    on_arrays: "OnArrays[D] | None" = None, variants: Mapping[str, Words] = MappingProxyType({}),
+    on_arrays: "OnArrays[D] | None" = None,
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form; what else it says of itself is put in its place.
@@ -84,7 +83,6 @@ def kind_of_one_block(
     changes : a few changes of the input, by name: SENSITIVITY says what they do to the closed form
     notices : what a reader must know of the design
     on_arrays : the closed form of many designs in one call, where it can be had
-    variants : what designs call things that have the input of that name, where it is not as the kind does
     without_basal : a block that the one analysed is part of, and that may fail before it
     """
 
@@ -101,7 +99,16 @@ def kind_of_one_block(
         comparisons = Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design))
         forces = resultant_forces(made, found, water_forces(made.loads, made.faces))
         return result(
-            own_words(design), design, made, found, status, closed, forces, clock, comparisons, tuple(notices(design))
+            words.of(vars(design)),
+            design,
+            made,
+            found,
+            status,
+            closed,
+            forces,
+            clock,
+            comparisons,
+            tuple(notices(design)),
         )
 
     def after(design: D) -> tuple[float | None, str]:
@@ -110,9 +117,6 @@ def kind_of_one_block(
         except GeometryError:
             return None, f"no {words.block}"
         return closed.factor, closed.status
-
-    def own_words(design: D) -> Words:
-        return next((said for key, said in variants.items() if getattr(design, key) is not None), words)
 
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)
@@ -132,9 +136,9 @@ def kind_of_one_block(
         return ladder_of_block(design, analyse, cut, meshes, closed_form)
 
     return Kind(
-        name, record, read, words, analyse, factors, ladder, strengths,
+        record, read, words, analyse, factors, ladder, strengths,
         lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays,
-        answered="drag", variants=variants, without_basal=without_basal,
+        without_basal=without_basal,
     )  # fmt: skip
 
 

@@ -501,6 +501,6 @@ WORDS = Words(
     assumes=" (normal stresses of a rigid mass on an even elastic bed)", turns=False,
 )  # fmt: skip
 KIND = Kind(
-    "surface", SurfaceDesign, read_surface, WORDS, analyse_surface, _factors, _ladder,
+    SurfaceDesign, read_surface, WORDS, analyse_surface, _factors, _ladder,
     lambda design: [design.strength], _slope, cut,
 )  # fmt: skip

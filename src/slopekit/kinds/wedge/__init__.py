@@ -391,9 +391,8 @@ _ON_THREE = replace(
     },
 )  # fmt: skip
 
-KIND = replace(kind_of_one_block(
-    "wedge", WedgeDesign, read_wedge, _WORDS,
+KIND = kind_of_one_block(
+    WedgeDesign, read_wedge, replace(_WORDS, variants={"basal": _ON_THREE}),
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
-), paper_keys=("slope.", "strength.", "rock.density"),
+    on_arrays=ON_ARRAYS, without_basal=_without_basal,
 )  # fmt: skip

@@ -138,6 +138,7 @@ class WedgeDesign(SlopeDesign):
     FILLS = True
     INTO = MappingProxyType({"crack.water": "water.crack_fill"})
     DEFAULTS = PAPER_WEDGE
+    PAPER_KEYS = ("slope.", "strength.", "rock.density")
     CRACK_FROM = "behind the crest along J1's trace"
     UNSAID = ("basal", "limits", "crack_water_m")
 

@@ -465,8 +465,8 @@ def _into_the_slope(static: Design, ours: Yield, out: tuple[float, float] | None
 
 def _off_section(static: Design) -> list[Notice]:
     """W323 where a section is shaken another way than it lies."""
-    in_section, trend = kind_of(static).in_section, static.seismic.trend_deg
-    share = 1.0 if in_section is None else in_section(static)
+    trend, share = static.seismic.trend_deg, static.section_share
+    share = 1.0 if share is None else share
     if trend is None or abs(share) > 1.0 - 1e-6:
         return []
     why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"
