@@ -450,8 +450,8 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
         joint = patches.joint[part.patch][part.model.pair_contact[real]]
         normal += np.bincount(joint, part.limit.normal_force[real] * part.model.force_scale, count)
     water = dict(zip(scene.joints, np.bincount(patches.joint, loads.water, count).tolist(), strict=True))
-    if scene.pond:
-        water["free faces"] = sum(float(np.linalg.norm(push.force)) for _, push in scene.pond)
+    if scene.acting.pond:
+        water["free faces"] = sum(float(np.linalg.norm(push.force)) for _, push in scene.acting.pond)
     return Forces(
         float(loads.weights[~scene.assembly.fixed].sum()),
         {name: float(value) if known else None for name, value in zip(scene.joints, normal, strict=True)},
