@@ -122,7 +122,12 @@ class SlopeDesign(Design):
     @property
     def is_cut_for_loads(self) -> bool:
         """Whether water or surcharge are integrated over the faces of the block."""
-        return self.water.mode == TABLE or bool(self.surcharge_kpa)
+        return self.water.mode == TABLE or bool(self.surcharge_kpa) or self.is_wet_by_crack
+
+    @property
+    def is_wet_by_crack(self) -> bool:
+        """Whether the depth of water in the crack says what is on the joints, by the faces of the block."""
+        return False
 
     def ponded(self, face: int, upper: int) -> dict[int, str]:
         """The free faces that a pond presses on, by name."""

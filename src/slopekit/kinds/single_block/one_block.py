@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -142,15 +143,29 @@ def kind_of_one_block(
     )  # fmt: skip
 
 
-def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
-    """A little more friction and cohesion, or a little more of each parameter of a curved law, by name."""
-    yield from changed_laws(strength)
-    if strength.named_law is not None:
+def other_strengths(design: D, strengths: Sequence[Strength]) -> Iterator[tuple[str, D]]:
+    """Designs with a little more friction and cohesion, or more of each parameter of their laws, by name.
+
+    Parameters
+    ----------
+    strengths : of the joints, as the design has them
+    """
+    distinct = dict.fromkeys(strengths)
+    for strength in distinct:
+        joints = [joint for joint, own in zip(_OF_THREE, strengths, strict=False) if own == strength]
+        of = f" of {' and '.join(joints)}" if len(distinct) > 1 else ""
+        for name, other in changed_laws(strength):
+            yield name + of, design.each_strength(partial(_exchanged, strength, other))
+    if any(strength.named_law for strength in strengths):
         return
-    if strength.friction_angle_deg < 88.0:
-        yield "φ +1°", replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
-    if strength.cohesion_kpa:
-        yield "c +10 %", replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
+    if max(strength.friction_angle_deg for strength in strengths) < 88.0:
+        yield "φ +1°", design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
+    if any(strength.cohesion_kpa for strength in strengths):
+        yield "c +10 %", design.each_strength(lambda one: replace(one, cohesion_kpa=one.cohesion_kpa * 1.1))
+
+
+def _exchanged(old: Strength, new: Strength, strength: Strength) -> Strength:
+    return new if strength == old else strength
 
 
 def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:

@@ -22,12 +22,11 @@ from slopekit.kinds.single_block.closed_forms import (
     ClosedForms,
     OnArrays,
     SizesOfMany,
-    force_on,
     passive_bolts,
+    pressures_and_force,
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
-from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block
-from slopekit.kinds.single_block.secants import changed_laws
+from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
@@ -80,24 +79,18 @@ def arguments(design: WedgeDesign) -> Arguments:
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
-    water, crack = design.water, design.crack
-    given, basal = water.mode == "pressures", design.basal
-    pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0, 0.0] if given else [None] * 4
-    force = force_on(design)
-    if design.is_cut_for_loads:
-        means, force = for_closed_form(design, force)
-        if water.mode == "table" or design.is_wet_by_crack:
-            given, pressures = True, means
+    crack, basal = design.crack, design.basal
+    pressures, force = pressures_and_force(design, len(design.strengths), lambda force: for_closed_form(design, force))
     if basal is not None:
         columns |= {
             "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
-            "basal_height_m": basal.height_m, "pressure3": pressures.pop(2),
+            "basal_height_m": basal.height_m, "pressure3": pressures[2],
         }  # fmt: skip
     return columns | force | {
         **_of_strengths(strengths_of(design)),
-        "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
-        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
-        "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[2],
+        "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": design.water.fill if pressures[0] is None else 0.0,
+        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": design.water.crack_fill,
+        "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[-1],
         "crack_dip_deg": None if crack is None else crack.plane.dip_deg,
         "crack_dip_direction_deg": None if crack is None else crack.plane.dip_direction_deg,
         "crack_distance_m": 0.0 if crack is None else crack.distance_m,
@@ -251,18 +244,7 @@ def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
         without = replace(design, crack_water_m=None)
         yield "full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=()))
-    one_for_all = len(set(design.strengths)) == 1
-    for strength in dict.fromkeys(design.strengths):
-        held = zip(("J1", "J2", "basal"), design.strengths, strict=False)
-        of = "" if one_for_all else " of " + " and ".join(joint for joint, own in held if own == strength)
-        for name, other in changed_laws(strength):
-            each = [other if own == strength else own for own in design.strengths]
-            yield (name + of, replace(design, strengths=tuple(each)))
-    is_straight = not any(strength.named_law for strength in design.strengths)
-    if is_straight and max(design.friction_angle_deg) < 88.0:
-        yield "φ +1°", design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
-    if is_straight and any(design.cohesion_kpa):
-        yield "c +10 %", design.each_strength(lambda one: replace(one, cohesion_kpa=one.cohesion_kpa * 1.1))
+    yield from other_strengths(design, design.strengths)
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)

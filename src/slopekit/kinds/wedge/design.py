@@ -187,11 +187,6 @@ class WedgeDesign(SlopeDesign):
         return bool(self.crack_water_m)
 
     @property
-    def is_cut_for_loads(self) -> bool:
-        """Whether water or surcharge are integrated over the faces of the block."""
-        return super().is_cut_for_loads or self.is_wet_by_crack
-
-    @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The joints, the basal joint and the crack where there are such."""
         also = [name for name, own in (("basal", self.basal), ("crack", self.crack)) if own is not None]
