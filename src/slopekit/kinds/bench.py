@@ -12,7 +12,7 @@ from slopekit.core.orientation import Line, Plane, coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import count, declare, fields_of, group, number, orientation, point, text
-from slopekit.design.ground_water import read_ground_water, surcharge, table_depth
+from slopekit.design.ground_water import read_ground_water, surcharge
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
@@ -100,7 +100,7 @@ class BenchDesign(AssemblyDesign):
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
-    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "surcharge_kpa")
+    UNSAID: ClassVar[tuple[str, ...]] = ("surcharge_kpa",)
     ANSWERED = "button"
 
     face: Plane = orientation("slope.face", axis="the face", example="70/180")
@@ -130,7 +130,6 @@ class BenchDesign(AssemblyDesign):
     water: Water = water_by(
         declare("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
     )
-    table_depth_m: float | None = table_depth()
     surcharge_kpa: float | None = surcharge()
     max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
     min_volume_m3: float = number(

@@ -18,7 +18,6 @@ from slopekit.core.orientation import Line, coordinates, millimetre
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
-from slopekit.design.ground_water import ground_in_words
 from slopekit.design.parts import MeshFile
 from slopekit.evidence import Comparisons
 from slopekit.extents import SurfaceGeometry
@@ -477,17 +476,12 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
         f"normals {geometry.normals}, edges {geometry.edge_m:.3g} m; the surface lets {lets} through{turned}",
         ground,
     ]
+    wet = design.ground_in_words() if design.is_cut_for_loads else water_in_words(result)
     return (
         Section("SURFACE", entries),
         size_part(result, geometry.total_height_m),
-        loads_part(_water_in_words(design, result), result, x_is_east=True),
+        loads_part(wet, result, x_is_east=True),
     )
-
-
-def _water_in_words(design: SurfaceDesign, result: Result) -> list[str]:
-    if not design.is_cut_for_loads:
-        return water_in_words(result)
-    return list(ground_in_words(design, " (x)"))
 
 
 WORDS = Words(
