@@ -85,7 +85,7 @@ def compared(design: dict) -> Compared:
     found = limit_analysis(scene.model)
     status = block_status(FoundLimit(scene, scene, found), made.joints)
     factor = found.forces_only.factor if found.moments_govern else found.governing.factor
-    difference, agree = compare(factor, status, closed, loaded.agree_within)
+    difference, agree = compare(factor, status, closed, loaded.analysis.agree_within)
     if factor and not found.moments_govern and status != "rotates":  # some joint opens in part
         agree = agree and status == closed.status
     return Compared(design, status, agree, found.moments_govern, difference)

@@ -174,7 +174,7 @@ def load(
     >>> import slopekit as sk
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> design = sk.load(wedge, set={"rock.density": "2.7 t/m3"})
-    >>> design.kind, round(design.unit_weight_kn_m3, 3)
+    >>> design.kind, round(design.rock.unit_weight_kn_m3, 3)
     ('wedge', 26.487)
     """
     from slopekit.design.reading.files import load as load_design

@@ -58,11 +58,11 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
     yield from means_taken(design)
     least = [rule for rule in design.rules if rule.relation in (">=", ">")]
     asks = max((rule.value for rule in least), default=0.0)
-    if design.partial is not None and asks > 1.0:
+    if design.analysis.partial is not None and asks > 1.0:
         yield Notice(
             "W332", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
         )
-    if design.partial is not None and getattr(design, "crack_searched", None):
+    if design.analysis.partial is not None and getattr(design, "crack_searched", None):
         yield Notice("W332", "the crack stands where it is worst without the partial factors")
     yield from weight_notices(design)
     if any(rule.name == "fos.static_bound" for rule in least):
@@ -156,16 +156,16 @@ def not_as_given(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]
     own = {part for path in varied for part in path.split(".")}
     if invented := [name for name in design.invented if name not in own]:
         yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(invented)}")
-    if design.left_out:
-        yield Notice("W366", f"not used: {'; '.join(design.left_out)}")
-    if design.read_as:
-        yield Notice("W373", f"read of {'; '.join(design.read_as)}")
+    if design.reading.left_out:
+        yield Notice("W366", f"not used: {'; '.join(design.reading.left_out)}")
+    if design.reading.read_as:
+        yield Notice("W373", f"read of {'; '.join(design.reading.read_as)}")
 
 
 def weight_notices(design: Design) -> Iterator[Notice]:
     """Yield W302 of a weight that no rock has."""
-    if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
-        yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+    if design.rock.unit_weight_kn_m3 and not 15.0 <= design.rock.unit_weight_kn_m3 <= 50.0:
+        yield Notice("W302", f"a unit weight of {design.rock.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
 
 
 def new_notices(notices: Iterable[Notice], earlier: Sequence[Notice]) -> list[Notice]:

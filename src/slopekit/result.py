@@ -67,6 +67,7 @@ class Words:
     assumes : what the limit takes for granted beside PRE-IE
     horizontal : the way that movements are told in
     along : the status says toward where the block slides; turns : it is asked whether the block turns first
+    variants : of designs that have the input of that name
     """
 
     title: str
@@ -80,6 +81,11 @@ class Words:
     horizontal: str = "horizontal"
     along: bool = False
     turns: bool = True
+    variants: "Mapping[str, Words]" = field(default_factory=dict)
+
+    def of(self, inputs: Mapping[str, Any]) -> "Words":
+        """What it calls a design with these inputs."""
+        return next((words for key, words in self.variants.items() if inputs.get(key) is not None), self)
 
     def status(self, status: str) -> str:
         """A status as a sentence."""
@@ -161,7 +167,7 @@ class Result(Shown):
     def criterion_fos(self) -> float | None:
         """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor."""
         limit = self.fos.limit
-        if self.design.criterion == "limit" or limit is None:
+        if self.design.analysis.criterion == "limit" or limit is None:
             return limit
         return None if self.fos.all_pairs_failed is None else min(limit, self.fos.all_pairs_failed)
 
@@ -205,7 +211,7 @@ class Result(Shown):
         """
         _, _, name = rule.name.partition(".")
         limit, pairs = self.fos.limit, self.fos.all_pairs_failed
-        by_pairs = self.design.criterion == "all-pairs" and (limit is None or pairs is None or pairs < limit)
+        by_pairs = self.design.analysis.criterion == "all-pairs" and (limit is None or pairs is None or pairs < limit)
         return name or ("all_pairs_failed" if by_pairs else "limit")
 
     def value_of(self, rule: Rule) -> float | None:
@@ -353,7 +359,7 @@ class Result(Shown):
     @property
     def mass_t(self) -> float:
         """Mass of what may move, t."""
-        return self.forces.weight / self.design.gravity_m_s2
+        return self.forces.weight / self.design.rock.gravity_m_s2
 
     @property
     def scene(self) -> BlockScene:
@@ -471,7 +477,7 @@ class Result(Shown):
             "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in beside.governs],
             "inputs": self.design.inputs(),
             "assumed": dict(self.design.assumed),
-            "defaults": list(self.design.defaults),
+            "defaults": list(self.design.reading.defaults),
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": dict(self.timing_s),
             "scene": self.scene.to_dict(),

@@ -314,9 +314,7 @@ def test_a_page_is_greeted_with_the_design_and_its_answer(desk):
 def test_what_governs_is_the_difference_that_another_design_makes(desk):
     """The friction of both joints a degree up, by the library; the circle of the net is the least of them."""
     answer, result = analysed(desk.session.now)
-    up = result.design.with_strengths(
-        tuple(replace(one, friction_angle_deg=one.friction_angle_deg + 1.0) for one in result.design.strengths)
-    )
+    up = result.design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
     more = analyse(up).fos.closed_form - result.fos.closed_form
     said = {path: one["text"] for one in answer["governs"] for path in one["paths"]}
     assert said["strength.weak.phi"] == f"φ +1° {more:+.2f}"

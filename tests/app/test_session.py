@@ -135,7 +135,7 @@ def test_what_excludes_each_other_takes_the_place_of_the_other(wedge):
     assert wedge.now.document.root.get("water").plain() == {"pressures": {"J1": "5"}}
     wedge.set({"rock.unit_weight": 26}, final=True)
     assert wedge.now.document.root.get("rock").plain() == {"unit_weight": "26"}
-    assert wedge.design.unit_weight_kn_m3 == 26.0
+    assert wedge.design.rock.unit_weight_kn_m3 == 26.0
 
 
 def test_a_title_is_words_whatever_they_begin_with(wedge):

@@ -225,7 +225,7 @@ def test_columns(tmp_path) -> None:
     assert (design.base, design.sides, design.pressures_kpa) == ("slate", "joint", (5.0, 0.0))
     assert design.strengths == (("slate", Strength(5.0, 38.15)), ("joint", Strength(0.0, 30.0)))
     assert design.strength("joint").friction_angle_deg == 30.0
-    assert (design.mechanisms, design.criterion, design.thickness_m) == (3, "all-pairs", 1.0)
+    assert (design.mechanisms, design.analysis.criterion, design.thickness_m) == (3, "all-pairs", 1.0)
     assert (design.seismic.coefficient, design.seismic.trend_deg) == (0.1, 270.0)
     assert design.water == Water("pressures", 0.0, (5.0, 0.0))
     (force,), (bolt,) = design.forces, design.bolts
@@ -241,12 +241,12 @@ def test_bench(tmp_path) -> None:
     assert (design.face, design.upper, design.height_m) == (Plane(70, 180), Plane(5, 180), 15.0)
     assert (design.length_m, design.depth_m, design.max_blocks, design.min_volume_m3) == (40.0, 12.0, 500, 0.01)
     assert design.seed == 7
-    assert design.unit_weight_kn_m3 == pytest.approx(2.6 * 9.81)
+    assert design.rock.unit_weight_kn_m3 == pytest.approx(2.6 * 9.81)
     assert design.sets == (
         JointSetInput("S1", Plane(45, 170), 2.0, "rough", 0.5, 3.0, 0.2),
         JointSetInput("S2", Plane(80, 350), 3.0, "joint"),
     )
-    assert "upper" not in design.defaults
+    assert "upper" not in design.reading.defaults
 
 
 def test_bench_defaults(tmp_path) -> None:
@@ -255,7 +255,7 @@ def test_bench_defaults(tmp_path) -> None:
     text = text.replace("mode: dry", "pressures: {S2: 0.5 kPa}")
     design = sk.load(_written(tmp_path, text))
     assert (design.upper, design.length_m, design.depth_m, design.origin_m) == (Plane(0, 180), 30.0, 15.0, (1, 2, 3))
-    assert set(design.defaults) >= {"upper", "length", "depth", "seismic.trend"}
+    assert set(design.reading.defaults) >= {"upper", "length", "depth", "seismic.trend"}
     assert design.seismic.trend_deg == 180.0
     assert [one.pressure_kpa for one in design.sets] == [0.0, 0.5]
     assert design.forces[0].block is None
@@ -267,7 +267,7 @@ def test_blocks(tmp_path) -> None:
     base, first, second = design.blocks
     assert (base.name, base.fixed, first.fixed, first.unit_weight_kn_m3) == ("base", True, False, 20.0)
     assert first.polygon_m == ((0.0, 0.0), (0.0, 5.0), (-5.0, 5.0))
-    assert (second.unit_weight_kn_m3, design.unit_weight_kn_m3, design.in_section) == (None, 25.0, True)
+    assert (second.unit_weight_kn_m3, design.rock.unit_weight_kn_m3, design.in_section) == (None, 25.0, True)
     assert (design.default_strength, design.interfaces) == ("joint", (("B2", "B1", "smooth"),))
     assert design.pressures_kpa == (("base", "B1", 5.0),)
     assert (design.thickness_m, design.contact_tolerance_m) == (2.0, 0.001)
@@ -293,7 +293,7 @@ def test_meshes_are_known_by_their_content(tmp_path) -> None:
 
 def test_blocks_with_weights_of_their_own_need_no_rock(tmp_path) -> None:
     text = BLOCKS.replace("rock: {unit_weight: 25}\n", "").replace("[0, 5]]}", "[0, 5]], unit_weight: 22}")
-    assert sk.load(_written(tmp_path, text)).unit_weight_kn_m3 == 20.0
+    assert sk.load(_written(tmp_path, text)).rock.unit_weight_kn_m3 == 20.0
 
 
 def test_polygons_may_run_either_way_and_close(tmp_path) -> None:

@@ -423,7 +423,7 @@ def test_joints_without_a_strength_of_their_own_take_that_of_the_design(tmp_path
     mixed = sk.load(_from_list(tmp_path, ", pick: [A, C]", "strength: {joint: {c: 7, phi: 28, tension: 2}}\n"))
     assert mixed.cohesion_kpa == (24.0, 7.0)
     assert mixed.friction_angle_deg == (30.0, 28.0)
-    assert mixed.tension_kpa == (2.0, 2.0)
+    assert [one.tension_kpa for one in mixed.strengths] == [2.0, 2.0]
 
 
 def test_a_strength_that_neither_list_nor_design_gives(tmp_path) -> None:

@@ -107,7 +107,7 @@ def test_values_just_within_their_limits(inputs) -> None:
     """In radians 1.575 would be more than upright; a joint may dilate by all of its friction angle."""
     design = wedge_design({"dips": DIPS, **inputs})
     assert design.friction_angle_deg == (inputs["phi"],) * 2
-    assert design.dilation_deg == (inputs.get("dilation", 0.0),) * 2
+    assert [one.dilation_deg for one in design.strengths] == [inputs.get("dilation", 0.0)] * 2
 
 
 @pytest.mark.parametrize(("code", "inputs", "says"), NO_BLOCK, ids=lambda value: str(value)[:40])

@@ -60,7 +60,7 @@ def test_what_an_earlier_set_says_gives_way_to_a_study() -> None:
     """Only what is set in the same call excludes: a study of a design that was loaded with --set water.mode=full."""
     loaded = load(WEDGE, [("water.mode", "full")])
     assert with_values(loaded, {"water.fill": 0.25}).water.fill == 0.25
-    assert with_values(load(WEDGE, [("rock.density", 2500)]), {"rock.unit_weight": 25}).unit_weight_kn_m3 == 25.0
+    assert with_values(load(WEDGE, [("rock.density", 2500)]), {"rock.unit_weight": 25}).rock.unit_weight_kn_m3 == 25.0
     with pytest.raises(DesignError) as caught:
         with_values(loaded, {"rock.density": 2500, "rock.unit_weight": 25})
     assert caught.value.codes == ("E112",)

@@ -67,7 +67,7 @@ def test_weight_is_favourable_where_it_holds() -> None:
     ]
     assert result.fos.closed_form == pytest.approx(min(own), rel=1e-9)
     assert min(own) == own[3]
-    table = {row.what: row for row in result.design.partial.table}
+    table = {row.what: row for row in result.design.analysis.partial.table}
     assert table["unit weight"].factor == 1.0
     assert table["surcharge, variable"].design == 0.0
 

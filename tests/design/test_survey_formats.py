@@ -449,7 +449,7 @@ def test_a_design_says_how_its_list_was_read(tmp_path) -> None:
     )
     found = sk.load(design)
     assert found.joints == (FIRST, Plane(45.0, 295.0))
-    assert found.left_out == ("quantities of joints.csv",)
-    assert len(found.read_as) == 1
-    assert found.read_as[0].startswith("joints.csv: trend and plunge are of poles")
+    assert found.reading.left_out == ("quantities of joints.csv",)
+    assert len(found.reading.read_as) == 1
+    assert found.reading.read_as[0].startswith("joints.csv: trend and plunge are of poles")
     assert "read_as" not in found.inputs()

@@ -161,7 +161,7 @@ def test_lighter_dashpots_lead_to_rest_where_the_others_give_up(bench, monkeypat
 
 def test_stiff_rock_is_rigid_in_space(bench) -> None:
     design, answer = bench
-    stiff = replace(design, modulus_kpa=1e14)
+    stiff = replace(design, rock=replace(design.rock, modulus_kpa=1e14))
     scene = scene_of_many(stiff, cut(stiff), answer)
     found = RestSearch(scene.model, scene.stiffness).rest(1.0)
     exact = RestSearch(scene.model.rigid(), scene.stiffness).rest(1.0)

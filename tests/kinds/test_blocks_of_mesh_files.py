@@ -123,5 +123,5 @@ def test_blocks_share_a_warped_face_whole(tmp_path, first) -> None:
     a, b, c, d = np.array(seam)
     halves = [((a, b, c), (a, c, d)), ((a, b, d), (b, c, d))]  # by one diagonal or by the other
     areas = [sum(np.linalg.norm(np.cross(q - p, r - p)) / 2.0 for p, q, r in pair) for pair in halves]
-    assert min(abs(cut.contact_area - area) for area in areas) < 1e-9
+    assert min(abs(cut.contact - area) for area in areas) < 1e-9
     assert len(cut.overlaps.amounts) == len(cut.gaps.pairs) == 0

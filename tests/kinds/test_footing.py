@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import slopekit as sk
@@ -25,6 +26,20 @@ def test_the_paper_s_factor() -> None:
     assert result.fos.limit == pytest.approx(4.0 / 3.0, rel=1e-12)
     assert result.fos.closed_form == pytest.approx(4.0 / 3.0, rel=1e-12)
     assert (result.status, result.agree) == ("slides_on_J1", True)
+
+
+@pytest.mark.parametrize(("dip", "friction", "weight"), [(20.0, 0.0, None), (45.0, 30.0, 20.0), (70.0, 10.0, 26.0)])
+def test_two_equations_of_a_free_body(dip, friction, weight) -> None:
+    """N and T from horizontal and vertical equilibrium, to rounding."""
+    angle = math.radians(dip)
+    # the plane pushes along (sin, cos) and holds along (-cos, sin)
+    columns = np.array([[math.sin(angle), -math.cos(angle)], [math.cos(angle), math.sin(angle)]])
+    block = (weight or 0.0) * 18.0 * math.sin(angle) * math.cos(angle)
+    normal, shear = np.linalg.solve(columns, [0.0, 700.0 + block])
+    rock = {} if weight is None else {"rock": {"unit_weight": weight}}
+    found = run(load=700.0, dip=dip, length=6.0, c=40.0, phi=friction, **rock)
+    expected = (240.0 + normal * math.tan(math.radians(friction))) / shear
+    assert found.fos.closed_form == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(("dip", "c", "phi"), [(20, 50, 10), (40, 120, 25), (70, 300, 40), (45, 0, 50)])

@@ -91,7 +91,7 @@ def test_a_level_crest_by_the_corners_of_the_block() -> None:
     own = block_extents(corners, design.face.dip_direction_deg, geometry.corners_m["crest_J1"])
     assert geometry.setback_m == pytest.approx(own.setback_m, rel=CUT)
     assert geometry.height_m == pytest.approx(own.height_m, rel=CUT)
-    assert result.mass_t == pytest.approx(geometry.volume_m3 * design.unit_weight_kn_m3 / 9.81, rel=1e-9)
+    assert result.mass_t == pytest.approx(geometry.volume_m3 * design.rock.unit_weight_kn_m3 / 9.81, rel=1e-9)
 
 
 @pytest.mark.parametrize("scale", [0.1, 3.0])
@@ -153,13 +153,15 @@ def test_a_mechanism_has_the_sizes_of_its_blocks(bench: Result) -> None:
         for names in (rng.choice(geometry.names, count, replace=False).tolist() for count in (1, 1, 2, 5, 20))
     ]
     setbacks = []
-    for one in (first, *with_sizes(made, scene, design.gravity_m_s2)):
+    for one in (first, *with_sizes(made, scene, design.rock.gravity_m_s2)):
         own = [index[block.name] for block in one.blocks]
         corners = geometry.vertices_m[geometry.triangles[np.isin(geometry.triangle_block, own)].ravel()]
         extents = block_extents(corners, design.face.dip_direction_deg, crest)
         assert one.size is not None
         assert one.size.volume_m3 == pytest.approx(float(volume[own].sum()), rel=1e-9)
-        assert one.size.mass_t == pytest.approx(float(volume[own].sum()) * design.unit_weight_kn_m3 / 9.81, rel=1e-9)
+        assert one.size.mass_t == pytest.approx(
+            float(volume[own].sum()) * design.rock.unit_weight_kn_m3 / 9.81, rel=1e-9
+        )
         assert one.size.height_m == pytest.approx(extents.height_m, rel=1e-9)
         assert one.size.setback_m == pytest.approx(extents.setback_m, abs=1e-9)
         assert one.size.face_width_m is not None

@@ -286,5 +286,7 @@ def random_bench(seed: int) -> tuple[Scene, float]:
 def first_part(design: Mapping[str, Any], ranged: bool = False) -> Part:
     """The component of a bench that fails first, its contacts as fine as its twist asks for, with its limit."""
     scene = cut(sk.load(dict(design)))
-    loads = assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    loads = assembly_loads(
+        scene.assembly, scene.unit_weights, scene.acting.seismic, scene.pressures, scene.acting.pushes
+    )
     return ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=ranged).failures[0].parts[0]

@@ -31,7 +31,7 @@ def model_of(design: Mapping[str, Any], refine: int = 0) -> AssemblyModel:
     """The model of a design with all of its blocks free."""
     scene = cut(sk.load(dict(design)))
     blocks, patches = scene.assembly, scene.assembly.patches
-    loads = assembly_loads(blocks, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    loads = assembly_loads(blocks, scene.unit_weights, scene.acting.seismic, scene.pressures, scene.acting.pushes)
     touched = np.zeros(len(blocks) + 1, dtype=bool)
     touched[patches.plus] = touched[patches.minus] = True
     return build_assembly(

@@ -37,8 +37,8 @@ def with_law(design, law):
 
 def with_strength(design, strength):
     """A design with one strength on all of its joints."""
-    if hasattr(design, "joints") and hasattr(design, "laws"):
-        return design.with_strengths([strength, strength])
+    if hasattr(design, "basal"):
+        return replace(design, strengths=(strength, strength))
     if hasattr(design, "strengths"):
         return replace(design, strengths=tuple((name, strength) for name, _ in design.strengths))
     return replace(design, strength=strength)
@@ -200,7 +200,7 @@ def test_support_takes_straight_laws_alone() -> None:
 def test_two_laws_on_one_wedge() -> None:
     """Each joint asks its own law; the closed form by hand, N being that of any strength."""
     one, two = ROUGH, PowerCurve(2.0, 0.75)
-    design = paper_wedge(ROUGH).with_strengths([Strength.by_law(one), Strength.by_law(two)])
+    design = replace(paper_wedge(ROUGH), strengths=(Strength.by_law(one), Strength.by_law(two)))
     result = analyse(design)
     area, normal = result.geometry.areas_m2["J1"], np.array([result.forces.normal["J1"]])
     by_hand = float(area * (one.resistance(normal / area) + two.resistance(normal / area))[0]) / result.forces.driving

@@ -65,9 +65,8 @@ KINDS = {
 
 def law_of(design):
     """The law of a design's one strength, curved or straight."""
-    if hasattr(design, "laws"):
-        return design.laws[0] or design.made_of[0]
-    return (design.strengths[0][1] if hasattr(design, "strengths") else design.strength).named_law
+    first = design.strengths[0] if hasattr(design, "strengths") else design.strength
+    return (first[1] if isinstance(first, tuple) else first).named_law
 
 
 def codes(strength, of=WEDGE):
@@ -185,7 +184,7 @@ def test_what_scatters_is_read_anew() -> None:
     assert design.correlation == (("strength.rough.jrc", "strength.rough.jcs", 0.5),)
     key = key_of(design, "strength.rough.jrc")
     assert (key.value, key.low, key.high) == (8.0, 0.0, 25.0)
-    assert with_values(design, {"strength.rough.jcs": "90 MPa"}).laws[0].jcs_kpa == 90e3
+    assert with_values(design, {"strength.rough.jcs": "90 MPa"}).strengths[0].law.jcs_kpa == 90e3
 
 
 def test_studies_ask_the_law() -> None:
@@ -217,4 +216,4 @@ def test_a_joint_list_counts_before_the_design_beside_waves_too(tmp_path) -> Non
     for strength, c, phi in zip(design.strengths, (11.0, 12.0), (31.0, 32.0), strict=True):
         steep = tan(radians(phi)) + tan(radians(4.0))
         assert strength.named_law.resistance(np.array([0.0, 10.0])) == pytest.approx([c, c + 10.0 * steep], rel=1e-12)
-    assert f"c of the design for A: {path} has its own" in design.left_out
+    assert f"c of the design for A: {path} has its own" in design.reading.left_out

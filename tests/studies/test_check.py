@@ -111,7 +111,7 @@ def hoek_bray_of(found: Check) -> float:
     design = found.result.design
     factor = hoek_bray_wedge(
         design.joints, design.face, design.upper, design.height_m, design.cohesion_kpa, design.friction_angle_deg,
-        design.unit_weight_kn_m3,
+        design.rock.unit_weight_kn_m3,
     ).factor  # fmt: skip
     assert factor is not None
     return factor

@@ -93,7 +93,7 @@ def test_every_pair_is_what_one_wedge_says(slope) -> None:
             continue
         corners = corners_of(found, k)
         answer = hoek_bray_wedge(
-            (one, two), base.face, base.upper, height, (8, 8), (31, 31), base.unit_weight_kn_m3, water=water,
+            (one, two), base.face, base.upper, height, (8, 8), (31, 31), base.rock.unit_weight_kn_m3, water=water,
             seismic=(base.seismic.coefficient, base.seismic.trend_deg),
         )  # fmt: skip
         assert outcome == answer.status

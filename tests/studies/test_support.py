@@ -144,7 +144,7 @@ def _brute(given: dict, directions: np.ndarray, forces: np.ndarray) -> np.ndarra
     """Factors (f, d) of active forces along directions: Hoek & Bray's wedge, one call each, 0 without a number."""
     design = wedge_design(given)
     planes = design.joints, design.face, design.upper, design.height_m
-    strength = design.cohesion_kpa, design.friction_angle_deg, design.unit_weight_kn_m3
+    strength = design.cohesion_kpa, design.friction_angle_deg, design.rock.unit_weight_kn_m3
     out = np.zeros((len(forces), len(directions)))
     for i, force in enumerate(forces):
         for j, direction in enumerate(directions):

@@ -17,7 +17,7 @@ def test_the_example_alone() -> None:
     assert round(result.fos.closed_form, 4) == 1.5574
     assert round(result.fos.static_bound, 4) == 1.5868
     assert result.difference <= 1e-6
-    assert result.design.defaults == ("face", "upper", "height", "c", "phi", "density")
+    assert result.design.reading.defaults == ("face", "upper", "height", "c", "phi", "density")
     assert round(sk.wedge(dips=("45/115", "45/245"), gravity=9.8).fos.limit, 4) == 1.5578
 
 

@@ -144,7 +144,7 @@ class Session:
     def live(self) -> str:
         """When it is answered: drag, release or button."""
         answered = kind_of(self.design).answered
-        return "release" if answered == "drag" and self.design.criterion != "limit" else answered
+        return "release" if answered == "drag" and self.design.analysis.criterion != "limit" else answered
 
     @property
     def can_undo(self) -> bool:

@@ -74,7 +74,7 @@ class Dropped:
             *(f"  {name}: {{plane: {as_text(joint.plane)}, strength: {law}}}"
               for name, joint, law in zip(names, joints, of, strict=True)),
             "strength:", *(f"  {name}: {{c: {c!r}, phi: {phi!r}}}" for name, (c, phi) in strengths.items()),
-            f"rock: {{unit_weight: {slope.unit_weight_kn_m3!r} kN/m3}}",
+            f"rock: {{unit_weight: {slope.rock.unit_weight_kn_m3!r} kN/m3}}",
         ]  # fmt: skip
         return "\n".join(lines) + "\n"
 
@@ -136,7 +136,7 @@ def dropped(
         combinations = combos(
             list(joints.joints), face=face, upper=upper if isinstance(upper, Plane) else None, height=height,
             c=own[0] if c is None else c, phi=own[1] if phi is None else phi,
-            unit_weight=design.unit_weight_kn_m3 or None, top=_TOP,
+            unit_weight=design.rock.unit_weight_kn_m3 or None, top=_TOP,
         )  # fmt: skip
     except DesignError as error:
         said["faults"] = [answers.fault_of(fault) for fault in error.faults]

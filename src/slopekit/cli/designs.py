@@ -24,7 +24,8 @@ def lint(
     if as_json:
         document = {
             "slopekit": __version__, "kind": read.kind, "input_sha256": read.input_hash(), "inputs": read.inputs(),
-            "assumed": dict(read.assumed), "defaults": list(read.defaults), "warnings": json_of(slips), "errors": [],
+            "assumed": dict(read.assumed), "defaults": list(read.reading.defaults), "warnings": json_of(slips),
+            "errors": [],
             **({"cases": {one.name: {
                 "sets": dict(one.sets), "rules": [str(rule) for rule in one.design.rules],
                 "input_sha256": one.design.input_hash(), "inputs": one.design.inputs(),
@@ -34,14 +35,14 @@ def lint(
         return
     head = f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}"
     typer.echo(f"{head} (whether it forms a block, run says)")
-    if read.partial is not None:
-        typer.echo(f"     partial factors: {read.partial.called}")
+    if read.analysis.partial is not None:
+        typer.echo(f"     partial factors: {read.analysis.partial.called}")
     for one in read.cases:
         rules = ", ".join(str(rule) for rule in one.design.rules) or "nothing"
         typer.echo(f"     case {one.name}: sets {one.in_words or 'nothing'}; asks for {rules}")
     for name, value in read.assumed:
         typer.echo(f"     {name} is a distribution: run takes {value}")
-    if read.defaults:
-        typer.echo(f"     left out, taken by default: {', '.join(read.defaults)}")
+    if read.reading.defaults:
+        typer.echo(f"     left out, taken by default: {', '.join(read.reading.defaults)}")
     for notice in slips:
         typer.echo(f"     {notice}")

@@ -6,12 +6,35 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from slopekit.core.array_types import ArrayLike, NDArray
+from slopekit.core.records import dataclass
 
 Codes = NDArray[np.int8]
 #: One of the values that a formula takes: a float or an array.
 Value: TypeAlias = Any
 #: No name for what is absent, so that nothing is computed of it.
 Columns: TypeAlias = dict[str, Value]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockLoads:
+    """What acts on blocks of rock, each value one number for all of them or an (n,) array.
+
+    Attributes
+    ----------
+    unit_weight_kn_m3 : of the rock; water_unit_weight_kn_m3 : of the water
+    fill : part of full water pressure, 0 dry, 1 full
+    seismic : coefficient
+    force_kn : the sum of the forces and the active bolts; None without any
+    passive_kn : each passive bolt at full capacity: it pulls with capacity / F where it is drawn out, with less where
+        that would already stop the movement along it
+    """
+
+    unit_weight_kn_m3: ArrayLike
+    water_unit_weight_kn_m3: ArrayLike = 9.81
+    fill: ArrayLike = 0.0
+    seismic: ArrayLike = 0.0
+    force_kn: Sequence[ArrayLike] | None = None
+    passive_kn: Sequence[Sequence[float]] = ()
 
 
 def columns_of(given: Mapping[str, ArrayLike | None]) -> tuple[Columns, int]:

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from slopekit.closed_form.given import Codes, Columns, Value, columns_of, counted
+from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted
 from slopekit.closed_form.tolerances import PARALLEL_DEG, SMALL
 from slopekit.closed_form.wedge_sliding import (
     FALLS,
@@ -38,7 +38,7 @@ _TAN: Final = np.frompyfunc(math.tan, 1, 1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlaneArrays:
+class PlaneArrays(BlockLoads):
     """Blocks on one plane that daylights at the toe, each value one number for all of them or an (n,) array.
 
     Attributes
@@ -46,7 +46,6 @@ class PlaneArrays:
     face_dip_deg, upper_dip_deg, plane_dip_deg : positive out of the slope
     height_m : vertical, from the toe to the crest
     cohesion_kpa, friction_deg : of the plane
-    unit_weight_kn_m3 : of the rock
     crack_depth_m, crack_distance_m : of a vertical crack, one of the two, or both where they agree; the distance counts
         back from the crest (negative: in the face). Neither without a crack
     fill : part of the pressure of full water: of a crack full to the top, without a crack of γ_w H/2 at mid-length of
@@ -54,11 +53,7 @@ class PlaneArrays:
     water_in_crack_m : the water in the crack, instead of `fill`; U = γ_w z_w L / 2 on the plane (nothing at the toe),
         V = γ_w z_w² / 2 in the crack
     pressure_kpa, crack_pressure_kpa : mean pressures on the plane and in the crack, instead of both
-    water_unit_weight_kn_m3 : of the water
-    seismic : coefficient, out of the slope
-    force_kn : out of the slope and up, kN/m: the sum of the forces and the active bolts; None without any
-    passive_kn : out of the slope and up, kN/m, of each passive bolt at full capacity: it pulls with capacity / F where
-        it is drawn out, with less where that would already stop the movement along it
+    seismic : out of the slope; force_kn, passive_kn : out of the slope and up, kN/m
     """
 
     face_dip_deg: ArrayLike
@@ -67,17 +62,11 @@ class PlaneArrays:
     height_m: ArrayLike
     cohesion_kpa: ArrayLike
     friction_deg: ArrayLike
-    unit_weight_kn_m3: ArrayLike
     crack_depth_m: ArrayLike | None = None
     crack_distance_m: ArrayLike | None = None
-    fill: ArrayLike = 0.0
     water_in_crack_m: ArrayLike | None = None
     pressure_kpa: ArrayLike | None = None
     crack_pressure_kpa: ArrayLike | None = None
-    water_unit_weight_kn_m3: ArrayLike = 9.81
-    seismic: ArrayLike = 0.0
-    force_kn: Sequence[ArrayLike] | None = None
-    passive_kn: Sequence[Sequence[float]] = ()
 
 
 @dataclass(frozen=True, slots=True)

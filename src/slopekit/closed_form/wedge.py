@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from slopekit.closed_form.given import Codes, Columns, Value, columns_of, counted, of_chunk
+from slopekit.closed_form.given import BlockLoads, Codes, Columns, Value, columns_of, counted, of_chunk
 from slopekit.closed_form.tolerances import ALONG, DAYLIGHTS, SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge_sliding import (
     J1,
@@ -58,26 +58,15 @@ _LINE, _CREST = 2, 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WedgeArrays:
-    """Wedges, each value one number for all of them or an (n,) array; in degrees, m, kN and kPa.
+class WedgePlanes:
+    """The planes of wedges, each value one number for all of them or an (n,) array; in degrees and m.
 
     Attributes
     ----------
     joint1_dip_deg, joint1_dip_direction_deg, joint2_..., face_..., upper_... : the planes
     height_m : vertical, from the toe to where the trace of J1 meets the crest
-    cohesion1_kpa, cohesion2_kpa, friction1_deg, friction2_deg : of J1 and J2
-    unit_weight_kn_m3 : of the rock
-    fill : part of full water pressure (0 dry, 1 full): of γ_w H/6 on J1 and J2, H the total height; with a crack of
-        γ_w h₅/3 on all three, h₅ its depth
-    pressures_kpa : mean pressures on J1, J2 and maybe the crack, instead of `fill`
-    water_unit_weight_kn_m3 : of the water
-    crack_fill : the crack's own part of full pressure, None where it has what the joints have
     crack_dip_deg, crack_dip_direction_deg : None without a tension crack
     crack_distance_m : from the crest along the trace of J1
-    seismic : coefficient; seismic_trend_deg : None for the trend of the line of intersection
-    force_kn : east, north and up: the sum of the forces and the active bolts; None without any
-    passive_kn : east, north and up of each passive bolt at full capacity: it pulls with capacity / F where it is drawn
-        out, with less where that would already stop the movement along it
     """
 
     joint1_dip_deg: ArrayLike
@@ -89,22 +78,31 @@ class WedgeArrays:
     upper_dip_deg: ArrayLike
     upper_dip_direction_deg: ArrayLike
     height_m: ArrayLike
+    crack_dip_deg: ArrayLike | None = None
+    crack_dip_direction_deg: ArrayLike | None = None
+    crack_distance_m: ArrayLike = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WedgeArrays(WedgePlanes, BlockLoads):
+    """Wedges with their strength and loads; forces and bolts have the parts east, north and up, in kN.
+
+    Attributes
+    ----------
+    cohesion1_kpa, cohesion2_kpa, friction1_deg, friction2_deg : of J1 and J2
+    fill : of γ_w H/6 on J1 and J2, H the total height; with a crack of γ_w h₅/3 on all three, h₅ its depth
+    pressures_kpa : mean pressures on J1, J2 and maybe the crack, instead of `fill`
+    crack_fill : the crack's own part of full pressure, None where it has what the joints have
+    seismic_trend_deg : None for the trend of the line of intersection
+    """
+
     cohesion1_kpa: ArrayLike
     cohesion2_kpa: ArrayLike
     friction1_deg: ArrayLike
     friction2_deg: ArrayLike
-    unit_weight_kn_m3: ArrayLike
-    fill: ArrayLike = 0.0
     pressures_kpa: Sequence[ArrayLike] = ()
-    water_unit_weight_kn_m3: ArrayLike = 9.81
     crack_fill: ArrayLike | None = None
-    crack_dip_deg: ArrayLike | None = None
-    crack_dip_direction_deg: ArrayLike | None = None
-    crack_distance_m: ArrayLike = 0.0
-    seismic: ArrayLike = 0.0
     seismic_trend_deg: ArrayLike | None = None
-    force_kn: Sequence[ArrayLike] | None = None
-    passive_kn: Sequence[Sequence[float]] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 from slopekit.core.codec import digest
 from slopekit.core.orientation import Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
-from slopekit.design.fields import Field, declare, group, number, text
+from slopekit.design.fields import Field, declare, group, number, part, parts_of, text
 from slopekit.design.parts import (
     Action,
     Bolt,
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from slopekit.design.scatter.distributions import Variable
 
 Criterion = Literal["limit", "all-pairs"]
+#: When a design under work is analysed: while a slider is dragged, when it is let go, at a button.
+Answered = Literal["drag", "release", "button"]
 #: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.
 Pair: TypeAlias = tuple[str, str, float]
 
@@ -68,9 +70,6 @@ def _slips_of_density(
 
 
 _OF_STUDIES = ("variables", "correlation", "source", "cases")
-_OF_PAGES = ("project",)
-_BESIDE = ("partial",)
-_OF_READING = ("crack_searched", "defaults", "left_out", "read_as")
 
 
 #: Rock under elastic blocks does not give: the one word that its key takes.
@@ -117,34 +116,27 @@ class DesignKeys:
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
     WITHOUT: ClassVar[tuple[str, ...]] = ()
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
-    ACTIONS: ClassVar[Mapping[str, Action]] = {
-        "unit_weight_kn_m3": "weight", "density_kg_m3": "weight", "water_unit_weight_kn_m3": "water",
-    }  # fmt: skip
+    #: How keys begin whose defaults stand for numbers of the slope.
+    PAPER_KEYS: ClassVar[tuple[str, ...]] = ()
+    #: The slope falls toward -x where nothing of a result says the way.
+    FALLS_WEST: ClassVar[bool] = False
+    #: When it is analysed under work, where it has no closed form.
+    ANSWERED: ClassVar[Answered] = "release"
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"water_unit_weight_kn_m3": "water"}
     #: Attributes that hold what stands at a key of another path.
     INTO: ClassVar[Mapping[str, str]] = {}
     #: Attributes that inputs and their hash leave out where they are None: younger than the hashes that users keep.
     #: Those of bases count too, and other records have theirs.
-    UNSAID: ClassVar[tuple[str, ...]] = ("partial", "modulus_kpa", "poisson", "elastic_edge_m")
+    UNSAID: ClassVar[tuple[str, ...]] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Design(DesignKeys):
-    """A complete and checked design: what every kind has.
+class Rock:
+    """The rock: its weight, and for elastic blocks its stiffness."""
 
-    Attributes
-    ----------
-    factors : strength reduction factors at which the displacements and failed pairs are wanted (the paper's Table 3)
-    defaults : names of the inputs that were left out
-    left_out : what of the files that the design names is not used, in words
-    read_as : what of them was read in another way than it stands there, in words
-    variables : what scatters: numbers and orientations that were given as distributions
-    correlation : pairs of them with their rank correlation
-    source : the document it was read from, which studies read again with other values; None where it was not
-    cases : its load cases, each a design of its own
-    """
+    ACTIONS: ClassVar[Mapping[str, Action]] = {"unit_weight_kn_m3": "weight", "density_kg_m3": "weight"}
+    UNSAID: ClassVar[tuple[str, ...]] = ("modulus_kpa", "poisson")
 
-    title: str = text("title", default="", doc="text")
-    project: Project = group("project", Project, default=Project(), left_out="nothing", doc="on pages only")
     unit_weight_kn_m3: float = number(
         "rock.unit_weight", "unit weight", default=None, least=5.0, most=400.0, code="E110", label="unit weight",
         axis="unit weight of the rock", says=_RANGE, advice="Rock weighs 20 to 30 kN/m³.", check=_slips_of_unit_weight,
@@ -169,11 +161,77 @@ class Design(DesignKeys):
         scatters=False, label="Poisson's ratio", left_out="0.25 with --elastic", advice="Rock has 0.15 to 0.35.",
         doc="Poisson's ratio, for --elastic",
     )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Analysis:
+    """How a design is analysed.
+
+    Attributes
+    ----------
+    factors : strength reduction factors at which the displacements and failed pairs are wanted (the paper's Table 3)
+    """
+
+    UNSAID: ClassVar[tuple[str, ...]] = ("partial", "elastic_edge_m")
+
+    criterion: Criterion = text(
+        "analysis.criterion",
+        default="limit",
+        code="E126",
+        words=("limit", "all-pairs"),
+        left_out="limit",
+        example="limit",
+    )
+    agree_within: float = number("analysis.agree_within", "ratio", default=0.01, above=0.0, below=1.0, code="E127",
+                                 scatters=False, role="setting",
+                                 doc="largest relative difference of the methods")  # fmt: skip
+    factors: tuple[float, ...] = number(
+        "analysis.factors", "ratio", default=(), above=0.0, code="E127", many="list", scatters=False, role="setting",
+        example="[1.0, 1.1, 1.2]", label="factor",
+        doc="reduction factors, at most 200: displacements and failed pairs at each",
+    )  # fmt: skip
     elastic_edge_m: float | None = number(
         "analysis.elastic.edge", "length", default=None, above=0.0, code="E284", words=("auto",), example="auto",
         role="setting", scatters=False, label="edge", left_out="auto", advice="The longest edge of a finite element.",
         doc="longest edge of an element at contacts, for --elastic; `auto`: an eighth of the longest of the block",
     )  # fmt: skip
+    partial: PartialFactors | None = group(
+        "analysis.partial_factors", PartialFactors, default=None, forms=(Leaf(example="DA1-C2"),), left_out="none",
+        doc="[partial factors](cases.md#partial-factors): `DA1-C1`, `DA1-C2`, `DA2`, `DA3`, a file, or its keys",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What was found while a design was read.
+
+    Attributes
+    ----------
+    defaults : names of the inputs that were left out
+    left_out : what of the files that the design names is not used, in words
+    read_as : what of them was read in another way than it stands there, in words
+    """
+
+    defaults: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    read_as: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Design(DesignKeys):
+    """A complete and checked design: what every kind has.
+
+    Attributes
+    ----------
+    variables : what scatters: numbers and orientations that were given as distributions
+    correlation : pairs of them with their rank correlation
+    source : the document it was read from, which studies read again with other values; None where it was not
+    cases : its load cases, each a design of its own
+    """
+
+    title: str = text("title", default="", doc="text")
+    project: Project = group("project", Project, default=Project(), left_out="nothing", doc="on pages only")
+    rock: Rock = part(Rock)
     water_unit_weight_kn_m3: float = number(
         "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,
         advice="Water weighs 9.81 kN/m³ (62.4 pcf).", label="unit weight of water",
@@ -187,14 +245,6 @@ class Design(DesignKeys):
     forces: tuple[Force, ...] = forces_without("block")
     bolts: tuple[Bolt, ...] = bolts_without("block")
     stiffness: Stiffness = Stiffness()
-    criterion: Criterion = text(
-        "analysis.criterion",
-        default="limit",
-        code="E126",
-        words=("limit", "all-pairs"),
-        left_out="limit",
-        example="limit",
-    )
     rules: tuple[Rule, ...] = text(
         "acceptance.rules", default=(), example='["fos >= 1.5"]',
         doc="one or a list; `>=`, `>`, `<=`, `<` on `fos`, `fos.limit`, `fos.lowest`, `fos.closed_form`, "
@@ -202,21 +252,8 @@ class Design(DesignKeys):
         "`fos.fellenius`, `fos.janbu`, `fos.bishop`",
         forms=(ListOf(Leaf(example='"fos >= 1.5"')), Leaf()),
     )  # fmt: skip
-    agree_within: float = number("analysis.agree_within", "ratio", default=0.01, above=0.0, below=1.0, code="E127",
-                                 scatters=False, role="setting",
-                                 doc="largest relative difference of the methods")  # fmt: skip
-    factors: tuple[float, ...] = number(
-        "analysis.factors", "ratio", default=(), above=0.0, code="E127", many="list", scatters=False, role="setting",
-        example="[1.0, 1.1, 1.2]", label="factor",
-        doc="reduction factors, at most 200: displacements and failed pairs at each",
-    )  # fmt: skip
-    partial: PartialFactors | None = group(
-        "analysis.partial_factors", PartialFactors, default=None, forms=(Leaf(example="DA1-C2"),), left_out="none",
-        doc="[partial factors](cases.md#partial-factors): `DA1-C1`, `DA1-C2`, `DA2`, `DA3`, a file, or its keys",
-    )  # fmt: skip
-    defaults: tuple[str, ...] = field(default=(), compare=False)
-    left_out: tuple[str, ...] = field(default=(), compare=False)
-    read_as: tuple[str, ...] = field(default=(), compare=False)
+    analysis: Analysis = part(Analysis)
+    reading: Reading = field(default=Reading(), compare=False)
     variables: "tuple[Variable, ...]" = field(default=(), compare=False)
     correlation: tuple[Pair, ...] = field(default=(), compare=False)
     source: "Document | None" = field(default=None, compare=False, repr=False)
@@ -238,6 +275,11 @@ class Design(DesignKeys):
         return self.water.mode != "dry" or bool(self.water.crack_fill)
 
     @property
+    def section_share(self) -> float | None:
+        """The part of an earthquake that acts in the section of the design; None where it knows all of it."""
+        return None
+
+    @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The interfaces that may have a water pressure of their own, by the names of the file."""
         return ()
@@ -254,7 +296,7 @@ class Design(DesignKeys):
     @property
     def invented(self) -> tuple[str, ...]:
         """Numbers of the slope that were left out and taken from elsewhere, by name."""
-        return tuple(name for name in self.defaults if name in self.DEFAULTS)
+        return tuple(name for name in self.reading.defaults if name in self.DEFAULTS)
 
     @property
     def accepted_fos(self) -> float | None:
@@ -275,11 +317,11 @@ class Design(DesignKeys):
         """A sentence on what happens, joints by the names that the user gave them."""
         return sentence
 
-    def at_residual(self) -> "Design":
+    def at_residual(self) -> Self:
         """The design with residual strength wherever there is one."""
         return self.each_strength(Strength.at_residual)
 
-    def each_strength(self, change: Callable[[Strength], Strength]) -> "Design":
+    def each_strength(self, change: Callable[[Strength], Strength]) -> Self:
         """The design with every strength changed."""
         changed = {part.name: _changed(getattr(self, part.name), change) for part in fields(self)}
         return replace(self, **changed)
@@ -288,12 +330,19 @@ class Design(DesignKeys):
         """What JSON has beside the inputs: whose design it is, its partial factors; nothing without them."""
         project = self.project.given()
         entries: dict[str, Any] = {"project": project} if project else {}
-        return entries if self.partial is None else entries | {"partial_factors": self.partial.to_dict()}
+        return (
+            entries if self.analysis.partial is None else entries | {"partial_factors": self.analysis.partial.to_dict()}
+        )
+
+    def plain(self, exact: bool = False) -> dict[str, Any]:
+        """The attributes as JSON values; planes as they are written unless every digit counts (`exact`)."""
+        record: dict[str, Any] = _plain(self._single(), exact)
+        return record
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
-        document: dict[str, Any] = _plain(self._single())
-        for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES, *_BESIDE):
+        document = self.plain()
+        for key in ("crack_searched", "reading", *_OF_STUDIES, "project", "partial"):
             document.pop(key, None)
         return document
 
@@ -303,10 +352,8 @@ class Design(DesignKeys):
         It is the hash of a single run: a design whose φ is a distribution of mean 20 has the hash of the one whose φ is
         20. What a study draws depends on `variables` and `correlation` too.
         """
-        exact = _plain(self._single(), exact=True) | {"kind": self.kind}
-        for key in (*_OF_STUDIES, *_OF_PAGES):
-            del exact[key]
-        for key in ("read_as", "crack_searched"):
+        exact = self.plain(exact=True) | {"kind": self.kind}
+        for key in ("crack_searched", "reading", *_OF_STUDIES, "project"):
             exact.pop(key, None)
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return digest(exact)
@@ -348,6 +395,8 @@ def _plain(value: Any, exact: bool = False) -> Any:
         unsaid = {name for own in listed(type(value), "UNSAID") for name in own}
         given = ((part.name, getattr(value, part.name)) for part in fields(value))
         record = {name: _plain(own, exact) for name, own in given if not (name in unsaid and _is_nothing(own))}
+        for name in parts_of(type(value)):
+            record |= record.pop(name)
         if hasattr(value, "resistance"):  # a law is written with its name, waves beside it
             inner = record.pop("law", {"law": getattr(value, "name", "")})
             record = inner | record

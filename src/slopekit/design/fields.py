@@ -42,7 +42,7 @@ UNITS: Mapping[str, str] = {
 _LEAST: Mapping[str, float] = {"length": 1e-3, "force": 1e-6, "stiffness": 1.0, "angle": 1e-3}
 _MOST: Mapping[str, float] = {"length": 1e5, "pressure": 1e5, "force": 1e9, "stiffness": 1e12, "volume": 1e5}
 _JUST_BELOW = 0.01  # degrees: how near to a limit that it does not reach a study takes an angle
-_KEY = "field"
+_KEY, _PART = "field", "part"
 F = TypeVar("F", bound=Callable[..., Any])
 
 #: A judgement of a number in the words of its own subject: value, name, what was written, how keys are called.
@@ -321,6 +321,11 @@ def group(path: str, of: type | None = None, *, default: Any = MISSING, **more: 
     return _declared(path, "group", default, of=of, **more)
 
 
+def part(of: type) -> Any:
+    """A record that holds some of the fields of its holder, whose paths are those from the holder."""
+    return field(default=of(), metadata={_PART: of})
+
+
 def _remembered(function: F) -> F:
     """`functools.cache` that keeps the signature."""
     return cast(F, cache(function))
@@ -330,19 +335,42 @@ def _remembered(function: F) -> F:
 
 
 @_remembered
+def parts_of(record: Any) -> Mapping[str, type]:
+    """The records that hold some of the fields of a dataclass, by attribute: `rock` and `analysis` of a design."""
+    return {one.name: one.metadata[_PART] for one in fields(record) if _PART in one.metadata}
+
+
+def value_of(record: Any, name: str) -> Any:
+    """The value of a declared field by its name, of a record or of the part that holds it."""
+    holders = (part for part, of in parts_of(type(record)).items() if name in fields_of(of))
+    part = next(holders, None)
+    return getattr(record if part is None else getattr(record, part), name)
+
+
+def with_parts(record: Any, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of the declared fields of a dataclass by name, put into its parts as its constructor takes them."""
+    given = dict(values)
+    for name, of in parts_of(record).items():
+        given[name] = of(**{own: given.pop(own) for own in fields_of(of) if own in given})
+    return given
+
+
+@_remembered
 def fields_of(record: Any) -> Mapping[str, Field]:
     """The declared fields of a dataclass by attribute, its own before those that it inherits.
 
-    `ALSO` of a class are keys that are read into attributes of other names, `WITHOUT` top keys that it does not have.
+    `ALSO` of a class are keys that are read into attributes of other names, `WITHOUT` keys that it lacks.
     """
     also: dict[str, Field] = {}
     for one in reversed(record.__mro__):
         also |= {made.path: made for made in one.__dict__.get("ALSO", ())}
-    declared = {one.name: one.metadata[_KEY] for one in fields(record) if _KEY in one.metadata}
-    own = [name for name in get_annotations(record) if name in declared]
+    held = {name: fields_of(of) for name, of in parts_of(record).items()}
+    held |= {one.name: {one.name: one.metadata[_KEY]} for one in fields(record) if _KEY in one.metadata}
+    declared = {name: made for one in fields(record) for name, made in held.get(one.name, {}).items()}
+    own = [name for one in get_annotations(record) for name in held.get(one, ())]
     order = {name: (declared | also)[name] for name in (*own, *also, *declared)}
-    without = getattr(record, "WITHOUT", ())
-    return {name: one for name, one in order.items() if one.path.partition(".")[0] not in without}
+    without = set(getattr(record, "WITHOUT", ()))
+    return {name: one for name, one in order.items() if without.isdisjoint((one.path, one.path.partition(".")[0]))}
 
 
 def _angle(above: Field, key: str) -> Field:

@@ -33,60 +33,6 @@ class TablePlane:
         return f"{self.plane}@{shown(self.level_m)}m"
 
 
-def ground_in_words(design: Any, along: str = "", at: str = "at the origin") -> Iterator[str]:
-    """Water table, pond and surcharge as the sheet prints them; `at`: where a table that is a plane is as high."""
-    depth, load = getattr(design, "table_depth_m", None), getattr(design, "surcharge_kpa", None)
-    if depth is not None:
-        yield f"water table {shown(depth)} m below the ground"
-    if design.table_points_m is not None:
-        first, last = design.table_points_m[0], design.table_points_m[-1]
-        yield (
-            f"water table through {len(design.table_points_m)} points, from {shown(first[1])} m at "
-            f"{shown(first[0])} m to {shown(last[1])} m at {shown(last[0])} m{along}"
-        )
-    elif design.table_plane is not None:
-        yield f"water table {design.table_plane.plane}, {shown(design.table_plane.level_m)} m {at}"
-    if design.pond_m is not None:
-        yield f"pond to {shown(design.pond_m)} m"
-    if load:
-        yield f"surcharge {shown(load)} kPa on the plan of the upper slope"
-
-
-def table_depth() -> Any:
-    """Depth of a water table below the ground."""
-    return number(
-        "water.depth", "length", default=None, least=0.0, code="E454", axis="depth of the water table",
-        says="a table lies at or below the ground", example="4 m", left_out="no table",
-        doc="with `mode: table`: of the table below the ground, vertical",
-    )  # fmt: skip
-
-
-def table_points(place: str) -> Any:
-    """Points of a water table by their places."""
-    return text(
-        "water.points", default=None, coordinates=2, left_out="no table",
-        doc=f"with `mode: table`: {place}, ascending, and elevation; level beyond its ends",
-        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[0, 0], [10, 4], [30, 9]]"),),
-        example="[[0, 0], [10, 4], [30, 9]]",
-    )  # fmt: skip
-
-
-def table_plane(over: str = "the toe") -> Any:
-    """A water table that is a plane."""
-    return text(
-        "water.plane", default=None, left_out="no table", example="5/180@2m",
-        doc=f"with `mode: table`: a plane, and its elevation over {over}",
-    )  # fmt: skip
-
-
-def pond() -> Any:
-    """Open water before the slope."""
-    return number(
-        "water.pond", "length", default=None, axis="level of the pond", example="3 m", left_out="no pond",
-        doc="elevation of open water at the toe; the table is as high at least",
-    )  # fmt: skip
-
-
 def surcharge() -> Any:
     """A load on the upper slope."""
     return number(
@@ -96,42 +42,100 @@ def surcharge() -> Any:
     )  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WetDesign(Design):
+    """A design that a water table and a pond may wet.
+
+    The table stands `table_depth_m` below the ground, through `table_points_m` (place and elevation) or in
+    `table_plane`; the others are None. `water.mode` of one block is "table" where one of them or `pond_m` is given.
+    """
+
+    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m")
+    #: Along what places of points are counted, and where a plane has its elevation, in words.
+    ALONG: ClassVar[str] = ""
+    PLANE_AT: ClassVar[str] = "at the origin"
+
+    table_depth_m: float | None = number(
+        "water.depth", "length", default=None, least=0.0, code="E454", axis="depth of the water table",
+        says="a table lies at or below the ground", example="4 m", left_out="no table",
+        doc="with `mode: table`: of the table below the ground, vertical",
+    )  # fmt: skip
+    table_points_m: tuple[tuple[float, float], ...] | None = text(
+        "water.points", default=None, coordinates=2, left_out="no table",
+        doc="with `mode: table`: distance from the toe into the slope (surfaces, blocks: x), ascending, and elevation; "
+        "level beyond its ends",
+        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[0, 0], [10, 4], [30, 9]]"),),
+        example="[[0, 0], [10, 4], [30, 9]]",
+    )  # fmt: skip
+    table_plane: TablePlane | None = text(
+        "water.plane", default=None, left_out="no table", example="5/180@2m",
+        doc="with `mode: table`: a plane, and its elevation over the toe (surfaces, blocks: the origin)",
+    )  # fmt: skip
+    pond_m: float | None = number(
+        "water.pond", "length", default=None, axis="level of the pond", example="3 m", left_out="no pond",
+        doc="elevation of open water at the toe; the table is as high at least",
+    )  # fmt: skip
+
+    @property
+    def has_table(self) -> bool:
+        """Whether it has a table, or a pond."""
+        ground = (self.table_depth_m, self.table_points_m, self.table_plane, self.pond_m)
+        return any(one is not None for one in ground)
+
+    def ground_in_words(self) -> list[str]:
+        """Table, pond and surcharge as the sheet prints them."""
+        entries, load = [], getattr(self, "surcharge_kpa", None)
+        if self.table_depth_m is not None:
+            entries.append(f"water table {shown(self.table_depth_m)} m below the ground")
+        if self.table_points_m is not None:
+            first, last = self.table_points_m[0], self.table_points_m[-1]
+            entries.append(
+                f"water table through {len(self.table_points_m)} points, from {shown(first[1])} m at "
+                f"{shown(first[0])} m to {shown(last[1])} m at {shown(last[0])} m{self.ALONG}"
+            )
+        elif self.table_plane is not None:
+            plane = self.table_plane
+            entries.append(f"water table {plane.plane}, {shown(plane.level_m)} m {self.PLANE_AT}")
+        if self.pond_m is not None:
+            entries.append(f"pond to {shown(self.pond_m)} m")
+        if load:
+            entries.append(f"surcharge {shown(load)} kPa on the plan of the upper slope")
+        return entries
+
+
 _AT_CREST_M = 0.01  # nearer than that a crack is at the crest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SlopeDesign(Design):
+class SlopeDesign(WetDesign):
     """A block in a slope with a toe, a face and an upper slope.
 
-    `water.mode` is "table" where one of `table_depth_m`, `table_points_m` (distance into the slope from the toe, and
-    elevation), `table_plane` is given, or `pond_m` alone; the others are None. `crack_searched` says how the worst
-    place of a crack lies in its range, where it was looked for.
+    `crack_searched` says how the worst place of a crack lies in its range, where it was looked for.
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
-    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m", "surcharge_kpa")
+    UNSAID: ClassVar[tuple[str, ...]] = ("surcharge_kpa",)
+    ALONG = " into the slope"
+    PLANE_AT = "at the toe"
     CRACK_FROM: ClassVar[str] = "behind the crest"
 
-    table_depth_m: float | None = table_depth()
-    table_points_m: tuple[tuple[float, float], ...] | None = table_points("distance from the toe into the slope")
-    table_plane: TablePlane | None = table_plane()
-    pond_m: float | None = pond()
     surcharge_kpa: float | None = surcharge()
     crack_searched: str = field(default="", compare=False)
 
     @property
     def is_cut_for_loads(self) -> bool:
         """Whether water or surcharge are integrated over the faces of the block."""
-        return self.water.mode == TABLE or bool(self.surcharge_kpa)
+        return self.water.mode == TABLE or bool(self.surcharge_kpa) or self.is_wet_by_crack
+
+    @property
+    def is_wet_by_crack(self) -> bool:
+        """Whether the depth of water in the crack says what is on the joints, by the faces of the block."""
+        return False
 
     def ponded(self, face: int, upper: int) -> dict[int, str]:
         """The free faces that a pond presses on, by name."""
         wet = self.water.mode == TABLE and self.pond_m is not None
         return {face: "face", upper: "upper slope"} if wet else {}
-
-    def ground_in_words(self) -> list[str]:
-        """Water table, pond and surcharge as the sheet prints them."""
-        return list(ground_in_words(self, " into the slope", "at the toe"))
 
     @property
     def crack_in_words(self) -> str:
@@ -182,7 +186,7 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     known = [key for key in _TABLE_KEYS if any(one.path == f"water.{key}" for one in own.values())]
     said = [key for key in known if node.get(key) is not None]
     mode = node.get("mode")
-    pond = node.get("pond") if "pond_m" in own else None
+    pond = node.get("pond")
     is_table = mode is not None and mode.text == TABLE
     if not (is_table or said or pond is not None):
         return attributes, None
@@ -198,16 +202,15 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
         reader.fault("E112", message, node.get(said[1]), "Keep one of them.")
     elif not said and pond is None:
         message = "water is a table, and nothing says where it lies"
-        *first, last = [*(_TABLE_KEYS[key] for key in known), *(["pond: 3 m"] if "pond_m" in own else [])]
-        reader.fault("E454", message, mode, f"Add {', '.join(first)} or {last}.")
+        first = ", ".join(_TABLE_KEYS[key] for key in known)
+        reader.fault("E454", message, mode, f"Add {first} or pond: 3 m.")
     elif said and not is_table:
         in_crack = said[0] == "depth" and reader.at("crack") is not None
         advice = "Add mode: table" + ("; a depth in the crack is crack: {water: 2 m}." if in_crack else ".")
         reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), advice)
     if "table_depth_m" in own:
         attributes["table_depth_m"] = reader.field(own["table_depth_m"], node.get("depth"))
-    if "pond_m" in own:
-        attributes["pond_m"] = reader.field(own["pond_m"], pond)
+    attributes["pond_m"] = reader.field(own["pond_m"], pond)
     attributes["table_points_m"] = _points(reader, node.get("points"))
     below = node.get("plane")
     value = None if below is None else reader.value(below)

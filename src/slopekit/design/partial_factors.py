@@ -194,8 +194,10 @@ def _with(
     shaken = replace(design.seismic, coefficient=design.seismic.coefficient / weight)
     made: Design = replace(_acting(design.each_strength(lambda one: _weaker(one, given)), by), seismic=shaken)
     rows = [*_of_strengths(design, made, kind, given)]
-    if design.unit_weight_kn_m3:  # a footing may stand on rock without weight
-        rows.append(FactoredNumber("unit weight", design.unit_weight_kn_m3, weight, made.unit_weight_kn_m3, "kN/m³"))
+    if design.rock.unit_weight_kn_m3:  # a footing may stand on rock without weight
+        rows.append(
+            FactoredNumber("unit weight", design.rock.unit_weight_kn_m3, weight, made.rock.unit_weight_kn_m3, "kN/m³")
+        )
     if design.is_wet:
         rows.append(FactoredNumber("unit weight of water, and its pressures", design.water_unit_weight_kn_m3, water,
                                    made.water_unit_weight_kn_m3, "kN/m³"))  # fmt: skip
@@ -210,7 +212,8 @@ def _with(
     if design.seismic.coefficient:
         k_before = design.seismic.coefficient
         rows.append(FactoredNumber("seismic coefficient, of the weight unfactored", k_before, 1.0, k_before, ""))
-    return replace(made, partial=replace(given, table=tuple(rows)))
+    analysis = replace(made.analysis, partial=replace(given, table=tuple(rows)))
+    return replace(made, analysis=analysis)
 
 
 def _actions(record: type) -> dict[str, Action]:

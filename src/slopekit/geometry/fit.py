@@ -1,75 +1,101 @@
 """How well the user's blocks fit together: what overlaps, what nearly touches. Values, for the caller to judge."""
 
 from collections.abc import Sequence
+from dataclasses import field
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
+from slopekit.geometry.patches import Assembly
 from slopekit.geometry.tolerances import DOUBT, LARGEST_ROUNDING, LARGEST_ROUNDING_OF_THINNEST
 
 _MOST_DECIMALS = 9
 
 
 @dataclass(frozen=True, slots=True)
-class Overlaps:
-    """Pairs of blocks that lie in each other by more than the tolerance.
+class Misfits:
+    """Pairs of blocks that lie in each other by more than the tolerance, or nearly touch: by less than 1 % of a block.
 
     Attributes
     ----------
-    pairs : (n, 2) indices of the blocks, the lower first
-    amounts : (n,) m² in a section, m³ of solids
-    depths : (n,) m, how thick the overlap is where it is thin and long: amount / half of its boundary
+    pairs : (n, 2) indices of the blocks, the lower first; a pair stands once for each place at which it nearly touches
+    amounts : (n,) of an overlap m² in a section, m³ of solids; of a gap m along which the faces face each other, m²
+    apart : (n,) m, how thick an overlap is where it is thin and long, how far apart faces are at most
     """
 
     pairs: Ints
     amounts: Floats
-    depths: Floats
+    apart: Floats
 
     def __len__(self) -> int:
         return len(self.amounts)
 
 
 @dataclass(frozen=True, slots=True)
-class Gaps:
-    """Places where faces of two blocks nearly touch: farther apart than the tolerance, by less than 1 % of a block.
+class Facing:
+    """Pairs of faces of blocks that look at each other.
 
     Attributes
     ----------
-    pairs : (n, 2) indices of the blocks, the lower first; a pair stands once for each place
-    least, most : (n,) m, how far apart the faces are at the two ends (or corners) of the place
-    amounts : (n,) m along which they face each other in a section, m² of solids
-    """
-
-    pairs: Ints
-    least: Floats
-    most: Floats
-    amounts: Floats
-
-    def __len__(self) -> int:
-        return len(self.amounts)
-
-
-@dataclass(frozen=True, slots=True)
-class Closeness:
-    """How near faces of two blocks lie that look at each other.
-
-    Attributes
-    ----------
-    pairs : (n, 2) indices of the blocks, the lower first; a pair stands once for each pair of its faces
+    plus, minus : (n,) blocks
     least, most : (n,) m, how far apart the faces are where they face each other, negative where they overlap
     breadth : (n,) m of what they share: its length in a section, area / half of the perimeter of solids
     """
 
-    pairs: Ints
+    plus: Ints
+    minus: Ints
     least: Floats
     most: Floats
     breadth: Floats
 
+    @property
+    def pairs(self) -> Ints:
+        """(n, 2) indices of the blocks, the lower first."""
+        return np.sort(np.stack([self.plus, self.minus], axis=1), axis=1)
+
     def touches(self, tolerance: float, narrowest: float) -> Bools:
         """Return which faces touch: nowhere farther than the tolerance from each other, on more than the narrowest."""
         return np.asarray((self.most <= tolerance) & (self.least >= -tolerance) & (self.breadth > narrowest))
+
+    def nearly_touches(self, tolerance: float, reach: float) -> Bools:
+        """Return which faces do not touch, and lie within reach of each other on more than that."""
+        apart = (self.most > tolerance) & (self.least >= -tolerance) & (self.least + self.most > 0.0)
+        return np.asarray(apart & (self.most <= reach) & (self.breadth > reach))
+
+
+@dataclass(frozen=True, slots=True)
+class BlocksCut:
+    """The user's blocks with their contacts, and how well they fit together.
+
+    Attributes
+    ----------
+    assembly : patches have the joint 0; the plus block is the one that is not fixed, else the later one
+    tolerance : faces nearer than this touch, and what depends on it
+    contact : of all patches, m in a section, m² in space
+    overlaps, gaps : between blocks of which one at least is not fixed
+    outlines : of a section (k, 2) x and z of each block, anticlockwise, without corners that repeat or are straight
+    point_contacts : how many pairs of blocks of a section touch with a corner only: they have no patch
+    shells : (n,) closed surfaces of each solid; more than one is several bodies in one file, or a cavity
+    unchecked : pairs of solids whose overlap could not be computed (a mesh that crosses itself)
+    """
+
+    assembly: Assembly
+    tolerance: "ContactTolerance"
+    contact: float
+    overlaps: Misfits
+    gaps: Misfits
+    outlines: tuple[Floats, ...] = ()
+    point_contacts: int = 0
+    shells: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    unchecked: Ints = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
+
+    @property
+    def untouching(self) -> Ints:
+        """Blocks that share no patch with any other."""
+        patches = self.assembly.patches
+        return np.setdiff1d(np.arange(len(self.assembly)), np.concatenate([patches.plus, patches.minus]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +177,7 @@ def widest_rounding(sizes: Floats, thicknesses: Floats) -> float:
 
 
 def fitting_tolerance(
-    usual: float, corner_rounding: float, dimensions: int, widest: float, closeness: Closeness
+    usual: float, corner_rounding: float, dimensions: int, widest: float, faced: Facing, movable: Bools
 ) -> ContactTolerance:
     """Return the usual tolerance, or that of corners that are rounded where the usual one loses contacts by it.
 
@@ -163,14 +189,15 @@ def fitting_tolerance(
     usual : m, of blocks with exact corners; corner_rounding : m, 0 where the corners are exact
     dimensions : k, 2 in a section, 3 in space
     widest : m, the largest tolerance of rounded corners (`widest_rounding`)
-    closeness : of faces of blocks of which one at least is not fixed
+    movable : (n,) whether of the blocks of each pair of faces one at least is not fixed
     """
     wider = min(float(np.sqrt(dimensions)) * corner_rounding, widest)
     distance, unit = usual, 0.0
-    if wider > usual and (closeness.touches(usual, wider) != closeness.touches(wider, wider)).any():
+    if wider > usual and (movable & (faced.touches(usual, wider) != faced.touches(wider, wider))).any():
         distance, unit = wider, corner_rounding
-    usually, narrowly, widely = (closeness.touches(distance * times, distance) for times in (1.0, 1.0 / DOUBT, DOUBT))
-    lost, gained = (np.unique(closeness.pairs[other], axis=0) for other in (usually & ~narrowly, widely & ~usually))
+    usually, narrowly, widely = (faced.touches(distance * times, distance) for times in (1.0, 1.0 / DOUBT, DOUBT))
+    changes = (movable & usually & ~narrowly, movable & widely & ~usually)
+    lost, gained = (np.unique(faced.pairs[change], axis=0) for change in changes)
     return ContactTolerance(distance, unit, lost, gained)
 
 

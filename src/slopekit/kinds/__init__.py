@@ -195,7 +195,7 @@ def words_named(kind: str, inputs: Mapping[str, Any] | None = None) -> Words:
     known = known_kind(kind)
     if known is None:
         return Words(kind, "block", "", "", "", {})
-    return next((said for key, said in known.variants.items() if (inputs or {}).get(key) is not None), known.words)
+    return known.words.of(inputs or {})
 
 
 def status_text(kind: str, status: str) -> str:

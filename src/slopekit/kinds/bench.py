@@ -12,7 +12,7 @@ from slopekit.core.orientation import Line, Plane, coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.fields import count, declare, fields_of, group, number, orientation, point, text
-from slopekit.design.ground_water import read_ground_water, surcharge, table_depth
+from slopekit.design.ground_water import read_ground_water, surcharge
 from slopekit.design.parts import Action, Water
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import strength_names
@@ -100,7 +100,8 @@ class BenchDesign(AssemblyDesign):
     """
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharge_kpa": "surcharge"}
-    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "surcharge_kpa")
+    UNSAID: ClassVar[tuple[str, ...]] = ("surcharge_kpa",)
+    ANSWERED = "button"
 
     face: Plane = orientation("slope.face", axis="the face", example="70/180")
     upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180", left_out="level")
@@ -129,7 +130,6 @@ class BenchDesign(AssemblyDesign):
     water: Water = water_by(
         declare("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
     )
-    table_depth_m: float | None = table_depth()
     surcharge_kpa: float | None = surcharge()
     max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
     min_volume_m3: float = number(
@@ -220,7 +220,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
     scene = AssemblyScene(
         assembly, tuple(f"B{k}" for k in range(1, len(assembly) + 1)), tuple(given.name for given in design.sets),
         tuple(design.strength(given.strength) for given in design.sets),
-        np.full(len(assembly), design.unit_weight_kn_m3),
+        np.full(len(assembly), design.rock.unit_weight_kn_m3),
         np.array([given.pressure_kpa for given in design.sets])[assembly.patches.joint],
         {},
         {"volume_error": cut.volume_error, "area_error": cut.area_error, "plane_error_m": cut.plane_error,
@@ -303,6 +303,6 @@ OWN = Blocks(
     cut, no_closed_form, _notices,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "bench", BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    with_areas=lambda design: {one.name for one in design.sets}, answered="button",
+    BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
+    with_areas=lambda design: {one.name for one in design.sets},
 )  # fmt: skip

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -21,7 +21,7 @@ from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import Leaf, ListOf, Named
 from slopekit.design.sections import strength_names
-from slopekit.geometry.fit import ContactTolerance, Gaps
+from slopekit.geometry.fit import BlocksCut, ContactTolerance, Misfits
 from slopekit.geometry.patches import Patches
 from slopekit.geometry.sections.polygons import fault_of_polygon
 from slopekit.kinds.assemblies.many_blocks import (
@@ -41,10 +41,6 @@ from slopekit.kinds.assemblies.many_blocks_design import (
 from slopekit.kinds.assemblies.many_blocks_scene import AssemblyScene, with_ground, with_loads
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, shortened, strength_in_words
 from slopekit.result import Result, Words
-
-if TYPE_CHECKING:
-    from slopekit.geometry.sections.section_blocks import SectionCut
-    from slopekit.geometry.solids.solids import SolidCut
 
 _OVERLAP = 1e-3  # of the smaller block: a larger overlap is refused
 _EXACT = 0.1  # m: corners of a file with one decimal or none are exact as a rule, not rounded
@@ -368,7 +364,7 @@ def cut(design: BlocksDesign) -> AssemblyScene:
         scene, assembly=replace(scene.assembly, patches=replace(patches, joint=joint)), joints=kinds,
         strengths=tuple(strength for _, strength in design.strengths), pressures=frozen(pressures),
         unit_weights=np.array([
-            design.unit_weight_kn_m3 if block.unit_weight_kn_m3 is None else block.unit_weight_kn_m3
+            design.rock.unit_weight_kn_m3 if block.unit_weight_kn_m3 is None else block.unit_weight_kn_m3
             for block in design.blocks
         ]), notices=tuple(notices),
     )  # fmt: skip
@@ -389,7 +385,7 @@ def _section(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Asse
     return AssemblyScene(
         cut.assembly, names, (), (), np.zeros(0), np.zeros(0),
         dict(zip(names, cut.outlines, strict=True)),
-        {**_tolerance(cut.tolerance), "contact_length_m": cut.contact_length},
+        {**_tolerance(cut.tolerance), "contact_length_m": cut.contact},
         (), tuple(notices), thickness=design.thickness_m,
     )  # fmt: skip
 
@@ -424,7 +420,7 @@ def _solids(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> Assem
         notices.append(Notice("W334", f"whether these blocks overlap could not be computed: {_some(pairs)}"))
     return AssemblyScene(
         cut.assembly, names, (), (), np.zeros(0), np.zeros(0), {},
-        {**_tolerance(cut.tolerance), "contact_area_m2": cut.contact_area}, (), tuple(notices),
+        {**_tolerance(cut.tolerance), "contact_area_m2": cut.contact}, (), tuple(notices),
     )  # fmt: skip
 
 
@@ -440,7 +436,7 @@ def _refuse_overlaps(names: Sequence[str], pairs: Ints, amounts: Floats, sizes: 
         raise GeometryError(faults[:20])
 
 
-def _refuse_floating(names: Sequence[str], fixed: Bools, patches: Patches, gaps: Gaps) -> None:
+def _refuse_floating(names: Sequence[str], fixed: Bools, patches: Patches, gaps: Misfits) -> None:
     """E257 for blocks that no contact, their own or of blocks that they touch, carries to the bedrock."""
     links = coo_array((np.ones(len(patches)), (patches.plus, patches.minus)), shape=(len(names), len(names)))
     group = connected_components(links, directed=False)[1]
@@ -450,7 +446,7 @@ def _refuse_floating(names: Sequence[str], fixed: Bools, patches: Patches, gaps:
     ends = np.isin(gaps.pairs, floating)
     near = [
         f"{names[a]} and {names[b]} are {1e3 * most:.3g} mm apart"
-        for (a, b), most in zip(gaps.pairs[ends.any(axis=1)].tolist(), gaps.most[ends.any(axis=1)], strict=True)
+        for (a, b), most in zip(gaps.pairs[ends.any(axis=1)].tolist(), gaps.apart[ends.any(axis=1)], strict=True)
     ]
     advice = "Move their corners until faces meet, or give contact_tolerance" + (f": {_some(near)}." if near else ".")
     verb = (
@@ -466,7 +462,7 @@ def _tolerance(contact: ContactTolerance) -> dict[str, float]:
     return {"contact_tolerance_m": contact.distance, **rounding}
 
 
-def _fit(names: Sequence[str], cut: "SectionCut | SolidCut", along: str, amount: str) -> Iterator[Notice]:
+def _fit(names: Sequence[str], cut: BlocksCut, along: str, amount: str) -> Iterator[Notice]:
     """What a reader must know of overlaps, gaps, bedrock that touches nothing and contacts that are in doubt."""
     overlaps, gaps, contact = cut.overlaps, cut.gaps, cut.tolerance
     if len(overlaps):
@@ -478,7 +474,7 @@ def _fit(names: Sequence[str], cut: "SectionCut | SolidCut", along: str, amount:
     if len(gaps):
         apart_or_over = [
             f"{names[a]} and {names[b]} are {1e3 * apart:.3g} mm apart over {size:.3g} {along}"
-            for (a, b), apart, size in zip(gaps.pairs.tolist(), gaps.most.tolist(), gaps.amounts.tolist(), strict=True)
+            for (a, b), apart, size in zip(gaps.pairs.tolist(), gaps.apart.tolist(), gaps.amounts.tolist(), strict=True)
         ]
         yield Notice("W334", f"faces that do not touch: {_some(apart_or_over)}; they carry nothing "
                      "(contact_tolerance closes such gaps)")  # fmt: skip
@@ -531,7 +527,7 @@ def _own_weights(design: BlocksDesign) -> list[str]:
     by_weight: dict[float, list[str]] = {}
     for block in design.blocks:
         own = block.unit_weight_kn_m3
-        if own is not None and not block.fixed and own != design.unit_weight_kn_m3:
+        if own is not None and not block.fixed and own != design.rock.unit_weight_kn_m3:
             by_weight.setdefault(own, []).append(block.name)
     if not by_weight:
         return []
@@ -553,5 +549,5 @@ OWN = Blocks(
     cut, no_closed_form, no_notices,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "blocks", BlocksDesign, read_blocks, OWN, _slope, _pressures,
+    BlocksDesign, read_blocks, OWN, _slope, _pressures,
 )  # fmt: skip

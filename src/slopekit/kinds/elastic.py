@@ -93,9 +93,11 @@ def elastic_stiffness(design: Design, many: bool) -> JointStiffness:
 
 def rock_of(design: Design) -> tuple[Rock, tuple[str, ...]]:
     """The rock, and what of it was not given."""
-    given = {"modulus": design.modulus_kpa, "poisson": design.poisson}
+    given = {"modulus": design.rock.modulus_kpa, "poisson": design.rock.poisson}
     taken = tuple(name for name, value in given.items() if value is None)
-    return Rock(design.modulus_kpa or MODULUS_KPA, POISSON if design.poisson is None else design.poisson, ORDER), taken
+    return Rock(
+        design.rock.modulus_kpa or MODULUS_KPA, POISSON if design.rock.poisson is None else design.rock.poisson, ORDER
+    ), taken
 
 
 def _meshed(mesh: Any, edge: float, name: str) -> Any:
@@ -141,7 +143,7 @@ def scene_of_one(design: Design, made: Cut) -> ElasticScene:
         mesh = mesh_of(outline, fanned([range(len(outline))]))
     else:
         mesh = mesh_of(points, cells_of(points, fanned(faces)))
-    edge = design.elastic_edge_m or _auto(mesh, _HALVED["one"])
+    edge = design.analysis.elastic_edge_m or _auto(mesh, _HALVED["one"])
     joint_edge = max(float(np.sqrt((np.diff(corners, axis=0, append=corners[:1]) ** 2).sum(axis=1)).max())
                      for corners in map(np.asarray, coarse.bedding.polygons.values()))  # fmt: skip
     refine = max(made.refine, math.ceil(math.log2(joint_edge / edge * (1.0 - 1e-9))))
@@ -199,7 +201,7 @@ def scene_of_many(design: Design, scene: AssemblyScene, result: Result) -> Elast
     bodies = _bodies(scene)
     meshes = {block: bodies(block) for block in np.flatnonzero(~assembly.fixed).tolist()}
     halved = _HALVED["section"] if assembly.in_section else _HALVED["space"] * (moving <= _FEW)
-    own_edges = {block: design.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
+    own_edges = {block: design.analysis.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
     edge = float(np.median(list(own_edges.values())))
     halved_by = np.zeros(len(assembly) + 1, dtype=np.int64)  # bedrock last
     for block, mesh in meshes.items():

@@ -1,13 +1,13 @@
 """The footing on a weak plane (Sheng et al. 2023, §3.3)."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
-from slopekit.closed_form.footing import footing
+from slopekit.closed_form.plane import OUTCOMES, ClosedFormPlanes, PlaneArrays, plane_failures
 from slopekit.core import sheet
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.records import dataclass
@@ -165,11 +165,11 @@ def cut(design: FootingDesign) -> Cut:
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
     pushes = {"footing": push} | _water(design, section)
-    acting = block_loads(section.block, design.unit_weight_kn_m3, np.zeros(3), pushes=pushes)
+    acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes=pushes)
     bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
-    left_out += [] if design.unit_weight_kn_m3 else ["the weight of the rock"]
+    left_out += [] if design.rock.unit_weight_kn_m3 else ["the weight of the rock"]
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
         [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
@@ -189,23 +189,23 @@ def _water(design: FootingDesign, section: PlaneSection) -> dict[str, PointForce
 
 
 def closed_form(design: FootingDesign) -> ClosedForm:
-    """The design by limit equilibrium."""
-    weight = design.unit_weight_kn_m3 * _block(design)[0].block.volume
-    strip = on_secants(
-        [design.strength],
-        lambda lines: footing(
-            design.load_kn,
-            design.dip_deg,
-            design.length_m,
-            lines[0].cohesion_kpa,
-            lines[0].friction_angle_deg,
-            weight,
-            design.uplift_kn,
-        ),
-        lambda answer: [answer.normal_kn / design.length_m],
-    )
-    status = "slides_on_J1" if strip.status == "slides" else strip.status
-    return ClosedForm(strip.factor, status, DILATES if design.strength.dilation_deg else "")
+    """The design by limit equilibrium: a plane failure below level ground and a vertical face, under the load."""
+    _block(design)
+
+    def on_line(lines: Sequence[Strength]) -> ClosedFormPlanes:
+        return plane_failures(PlaneArrays(
+            face_dip_deg=90.0, upper_dip_deg=0.0, plane_dip_deg=design.dip_deg,
+            height_m=design.length_m * math.sin(math.radians(design.dip_deg)), cohesion_kpa=lines[0].cohesion_kpa,
+            friction_deg=lines[0].friction_angle_deg, unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
+            pressure_kpa=design.uplift_kn / design.length_m, force_kn=(0.0, -design.load_kn),
+        ))  # fmt: skip
+
+    found = on_secants([design.strength], on_line, lambda found: [float(found.normal_kn[0] / found.length_m[0])])
+    status, factor = OUTCOMES[found.outcome[0]], float(found.factor[0])
+    why_not = DILATES if design.strength.dilation_deg else ""
+    if status == "slides":
+        return ClosedForm(factor, "slides_on_J1", why_not)
+    return ClosedForm(None, status, why_not)
 
 
 def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
@@ -220,7 +220,7 @@ def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
 
 def _changes(design: FootingDesign) -> Iterator[tuple[str, FootingDesign]]:
     yield "load +10 %", replace(design, load_kn=design.load_kn * 1.1)
-    yield from [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
+    yield from other_strengths(design, [design.strength])
     if design.dip_deg < 88.0:
         yield "dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)
 
@@ -238,7 +238,7 @@ def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:
 
 
 KIND = kind_of_one_block(
-    "footing", FootingDesign, read_footing,
+    FootingDesign, read_footing,
     Words(
         "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
         {"slides_on_J1": "slides on the weak plane", "lifted": "is pushed off the weak plane"}, horizontal="x",

@@ -34,10 +34,10 @@ from slopekit.kinds.single_block.closed_forms import (
     ClosedForms,
     OnArrays,
     SizesOfMany,
-    force_on,
     passive_bolts,
+    pressures_and_force,
 )
-from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of
+from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, left_out_of_slope, other_strengths
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
@@ -98,6 +98,12 @@ class PlaneDesign(SlopeDesign):
     def wet_interfaces(self) -> tuple[str, ...]:
         """The joint, and the crack where there is one."""
         return (self.joint_name, "crack") if self.crack is not None else (self.joint_name,)
+
+    @property
+    def section_share(self) -> float:
+        """The part of an earthquake that acts out of the slope, in its section."""
+        trend = self.seismic.trend_deg
+        return 1.0 if trend is None else math.cos(math.radians(trend - self.face.dip_direction_deg))
 
     def in_own_names(self, sentence: str) -> str:
         """A sentence with the name of the joint in place of "its plane", where it was given one."""
@@ -259,20 +265,14 @@ def _full(slope: LocalSlope, unit_weight: float) -> Mapping[int, Pieces]:
     return {J1: even(slope.block.faces[J1], unit_weight * float(np.ptp(slope.block.corners[:, 2])) / 4.0)}
 
 
-def _in_section(design: PlaneDesign) -> float:
-    """The part of an earthquake that acts out of the slope, in its section."""
-    trend = design.seismic.trend_deg
-    return 1.0 if trend is None else math.cos(math.radians(trend - design.face.dip_direction_deg))
-
-
 def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
     hull = cache(lambda: hull_of(design, section.block))  # which a block without bolts does not need
     active, passive = bolt_forces(design, origin, lambda head, way: hull().meets(head, way), axes)
-    k = design.seismic.coefficient * _in_section(design)
+    k = design.seismic.coefficient * design.section_share
     strongest = max((bolt.force_kn for bolt in design.bolts), default=0.0)
     return block_loads(
-        section.block, design.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
+        section.block, design.rock.unit_weight_kn_m3, np.array([k, 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * strongest],
         pushes(design, _local_slope(design, section)),
@@ -296,20 +296,18 @@ def arguments(design: PlaneDesign) -> Arguments:
     columns: Arguments = {}
     for name, plane in {"plane": design.joint, "face": design.face, "upper": design.upper}.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_direction": plane.dip_direction_deg}
-    water, crack = design.water, design.crack
-    given = water.mode == "pressures"
-    pressures: list[float | None] = [*water.pressures_kpa, 0.0] if given else [None, None]
-    force = force_on(design)
-    if design.is_cut_for_loads:
-        means, force = for_closed_form(design, _local_slope(design, section_of(design)), force)
-        if water.mode == TABLE:
-            given, pressures = True, means
+    crack = design.crack
+    pressures, force = pressures_and_force(
+        design, 1, lambda force: for_closed_form(design, _local_slope(design, section_of(design)), force)
+    )
+    given = pressures[0] is not None
     return columns | force | {
-        "height_m": design.height_m, **_of_strengths(_strengths(design)), "unit_weight_kn_m3": design.unit_weight_kn_m3,
+        "height_m": design.height_m, **_of_strengths(_strengths(design)),
+        "unit_weight_kn_m3": design.rock.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
         "water_in_crack_m": None if crack is None or given else crack.water_m,
-        "fill": 0.0 if given else water.fill, "pressure_kpa": pressures[0], "crack_pressure_kpa": pressures[1],
+        "fill": 0.0 if given else design.water.fill, "pressure_kpa": pressures[0], "crack_pressure_kpa": pressures[1],
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "k": design.seismic.coefficient,
         "trend": design.seismic.trend_deg,
     }  # fmt: skip
@@ -359,22 +357,15 @@ def _passive(design: PlaneDesign) -> list[tuple[float, float]]:
 
 def bounds(design: PlaneDesign) -> Bounds:
     """The planes that bound the block, all along the slope as the section has them; signs as `section_of`."""
-    turned = np.radians(np.atleast_1d(design.face.dip_direction_deg))
-    out = np.stack([np.sin(turned), np.cos(turned), np.zeros_like(turned)], axis=-1)
-    planes = (design.joint, design.face, design.upper)
-    slide, face, upper = (np.tan(np.radians(np.atleast_1d(_signed_dip(plane, design.face)))) for plane in planes)
+    out = upward(90.0, design.face.dip_direction_deg) * [1.0, 1.0, 0.0]
+    dips = [np.atleast_1d(_signed_dip(plane, design.face)) for plane in (design.joint, design.face, design.upper)]
+    normals = [upward(dip, design.face.dip_direction_deg) for dip in dips]
+    slide, face, upper = (np.tan(np.radians(dip)) for dip in dips)
     height = np.atleast_1d(design.height_m)
     crest = -height / face  # out of the slope; the ground behind it falls with `upper`
-    lines: list[tuple[Any, Any]] = [(slide, 0.0), (face, 0.0), (upper, height + upper * crest)]  # up + tangent * out
-    normals, offsets = [], []
-    for tangent, offset in lines:
-        scale = np.sqrt(1.0 + tangent * tangent)
-        upright = np.array([0.0, 0.0, 1.0])
-        normals.append((tangent[:, None] * out + upright) / scale[:, None])
-        offsets.append(offset / scale)
-    within = (
-        0.5 * (crest[:, None] * out * 1e-3) + np.array([0.0, 0.0, 1.0]) * (-0.25e-3 * crest * (slide + face))[:, None]
-    )
+    offsets = [0.0, 0.0, (height + upper * crest) * np.cos(np.radians(dips[2]))]
+    upright = np.array([0.0, 0.0, 1.0])
+    within = 0.5e-3 * crest[:, None] * out - 0.25e-3 * (crest * (slide + face))[:, None] * upright
     crack = design.crack
     if crack is not None:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -430,7 +421,7 @@ def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
     if design.water.mode != TABLE and (design.water.mode == "dry" or design.water.fill < 1.0):
         crack = None if design.crack is None else replace(design.crack, water_m=None)
         yield "full water", replace(design, water=Water("full", 1.0), crack=crack)
-    yield from [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
+    yield from other_strengths(design, [design.strength])
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
         yield f"dip of {design.joint_name} +1°", replace(design, joint=dipping)
@@ -438,7 +429,7 @@ def _changes(design: PlaneDesign) -> Iterator[tuple[str, PlaneDesign]]:
 
 def _notices(design: PlaneDesign) -> Iterator[Notice]:
     yield from design.ground_notices(0.0, design.height_m)
-    share = _in_section(design)
+    share = design.section_share
     if design.seismic.coefficient and abs(share) < 1.0 - 1e-6:
         message = (
             f"the seismic load acts off the section: {share * 100:.0f} % of it acts out of the slope, "
@@ -477,8 +468,8 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     yield loads_part([*([] if design.water.mode == TABLE else water_in_words(result, 2.0) or in_crack), *own], result)
 
 
-KIND = replace(kind_of_one_block(
-    "plane", PlaneDesign, read_plane,
+KIND = kind_of_one_block(
+    PlaneDesign, read_plane,
     Words(
         "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
         "Hoek & Bray: forces only",
@@ -486,4 +477,4 @@ KIND = replace(kind_of_one_block(
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS,
-), in_section=_in_section)  # fmt: skip
+)  # fmt: skip

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from slopekit.core.codec import NO_JSON
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
-from slopekit.design.common import Design
+from slopekit.design.common import Answered, Design
 from slopekit.design.parts import Strength
 from slopekit.design.reading.reader import Reader
 from slopekit.evidence import WithoutBasal
@@ -88,7 +88,6 @@ class Kind(Generic[D]):
 
     Attributes
     ----------
-    name : the word behind `kind:`
     record : the dataclass of its designs, whose fields declare the keys
     read : a design from a file, all faults at once
     words : what it calls things
@@ -108,14 +107,8 @@ class Kind(Generic[D]):
     seismic_gain : (without, unit, k_y, by the closed form) how fast the mechanism at k_y gains on the ground; None of
         kinds of one block, whose k_y with a force along the sliding says it
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
-    paper_keys : how keys begin whose defaults stand for numbers of the slope
-    in_section : the part of an earthquake that acts in the section of a design; None of kinds that know all of it
-    falls_west : the slope falls toward -x where nothing of a result says the way
-    answered : when a design under work is analysed: while a slider is dragged, when it is let go, at a button
-    variants : words of designs that have the input of that name
     """
 
-    name: str
     record: type[D]
     read: Callable[[Reader], D]
     words: Words
@@ -132,11 +125,16 @@ class Kind(Generic[D]):
     at_load: Callable[[D, D, float], float | None] | None = None
     seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
-    paper_keys: tuple[str, ...] = ()
-    in_section: Callable[[D], float] | None = None
-    falls_west: bool = False
-    answered: Literal["drag", "release", "button"] = "release"
-    variants: Mapping[str, Words] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The word behind `kind:`."""
+        return self.record.__name__.removesuffix("Design").lower()
+
+    @property
+    def answered(self) -> Answered:
+        """When a design under work is analysed: while a slider is dragged, when it is let go, at a button."""
+        return "drag" if self.closed_form is not None else self.record.ANSWERED
 
 
 def compare(

@@ -69,6 +69,7 @@ class ToppleDesign(NamedDesign):
     UNSAID: ClassVar[tuple[str, ...]] = ("slope_height_m", "slope_face_deg", "slope_upper_deg", "base_angle_deg")
     ACTIONS: ClassVar[Mapping[str, Action]] = {"pressures_kpa": "water"}
 
+    FALLS_WEST = True
     ALSO: ClassVar[tuple[Field, ...]] = (
         declare("columns.base", "text", left_out="the only one", doc="strength of the bases"),
         declare("columns.sides", "text", left_out="the only one", doc="strength between the columns"),
@@ -238,7 +239,7 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     shown = dict(zip(design.block_names, outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
     scene = AssemblyScene(
         assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
-        np.full(len(assembly), design.unit_weight_kn_m3),
+        np.full(len(assembly), design.rock.unit_weight_kn_m3),
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
         shown, {}, (), (), thickness=design.thickness_m, crest_x=_crest_x(design),
     )  # fmt: skip
@@ -331,7 +332,7 @@ def column_slope(design: ToppleDesign) -> ColumnSlope:
     toward, k = design.seismic.trend_deg, design.seismic.coefficient
     return ColumnSlope(
         heights_m=design.heights_m, width_m=design.width_m, step_m=design.base_step_m,
-        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.unit_weight_kn_m3,
+        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.rock.unit_weight_kn_m3,
         friction_angle_deg=base.friction_angle_deg, side_friction_angle_deg=sides.friction_angle_deg,
         cohesion_kpa=base.cohesion_kpa, seismic=k if toward is None or toward > 180.0 else -k, loads=_loads(design),
     )  # fmt: skip
@@ -400,11 +401,10 @@ OWN = Blocks(
     cut, goodman_bray, _notices, _closed_gain,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "topple", ToppleDesign, read_topple, OWN, _slope,
+    ToppleDesign, read_topple, OWN, _slope,
     lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
     figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit
         "toe_force_kn": lambda design, _: toe_force_required(column_slope(design)),
         "column_force_kn": lambda design, n: float(toppling_table(column_slope(design)).force_kn[int(n or 1) - 1]),
     },
-    falls_west=True,
 )  # fmt: skip

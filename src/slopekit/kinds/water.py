@@ -6,7 +6,6 @@ where they act, a closed form the mean pressure of each joint and the sum of the
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, MisfitError
 from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
-from slopekit.design.ground_water import TABLE, SlopeDesign
+from slopekit.design.ground_water import TABLE, SlopeDesign, WetDesign
 from slopekit.geometry.pressure import Height, Pieces, Pressure, even, in_strips, plane_table, resultant, under_planes
 from slopekit.geometry.rock.cutting import Block
 from slopekit.kinds.single_block.closed_forms import Arguments
@@ -61,7 +60,7 @@ class LocalSlope:
 
 
 def pressure_below(
-    design: Any, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
+    design: WetDesign, axes: Floats, into: Floats, level: float, at_depth: Callable[[float], tuple[Height, ...]],
     in_section: bool = False,
 ) -> Pressure:  # fmt: skip
     """The pressure below the table and the pond of a design.
@@ -73,9 +72,8 @@ def pressure_below(
     at_depth : the table so many metres below the ground
     """
     heights: tuple[Height, ...] = ()
-    depth = getattr(design, "table_depth_m", None)
-    if depth is not None:
-        heights = at_depth(depth)
+    if design.table_depth_m is not None:
+        heights = at_depth(design.table_depth_m)
     elif design.table_points_m is not None:
         places, levels = zip(*design.table_points_m, strict=True)
         heights = in_strips(into, places, [one - level for one in levels])

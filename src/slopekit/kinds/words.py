@@ -112,7 +112,7 @@ def size_part(result: Result, height_m: float, per: str = "") -> Section:
     """
     total_m = result.geometry.total_height_m
     volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
-    weight = f"weight {size_number(result.forces.weight)} kN" if result.design.unit_weight_kn_m3 else "weightless"
+    weight = f"weight {size_number(result.forces.weight)} kN" if result.design.rock.unit_weight_kn_m3 else "weightless"
     extent = [] if result.size is None else extents_in_words(result.size)
     traces = [] if result.size is None else traces_in_words(result.size)
     mass = [f"mass {short(result.mass_t)} t{per}"] if result.mass_t else []
@@ -254,7 +254,7 @@ def bolt_text(bolt: Bolt) -> str:
 
 def weight_in_words(result: Result) -> str:
     """The weight of what moves, and the unit weight it comes from."""
-    if not result.design.unit_weight_kn_m3:
+    if not result.design.rock.unit_weight_kn_m3:
         return "weight left out"
     return "  ".join([f"weight {size_number(result.forces.weight)} kN", *unit_weight_in_words(result)])
 
@@ -262,10 +262,10 @@ def weight_in_words(result: Result) -> str:
 def unit_weight_in_words(result: Result) -> list[str]:
     """The unit weight of the rock and the density that it comes from."""
     design = result.design
-    if not design.unit_weight_kn_m3:
+    if not design.rock.unit_weight_kn_m3:
         return []
-    density = "" if design.density_kg_m3 is None else f" ({design.density_kg_m3:.5g} kg/m³)"
-    return [f"unit weight {design.unit_weight_kn_m3:.5g} kN/m³{density}"]
+    density = "" if design.rock.density_kg_m3 is None else f" ({design.rock.density_kg_m3:.5g} kg/m³)"
+    return [f"unit weight {design.rock.unit_weight_kn_m3:.5g} kN/m³{density}"]
 
 
 def strength_in_words(strength: Strength, digits: str = ".1f") -> str:

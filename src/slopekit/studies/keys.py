@@ -18,7 +18,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.synonyms import nearest
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design
-from slopekit.design.fields import UNITS, Field, Role, changed, declare, field_at, field_in, fields_of
+from slopekit.design.fields import UNITS, Field, Role, changed, declare, field_at, field_in, fields_of, value_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.canonical import canonical_path
 from slopekit.design.reading.files import with_values
@@ -225,11 +225,11 @@ _Absent = tuple[str, float | None, tuple[tuple[str, str], ...]]
 
 def _absent(design: Design) -> Iterator[_Absent]:
     """Paths that the file may not have, the value that they take then, and what is to be written first."""
-    weight = design.unit_weight_kn_m3 or None
+    weight = design.rock.unit_weight_kn_m3 or None
     yield "rock.unit_weight", weight, ()
-    yield "rock.density", None if weight is None else weight / design.gravity_m_s2 * 1e3, ()
+    yield "rock.density", None if weight is None else weight / design.rock.gravity_m_s2 * 1e3, ()
     for name, field in fields_of(type(design)).items():
-        value = getattr(design, field.texts.taken or name) if field.is_attribute else None
+        value = value_of(design, field.texts.taken or name) if field.is_attribute else None
         if field.path == "loads.seismic":
             yield "loads.seismic.k", design.seismic.coefficient, ()
         elif field.path == "loads.surcharge":

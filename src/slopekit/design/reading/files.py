@@ -103,7 +103,8 @@ def _set_over(
             f"{a} / {b}" for a, b, _ in before.correlation if (a, b) not in {pair[:2] for pair in design.correlation}
         ]
         said = f"correlation {', '.join(gone)} (a number was set in place of a distribution)"
-        return replace(design, left_out=(*design.left_out, said))
+        reading = replace(design.reading, left_out=(*design.reading.left_out, said))
+        return replace(design, reading=reading)
 
 
 def load_document_design(document: Document, faults: Sequence[Fault] = ()) -> Design:

@@ -10,8 +10,8 @@ from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
 from slopekit.core.orientation import Plane, parse_face, parse_plane
 from slopekit.core.units import LARGEST, is_unit_of, quantity, unit_of
 from slopekit.design import words
-from slopekit.design.common import Design
-from slopekit.design.fields import Field, every_field, field_in, fields_of
+from slopekit.design.common import Design, Reading
+from slopekit.design.fields import Field, every_field, field_in, fields_of, with_parts
 from slopekit.design.parts import Strength
 from slopekit.design.reading.nodes import Document, Kept, Node, as_text
 from slopekit.design.reading.structure import has_angles, is_distribution, orientation_kind
@@ -284,10 +284,11 @@ class Reader:
             given |= part
         variables = sorted(self.variables.values(), key=_drawn_order)
         return record(
-            **given, left_out=tuple(self.left_out), read_as=tuple(self.read_as), defaults=tuple(self.defaults),
+            **with_parts(record, given),
+            reading=Reading(defaults=tuple(self.defaults), left_out=tuple(self.left_out), read_as=tuple(self.read_as)),
             variables=tuple(variables),
             correlation=correlation,
-        )  # fmt: skip
+        )
 
     # -- what scatters together ---------------------------------------------------------------------------------------
 

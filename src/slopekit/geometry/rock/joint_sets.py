@@ -44,15 +44,11 @@ class SetPlanes:
     ----------
     normals : (p, 3) unit; offsets : (p,) m
     joint : (p,) index of the set
-    merged : how many planes were left out because they coincide with another one
-    on_body_faces : how many because they coincide with a face of the body
     """
 
     normals: Floats
     offsets: Floats
     joint: Ints
-    merged: int
-    on_body_faces: int
 
     def __len__(self) -> int:
         return len(self.offsets)
@@ -92,13 +88,10 @@ def planes_of_sets(sets: Sequence[JointSet], body: ConvexBody, rng: np.random.Ge
     heights = normal @ corners.T - offset[:, None]
     near = SAME_PLANE * body.size
     cuts = (heights.min(axis=1) < -near) & (heights.max(axis=1) > near)
-    faces = body.normals @ corners.T - (body.offsets - body.normals @ middle)[:, None]
-    # a plane along a face of the body cuts nothing off it that has a volume, so `cuts` has dropped it already
-    on_faces = int((~cuts & (_nearest(heights, faces) <= near)).sum())
     normal, offset, joint, heights = normal[cuts], offset[cuts], joint[cuts], heights[cuts]
     keep = _first_of_each(heights, near)
     offset = offset + normal @ middle
-    return SetPlanes(frozen(normal[keep]), frozen(offset[keep]), joint[keep], int((~keep).sum()), on_faces)
+    return SetPlanes(frozen(normal[keep]), frozen(offset[keep]), joint[keep])
 
 
 def _planes(
@@ -165,15 +158,6 @@ def _fisher(mean: Floats, spread: float, count: int, rng: np.random.Generator) -
         cosine[:, None] * mean + (sine * np.cos(turn))[:, None] * first + (sine * np.sin(turn))[:, None] * second
     )
     return vectors
-
-
-def _nearest(heights: Floats, others: Floats) -> Floats:
-    """How far each plane is from the nearest of the others over the body, whichever way the normals point."""
-    apart = np.full(len(heights), math.inf)
-    for other in others:
-        same, opposite = np.abs(heights - other).max(axis=1), np.abs(heights + other).max(axis=1)
-        apart = np.minimum(apart, np.minimum(same, opposite))
-    return apart
 
 
 def _first_of_each(heights: Floats, near: float) -> Bools:

@@ -190,7 +190,7 @@ class BenchCut:
     Attributes
     ----------
     assembly : the blocks; those at the far faces of the body are `fixed`
-    body_volume, blocks_volume : m³
+    body_volume : m³
     volume_error : |blocks + left out - body| / body
     area_error : sum over all joint faces of |area - area of the face on its other side|, in parts of their sum; faces
         without another side count in full
@@ -199,13 +199,11 @@ class BenchCut:
     blocks, fixed : how many
     slivers_joined : cells smaller than `min_volume` joined to a neighbour; volume_joined : m³
     slivers_left_out, volume_left_out : cells without a neighbour, m³
-    planes_merged, planes_on_body_faces : see `SetPlanes`
     min_volume : m³
     """
 
     assembly: Assembly
     body_volume: float
-    blocks_volume: float
     volume_error: float
     area_error: float
     plane_error: float
@@ -216,8 +214,6 @@ class BenchCut:
     volume_joined: float
     slivers_left_out: int
     volume_left_out: float
-    planes_merged: int
-    planes_on_body_faces: int
     min_volume: float
 
 
@@ -292,9 +288,9 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     small = cells.volumes < least
     volume_joined = float(cells.volumes[small & (joined.block >= 0)].sum()) * half**3
     return BenchCut(
-        assembly, body_volume * half**3, float(assembly.volumes.sum()), volume_error, area_error,
+        assembly, body_volume * half**3, volume_error, area_error,
         away * half, joint_area * half**2, joined.count, int(joined.fixed.sum()), joined.joined,
-        volume_joined, int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,
+        volume_joined, int((joined.block < 0).sum()), left_out, least * half**3,
     )  # fmt: skip
 
 

@@ -13,10 +13,9 @@ from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault
 from slopekit.core.records import dataclass
 from slopekit.geometry.fit import (
-    Closeness,
-    ContactTolerance,
-    Gaps,
-    Overlaps,
+    BlocksCut,
+    Facing,
+    Misfits,
     contact_tolerance,
     corner_unit,
     fitting_tolerance,
@@ -210,38 +209,10 @@ def _cleaned(corners: Floats, start: Ints, distance: float) -> tuple[Floats, Int
     return corners, start
 
 
-@dataclass(frozen=True, slots=True)
-class SectionCut:
-    """Blocks of a section with their contacts, and how well they fit together.
-
-    Attributes
-    ----------
-    assembly : in_section; volumes are areas times thickness, y = 0, patches have two corners and joint 0. The plus
-        block is the one that is not fixed, else the later one
-    outlines : (k, 2) x and z of each block, anticlockwise, without repeated corners or corners on a straight line
-    tolerance : edges nearer than this touch, and what depends on it
-    contact_length : m of all patches
-    free_length : m of all edges less what is in contact, both sides counted: the outer boundary where there is no gap
-    overlaps, gaps : between blocks of which one at least is not fixed
-    point_contacts : how many pairs of blocks touch with a corner only: they have no patch
-    untouching : blocks that share no patch with any other
-    """
-
-    assembly: Assembly
-    outlines: tuple[Floats, ...]
-    tolerance: ContactTolerance
-    contact_length: float
-    free_length: float
-    overlaps: Overlaps
-    gaps: Gaps
-    point_contacts: int
-    untouching: Ints
-
-
 def section_assembly(
     polygons: Sequence[Floats], fixed: Bools, thickness: float, tolerance: float | None = None,
     names: Sequence[str] | None = None,
-) -> SectionCut:  # fmt: skip
+) -> BlocksCut:  # fmt: skip
     """The blocks of a section and their contacts.
 
     Parameters
@@ -282,59 +253,42 @@ def section_assembly(
 
     faced = edges.facing(first, second)
     movable = ~bedrock[faced.plus] | ~bedrock[faced.minus]
-    contact = fitting_tolerance(usual, unit, 2, widest, faced.closeness(movable))
+    contact = fitting_tolerance(usual, unit, 2, widest, faced, movable)
     tolerance = contact.distance
-    touches = faced.closeness().touches(tolerance, tolerance)
+    touches = faced.touches(tolerance, tolerance)
     patches = _patches(faced, touches, outlines.origin, thickness)
     pieces, counts, owner = convex_pieces(outlines)
-    near = movable & (faced.most > tolerance) & (faced.most <= reach) & (faced.least >= -tolerance)
-    near &= (faced.length > reach) & (faced.least + faced.most > 0.0)
+    near = movable & faced.nearly_touches(tolerance, reach)
     near[near] = ~_filled(faced, near, pieces, owner, tolerance)
-    gaps = Gaps(
-        np.sort(np.stack([faced.plus[near], faced.minus[near]], axis=1), axis=1), frozen(faced.least[near]),
-        frozen(faced.most[near]), frozen(faced.length[near]),
-    )  # fmt: skip
-    count = len(outlines)
-    touched = np.zeros(count, dtype=bool)
-    touched[patches.plus] = touched[patches.minus] = True
-    contact_length = float(faced.length[touches].sum())
     empty = np.zeros((0, 3))
     centroids = _in_space(outlines.centroids + outlines.origin)
     assembly = Assembly(
         frozen(outlines.areas * thickness), frozen(centroids), bedrock, patches, True, frozen(empty),
         empty.astype(np.int64), np.zeros(0, dtype=np.int64),
     )  # fmt: skip
-    return SectionCut(
-        assembly, tuple(frozen(outlines.outline(k)) for k in range(count)), contact, contact_length,
-        float(edges.length.sum()) - 2.0 * contact_length, _overlaps(pieces, counts, owner, bedrock, tolerance), gaps,
-        edges.point_contacts(first, second, tolerance, patches), np.flatnonzero(~touched),
-    )  # fmt: skip
+    return BlocksCut(
+        assembly,
+        contact,
+        float(faced.breadth[touches].sum()),
+        _overlaps(pieces, counts, owner, bedrock, tolerance),
+        Misfits(faced.pairs[near], frozen(faced.breadth[near]), frozen(faced.most[near])),
+        tuple(frozen(outlines.outline(k)) for k in range(len(outlines))),
+        edges.point_contacts(first, second, tolerance, patches),
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class _FacingEdges:
+class _FacingEdges(Facing):
     """Pairs of edges that run opposite ways beside each other.
 
     Attributes
     ----------
-    plus, minus : (n,) blocks
     ends : (n, 2, 2) m, the ends of the length that they share, halfway between them
     normal : (n, 2) unit, into the plus block
-    length : (n,) m that they share; least, most : (n,) m apart at the ends, negative where they lie in each other
     """
 
-    plus: Ints
-    minus: Ints
     ends: Floats
     normal: Floats
-    length: Floats
-    least: Floats
-    most: Floats
-
-    def closeness(self, chosen: Bools | slice = slice(None)) -> Closeness:
-        """Return how near the chosen edges lie."""
-        pairs = np.sort(np.stack([self.plus[chosen], self.minus[chosen]], axis=1), axis=1)
-        return Closeness(pairs, self.least[chosen], self.most[chosen], self.length[chosen])
 
 
 class _OutlineEdges:
@@ -397,8 +351,8 @@ class _OutlineEdges:
         middle = (off_plus + off_minus) / 2.0
         ends = base[:, None] + places[:, :, None] * mean[:, None] + middle[:, :, None] * normal[:, None]
         return _FacingEdges(
-            self.block[plus], self.block[minus], ends, normal, places[:, 1] - places[:, 0], apart.min(axis=1),
-            apart.max(axis=1),
+            self.block[plus], self.block[minus], apart.min(axis=1), apart.max(axis=1), places[:, 1] - places[:, 0],
+            ends, normal,
         )  # fmt: skip
 
     def point_contacts(self, first: Ints, second: Ints, tolerance: float, patches: Patches) -> int:
@@ -441,7 +395,7 @@ def _patches(faced: _FacingEdges, touches: Bools, origin: Floats, thickness: flo
     count = len(order)
     return Patches(
         faced.plus[order], faced.minus[order], np.zeros(count, dtype=np.int64), frozen(_in_space(faced.normal[order])),
-        frozen(faced.length[order] * thickness), frozen(corners.mean(axis=1)), frozen(corners.reshape(-1, 3)),
+        frozen(faced.breadth[order] * thickness), frozen(corners.mean(axis=1)), frozen(corners.reshape(-1, 3)),
         2 * np.arange(count + 1),
     )  # fmt: skip
 
@@ -462,7 +416,7 @@ def _filled(faced: _FacingEdges, near: Bools, pieces: Floats, owner: Ints, toler
     return filled
 
 
-def _overlaps(pieces: Floats, counts: Ints, owner: Ints, fixed: Bools, tolerance: float) -> Overlaps:
+def _overlaps(pieces: Floats, counts: Ints, owner: Ints, fixed: Bools, tolerance: float) -> Misfits:
     lowest, highest = pieces.min(axis=1) + tolerance / 2.0, pieces.max(axis=1) - tolerance / 2.0
     first, second = box_pairs(lowest, np.maximum(lowest, highest))
     a, b = owner[first], owner[second]
@@ -478,4 +432,4 @@ def _overlaps(pieces: Floats, counts: Ints, owner: Ints, fixed: Bools, tolerance
     boundary = np.bincount(which, around, minlength=len(pair))
     depth = area / np.maximum(boundary / 2.0, TINY)
     pairs = np.stack([pair // len(fixed), pair % len(fixed)], axis=1)
-    return Overlaps(pairs, frozen(area), frozen(depth))
+    return Misfits(pairs, frozen(area), frozen(depth))

@@ -24,7 +24,7 @@ class ClosedMeshes:
     origin : (3,) taken from all coordinates; vertices : (v, 3) m, without origin
     triangles : (t, 3); block : (t,) of each triangle; vertex_block : (v,)
     volumes : (n,) m³; centroids : (n, 3) m, without origin
-    turned : blocks whose mesh was inside out; shells : (n,) closed surfaces of each block that hang together in nothing
+    shells : (n,) closed surfaces of each block that hang together in nothing
     """
 
     origin: Floats
@@ -34,7 +34,6 @@ class ClosedMeshes:
     vertex_block: Ints
     volumes: Floats
     centroids: Floats
-    turned: Ints
     shells: Ints
 
 
@@ -105,11 +104,10 @@ def clean_solids(
     refuse([Fault("E227", f"the mesh of {names[k]} encloses no volume") for k in empty])
     refuse(size_faults(size, tolerance, names))
     moment = np.stack([np.bincount(block, m, minlength=count) for m in (part[:, None] * (a + b + c)).T / 4.0], axis=1)
-    inside_out = volumes < 0.0
-    triangles = np.where(inside_out[block][:, None], triangles[:, ::-1], triangles)
+    triangles = np.where((volumes < 0.0)[block][:, None], triangles[:, ::-1], triangles)
     return ClosedMeshes(
         origin, vertices, triangles, block, vertex_block, np.abs(volumes), moment / volumes[:, None] + apex,
-        np.flatnonzero(inside_out), shells,
+        shells,
     ), tolerance  # fmt: skip
 
 

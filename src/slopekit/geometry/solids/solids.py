@@ -10,8 +10,8 @@ import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
-from slopekit.core.records import dataclass
-from slopekit.geometry.fit import Closeness, ContactTolerance, Gaps, Overlaps, fitting_tolerance, widest_rounding
+from slopekit.core.records import dataclass, names_of
+from slopekit.geometry.fit import BlocksCut, Facing, Misfits, fitting_tolerance, widest_rounding
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.rock.box_search import box_pairs, chunks, ragged
 from slopekit.geometry.sections.clipping import clip_convex, polygon_sums, without_near
@@ -22,39 +22,10 @@ _AT_ONCE = 100_000  # pairs of faces clipped in one go: bounds the memory
 _MOST_SUPPORTS = 100_000  # faces times vertices of a block whose faces are tried as separating planes
 
 
-@dataclass(frozen=True, slots=True)
-class SolidCut:
-    """Blocks with closed surfaces and their contacts, and how well they fit together.
-
-    Attributes
-    ----------
-    assembly : with the meshes; joint is 0. The plus block is the one that is not fixed, else the later one
-    tolerance : faces nearer than this touch, and what depends on it
-    contact_area : m² of all patches
-    free_area : m² of all surfaces less what is in contact, both sides counted
-    overlaps, gaps : between blocks of which one at least is not fixed
-    untouching : blocks that share no patch with any other
-    turned : blocks whose mesh was inside out and has been turned
-    shells : (n,) closed surfaces of each block; more than one is several bodies in one file, or a cavity
-    unchecked : pairs of blocks whose overlap could not be computed (a mesh that crosses itself)
-    """
-
-    assembly: Assembly
-    tolerance: ContactTolerance
-    contact_area: float
-    free_area: float
-    overlaps: Overlaps
-    gaps: Gaps
-    untouching: Ints
-    turned: Ints
-    shells: Ints
-    unchecked: Ints
-
-
 def mesh_assembly(
     meshes: Sequence[tuple[Floats, Ints]], fixed: Bools, tolerance: float | None = None,
     names: Sequence[str] | None = None, corner_rounding: float = 0.0,
-) -> SolidCut:  # fmt: skip
+) -> BlocksCut:  # fmt: skip
     """The blocks of closed meshes and their contacts.
 
     Parameters
@@ -84,57 +55,42 @@ def mesh_assembly(
     faced = _facing(pieces, bedrock, max(reach, DOUBT * max(usual, widest)), usual)
     movable = ~bedrock[faced.plus] | ~bedrock[faced.minus]
     rounding = corner_rounding if tolerance is None else 0.0
-    contact = fitting_tolerance(usual, rounding, 3, widest, faced.closeness(movable))
+    contact = fitting_tolerance(usual, rounding, 3, widest, faced, movable)
     tolerance = contact.distance
-    touches = faced.closeness().touches(tolerance, tolerance)
-    patches = _patches(faced, touches, solids.origin)
-    near = movable & (faced.most > tolerance) & (faced.most <= reach)
-    near &= (faced.least >= -tolerance) & (faced.least + faced.most > 0.0) & (faced.width > reach)
-    gaps = Gaps(
-        np.sort(np.stack([faced.plus[near], faced.minus[near]], axis=1), axis=1), frozen(faced.least[near]),
-        frozen(faced.most[near]), frozen(faced.areas[near]),
-    )  # fmt: skip
-    touched = np.zeros(len(solids.volumes), dtype=bool)
-    touched[patches.plus] = touched[patches.minus] = True
-    contact_area = float(patches.areas.sum())
+    patches = _patches(faced, faced.touches(tolerance, tolerance), solids.origin)
+    near = movable & faced.nearly_touches(tolerance, reach)
     overlaps, unchecked = _overlaps(solids, pieces, bedrock, tolerance)
     assembly = Assembly(
         frozen(solids.volumes), frozen(solids.centroids + solids.origin), bedrock, patches, False,
         frozen(solids.vertices + solids.origin), solids.triangles, solids.block,
     )  # fmt: skip
-    return SolidCut(
-        assembly, contact, contact_area, float(surfaces.sum()) - 2.0 * contact_area, overlaps, gaps,
-        np.flatnonzero(~touched), solids.turned, solids.shells, unchecked,
-    )  # fmt: skip
+    return BlocksCut(
+        assembly,
+        contact,
+        float(patches.areas.sum()),
+        overlaps,
+        Misfits(faced.pairs[near], frozen(faced.areas[near]), frozen(faced.most[near])),
+        shells=solids.shells,
+        unchecked=unchecked,
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class _FacingFaces:
+class _FacingFaces(Facing):
     """Pairs of faces that look at each other: what they share, in the plane halfway between them.
 
     Attributes
     ----------
-    plus, minus : (n,) blocks; normals : (n, 3) unit, into the plus block
+    normals : (n, 3) unit, into the plus block
     corners : (n, k, 3) m, anticlockwise about the normal; counts : (n,) how many of the k
-    areas : (n,) m²; centroids : (n, 3) m; width : (n,) m, area / half of the perimeter
-    least, most : (n,) m apart at the corners, negative where they lie in each other
+    areas : (n,) m²; centroids : (n, 3) m
     """
 
-    plus: Ints
-    minus: Ints
     normals: Floats
     corners: Floats
     counts: Ints
     areas: Floats
     centroids: Floats
-    width: Floats
-    least: Floats
-    most: Floats
-
-    def closeness(self, chosen: Bools | slice = slice(None)) -> Closeness:
-        """Return how near the chosen faces lie."""
-        pairs = np.sort(np.stack([self.plus[chosen], self.minus[chosen]], axis=1), axis=1)
-        return Closeness(pairs, self.least[chosen], self.most[chosen], self.width[chosen])
 
 
 def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _FacingFaces:
@@ -154,14 +110,9 @@ def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Fa
     width = max(part.corners.shape[1] for part in parts)
     corners = [np.pad(part.corners, ((0, 0), (0, width - part.corners.shape[1]), (0, 0))) for part in parts]
 
-    def all_of(name: str) -> Floats:
-        return np.concatenate([getattr(part, name) for part in parts])
-
-    return _FacingFaces(
-        np.concatenate([part.plus for part in parts]), np.concatenate([part.minus for part in parts]),
-        all_of("normals"), np.concatenate(corners), np.concatenate([part.counts for part in parts]), all_of("areas"),
-        all_of("centroids"), all_of("width"), all_of("least"), all_of("most"),
-    )  # fmt: skip
+    together = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names_of(_FacingFaces)
+                if name != "corners"}  # fmt: skip
+    return _FacingFaces(corners=np.concatenate(corners), **together)
 
 
 def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: float) -> _FacingFaces:
@@ -203,8 +154,8 @@ def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: fl
     centroids = middle + ((height(plus, middle) + height(minus, middle)) / 2.0)[:, :, None] * normal[:, None]
     points = points + ((above + below) / 2.0)[:, :, None] * normal[:, None] + base[:, None]
     return _FacingFaces(
-        pieces.block[plus], pieces.block[minus], normal, points, counts, areas, centroids[:, 0] + base, width,
-        np.where(there, apart, np.inf).min(axis=1), np.where(there, apart, -np.inf).max(axis=1),
+        pieces.block[plus], pieces.block[minus], np.where(there, apart, np.inf).min(axis=1),
+        np.where(there, apart, -np.inf).max(axis=1), width, normal, points, counts, areas, centroids[:, 0] + base,
     )  # fmt: skip
 
 
@@ -218,7 +169,7 @@ def _patches(faced: _FacingFaces, touches: Bools, origin: Floats) -> Patches:
     )  # fmt: skip
 
 
-def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: float) -> tuple[Overlaps, Ints]:
+def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: float) -> tuple[Misfits, Ints]:
     """Volumes that pairs of blocks share, and the pairs for which there is none to be had."""
     count = len(fixed)
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
@@ -247,7 +198,7 @@ def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: flo
             overlapping.append((a, b, volume, depth))
     table = np.array(overlapping, dtype=np.float64).reshape(-1, 4)
     failed: Ints = np.array(unchecked, dtype=np.int64).reshape(-1, 2)
-    return Overlaps(table[:, :2].astype(np.int64), frozen(table[:, 2]), frozen(table[:, 3])), failed
+    return Misfits(table[:, :2].astype(np.int64), frozen(table[:, 2]), frozen(table[:, 3])), failed
 
 
 def _supports(solids: ClosedMeshes, pieces: Pieces, tolerance: float) -> Ints:

@@ -5,7 +5,7 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 
 import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -134,10 +134,9 @@ def no_notices(*_: object) -> tuple[Notice, ...]:
 
 
 def kind_of_many_blocks(
-    name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
+    record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
-    figures: Mapping[str, Callable[[A, Any], float]] | None = None, falls_west: bool = False,
-    answered: Literal["release", "button"] = "release",
+    figures: Mapping[str, Callable[[A, Any], float]] | None = None,
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
@@ -156,7 +155,7 @@ def kind_of_many_blocks(
         reached = mechanisms[0].fos if mechanisms else None  # compared as in a result, whether it settled or not
         factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
-        difference, agree = compare(reached, status, closed, design.agree_within)
+        difference, agree = compare(reached, status, closed, design.analysis.agree_within)
         of_kind = own.notices(design, scene, ravelling.failures[0], closed) if mechanisms else ()
         notes = those_of_factors((*notices_of(design, scene, ravelling, mechanisms), *of_kind))
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled, notes=notes)
@@ -186,11 +185,10 @@ def kind_of_many_blocks(
         )
 
     return Kind(
-        name, record, read, own.words, lambda design: solved(own, design).result, factors,
+        record, read, own.words, lambda design: solved(own, design).result, factors,
         ladder, lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, beside=beside, at_load=lambda *asked: _at_load(own, *asked),
         seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {},
-        falls_west=falls_west, answered=answered,
     )  # fmt: skip
 
 
@@ -254,10 +252,10 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     standing = scene.without(ravelling.gone)
     with clock("mechanisms"):
         moving = (mechanism(failure, scene) for failure in ravelling.failures)
-        mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
+        mechanisms = tuple(with_sizes(moving, scene, design.rock.gravity_m_s2))
     with clock("all_pairs"):
         all_pairs = None
-        if design.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
+        if design.analysis.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
             all_pairs = search_of_all_pairs(design, standing, mechanisms[0].fos)
     status = mechanisms[0].status if mechanisms else "no_driving_force"
     sure = bool(mechanisms) and mechanisms[0].status != "not_converged"
@@ -275,11 +273,11 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         settled = at_full_strength(design, standing, scene_loads(standing)) if stands else None
     with clock("closed_form"):
         closed, table = own.closed_form(design, mechanisms[0] if mechanisms else None)
-    difference, agree = compare(limit, status, closed, design.agree_within)
+    difference, agree = compare(limit, status, closed, design.analysis.agree_within)
     findings = Findings(
         mechanisms, _factors(ravelling, scene), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
-        SHEAR_TO_NORMAL, _chips(ravelling, scene, _lightest(design, scene, loads) / design.gravity_m_s2),
+        SHEAR_TO_NORMAL, _chips(ravelling, scene, _lightest(design, scene, loads) / design.rock.gravity_m_s2),
     )  # fmt: skip
     parts = ravelling.parts
     first = ravelling.failures[0].parts if ravelling.failures else ()
@@ -476,8 +474,8 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
         joint = patches.joint[part.patch][part.model.pair_contact[real]]
         normal += np.bincount(joint, part.limit.normal_force[real] * part.model.force_scale, count)
     water = dict(zip(scene.joints, np.bincount(patches.joint, loads.water, count).tolist(), strict=True))
-    if scene.pond:
-        water["free faces"] = sum(float(np.linalg.norm(push.force)) for _, push in scene.pond)
+    if scene.acting.pond:
+        water["free faces"] = sum(float(np.linalg.norm(push.force)) for _, push in scene.acting.pond)
     return Forces(
         float(loads.weights[~scene.assembly.fixed].sum()),
         {name: float(value) if known else None for name, value in zip(scene.joints, normal, strict=True)},

@@ -7,10 +7,9 @@ from typing import Any, ClassVar
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design import words
-from slopekit.design.common import Design
 from slopekit.design.fields import Field, count, declare, fields_of, group
 from slopekit.design.fields import number as number_field
-from slopekit.design.ground_water import TABLE, TablePlane, ground_in_words, pond, table_plane, table_points
+from slopekit.design.ground_water import TABLE, WetDesign
 from slopekit.design.parts import Action, Bolt, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.reading.nodes import Node
 from slopekit.design.reading.reader import Reader
@@ -43,7 +42,7 @@ class _Keys:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AssemblyDesign(Design):
+class AssemblyDesign(WetDesign):
     """What designs of many blocks share, a water table and a pond that may wet them among it.
 
     Attributes
@@ -52,16 +51,14 @@ class AssemblyDesign(Design):
     mechanisms : how many successive mechanisms are wanted: what fails first is taken away, and so on
     smallest_block : weight of the lightest mechanism that counts, in parts of that of the median block that can move
     seed : of all random numbers
-    table_points_m : places from the toe, or x, and elevations
     """
 
-    UNSAID: ClassVar[tuple[str, ...]] = ("table_points_m", "table_plane", "pond_m")
+    WITHOUT: ClassVar[tuple[str, ...]] = ("analysis.factors",)
 
     strengths: tuple[tuple[str, Strength], ...]
     forces: tuple[Force, ...] = forces_without()
     bolts: tuple[Bolt, ...] = bolts_without()
     water_unit_weight_kn_m3: float = 9.81
-    factors: tuple[float, ...] = ()
     mechanisms: int = count(
         "analysis.mechanisms",
         1,
@@ -81,23 +78,10 @@ class AssemblyDesign(Design):
         doc="of the weight of the median block: a lighter mechanism is a chip, taken away first and said",
     )
     seed: int = 0
-    table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
-    table_plane: TablePlane | None = table_plane("the origin")
-    pond_m: float | None = pond()
 
     def strength(self, name: str) -> Strength:
         """A strength by its name."""
         return dict(self.strengths)[name]
-
-    @property
-    def has_table(self) -> bool:
-        """Whether it has one, or a pond."""
-        names = ("table_depth_m", "table_points_m", "table_plane", "pond_m")
-        return any(getattr(self, name, None) is not None for name in names)
-
-    def ground_in_words(self) -> list[str]:
-        """Table, pond and surcharge as the sheet prints them."""
-        return list(ground_in_words(self))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +90,7 @@ class NamedDesign(AssemblyDesign):
 
     ACTIONS: ClassVar[Mapping[str, Action]] = {"surcharges_kpa": "surcharge"}
     UNSAID: ClassVar[tuple[str, ...]] = ("surcharges_kpa",)
+    WITHOUT = ("analysis.factors", "water.depth")
 
     surcharges_kpa: tuple[tuple[str, float], ...] = number_field(
         "loads.surcharge", "pressure", default=(), least=0.0, code="E123", many="names", axis="surcharge",
@@ -118,7 +103,7 @@ class NamedDesign(AssemblyDesign):
         listed = [f"{number(value)} kPa on {name}" for name, value in self.surcharges_kpa]
         more = [f"{len(listed) - _MOST_NAMED} more"] if len(listed) > _MOST_NAMED else []
         load = ["surcharge " + ", ".join([*listed[:_MOST_NAMED], *more])] if listed else []
-        return [*AssemblyDesign.ground_in_words(self), *load]
+        return [*super().ground_in_words(), *load]
 
 
 def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> Iterator[tuple[str, float]]:

@@ -33,7 +33,7 @@ def notices_of(
         return
     first, limit = mechanisms[0], ravelling.failures[0].limit
     yield from bolt_notices(design)
-    if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
+    if first.fos and scene.acting.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
         yield undrawn_notice()
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")

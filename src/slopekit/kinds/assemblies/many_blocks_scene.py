@@ -62,6 +62,50 @@ _Finder: TypeAlias = Callable[[str | None, Floats | None], int | None]
 
 
 @dataclass(frozen=True, slots=True)
+class SceneLoads:
+    """What acts on the blocks of a scene beside their weight and the water between them.
+
+    Attributes
+    ----------
+    seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
+    bolts : the passive ones, bolt_names : as the design numbers them
+    anchors : active bolts between two blocks that move, anchor_pushes : the numbers of their pushes, from 1
+    pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
+    """
+
+    seismic: Floats = field(default_factory=lambda: np.zeros(3))
+    pushes: tuple[tuple[int, PointForce], ...] = ()
+    bolts: PassiveBolts = NO_BOLTS
+    bolt_names: tuple[str, ...] = ()
+    anchors: PassiveBolts = NO_BOLTS
+    anchor_pushes: tuple[int, ...] = ()
+    pond: tuple[tuple[int, PointForce], ...] = ()
+    surcharge: tuple[tuple[int, PointForce], ...] = ()
+
+    def without(self, gone: Bools) -> "SceneLoads":
+        """Return what acts without some blocks (n,), and without the bolts and anchors to them."""
+        out = np.append(gone, False)
+        bolts, anchors = (np.flatnonzero(~(out[ties.head] | out[ties.toe])) for ties in (self.bolts, self.anchors))
+        anchor_pushes = tuple(self.anchor_pushes[k] for k in anchors.tolist())
+        let_go = set(self.anchor_pushes) - set(anchor_pushes)
+        nothing = PointForce(np.zeros(3), None)
+        pushes = (
+            (block, nothing if gone[block] or number in let_go else push)
+            for number, (block, push) in enumerate(self.pushes, 1)
+        )
+        return SceneLoads(
+            self.seismic,
+            tuple(pushes),
+            self.bolts.chosen(bolts),
+            tuple(self.bolt_names[k] for k in bolts.tolist()),
+            self.anchors.chosen(anchors),
+            anchor_pushes,
+            tuple((block, push) for block, push in self.pond if not gone[block]),
+            tuple((block, push) for block, push in self.surcharge if not gone[block]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class AssemblyScene:
     """An assembly with everything that the analysis needs, in the design's coordinates less `origin`.
 
@@ -70,10 +114,6 @@ class AssemblyScene:
     names : (n,); joints : names by joint index, strengths : their strengths
     unit_weights : (n,) kN/m³; pressures : (k,) mean kPa on each patch, water_points : (k, 3) where they
         act, None in the middle of each
-    seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
-    bolts : the passive ones, bolt_names : as the design numbers them
-    anchors : active bolts between two blocks that move, anchor_pushes : the numbers of their pushes, from 1
-    pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
     crest : of the slope, None where it is not known; crest_x : of columns that were made from a slope, m
@@ -91,15 +131,8 @@ class AssemblyScene:
     notices: tuple[Notice, ...]
     thickness: float | None = None
     origin: Floats = field(default_factory=lambda: np.zeros(3))
-    seismic: Floats = field(default_factory=lambda: np.zeros(3))
-    pushes: tuple[tuple[int, PointForce], ...] = ()
-    bolts: PassiveBolts = NO_BOLTS
-    bolt_names: tuple[str, ...] = ()
-    anchors: PassiveBolts = NO_BOLTS
-    anchor_pushes: tuple[int, ...] = ()
+    acting: SceneLoads = field(default_factory=SceneLoads)
     water_points: Floats | None = None
-    pond: tuple[tuple[int, PointForce], ...] = ()
-    surcharge: tuple[tuple[int, PointForce], ...] = ()
     crest: Crest | None = None
     crest_x: float | None = None
 
@@ -119,26 +152,7 @@ class AssemblyScene:
         """Return the scene without some blocks (n,), what acts on them, and the bolts and anchors to them."""
         if not gone.any():
             return self
-        out = np.append(gone, False)
-        bolts, anchors = (np.flatnonzero(~(out[ties.head] | out[ties.toe])) for ties in (self.bolts, self.anchors))
-        anchor_pushes = tuple(self.anchor_pushes[k] for k in anchors.tolist())
-        let_go = set(self.anchor_pushes) - set(anchor_pushes)
-        nothing = PointForce(np.zeros(3), None)
-        pushes = (
-            (block, nothing if gone[block] or number in let_go else push)
-            for number, (block, push) in enumerate(self.pushes, 1)
-        )
-        return replace(
-            self,
-            assembly=self.assembly.without(gone),
-            pushes=tuple(pushes),
-            pond=tuple((block, push) for block, push in self.pond if not gone[block]),
-            surcharge=tuple((block, push) for block, push in self.surcharge if not gone[block]),
-            bolts=self.bolts.chosen(bolts),
-            bolt_names=tuple(self.bolt_names[k] for k in bolts.tolist()),
-            anchors=self.anchors.chosen(anchors),
-            anchor_pushes=anchor_pushes,
-        )
+        return replace(self, assembly=self.assembly.without(gone), acting=self.acting.without(gone))
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:
@@ -161,7 +175,7 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
     given = design.seismic
     trend = toward_deg if given.trend_deg is None else given.trend_deg
     seismic = given.coefficient * Line(trend, 0.0).vector() if given.coefficient else np.zeros(3)
-    return replace(_pushed(design, scene), seismic=seismic)
+    return replace(scene, acting=replace(_pushed(design, scene), seismic=seismic))
 
 
 def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
@@ -175,21 +189,22 @@ def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
 
 def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
     """All loads on the blocks of a scene."""
+    acting = scene.acting
     return assembly_loads(
         scene.assembly,
         scene.unit_weights,
-        scene.seismic,
+        acting.seismic,
         scene.pressures,
-        (*scene.pushes, *scene.surcharge),
-        scene.bolts,
+        (*acting.pushes, *acting.surcharge),
+        acting.bolts,
         scene.water_points,
-        scene.pond,
-        scene.anchors,
+        acting.pond,
+        acting.anchors,
     )
 
 
-def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
-    """A scene with forces and active bolts, each on its block, and passive bolts with their names.
+def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> SceneLoads:
+    """The loads of a scene with forces and active bolts, each on its block, and passive bolts with their names.
 
     An active bolt that ends in another block which moves pulls that too.
     """
@@ -241,7 +256,7 @@ def _pushed(design: AssemblyDesign, scene: AssemblyScene) -> AssemblyScene:
     if faults:
         raise DesignError(faults)
     return replace(
-        scene, pushes=tuple(pushes), bolts=_along(scene, passive), bolt_names=tuple(names),
+        scene.acting, pushes=tuple(pushes), bolts=_along(scene, passive), bolt_names=tuple(names),
         anchors=_along(scene, anchors), anchor_pushes=tuple(of_push),
     )  # fmt: skip
 

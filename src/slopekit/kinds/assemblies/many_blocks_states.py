@@ -141,8 +141,8 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
         if k >= len(part.patch):
             bolt = int(model.bolts[k - len(part.patch)])
             pull = float(limit.friction[k - len(model.plus), 0]) * model.force_scale
-            head = scene.names[int(scene.bolts.head[bolt])]
-            bolts.append(GoverningInterface(scene.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
+            head = scene.names[int(scene.acting.bolts.head[bolt])]
+            bolts.append(GoverningInterface(scene.acting.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
             continue
         patch = int(part.patch[k])
         sides = int(patches.plus[patch]), int(patches.minus[patch])
@@ -209,7 +209,7 @@ def _whole(values: "Ints | Floats") -> Ints:
 
 def bolt_pulls(scene: AssemblyScene, parts: Sequence[Part]) -> Floats:
     """What each passive bolt pulls at the limit, (b,) kN; nan where there is no limit."""
-    pulls = np.full(len(scene.bolts.head), np.nan)
+    pulls = np.full(len(scene.acting.bolts.head), np.nan)
     for part in parts:
         if part.limit.factor is not None:
             bolted = part.model.bolted
@@ -232,26 +232,26 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
 
     middle, weights = assembly.centroids[free], loads.weights[free, None]
     add("weight", free, weights * np.array([0.0, 0.0, -1.0]), middle)
-    add("seismic", free, weights * scene.seismic, middle)
+    add("seismic", free, weights * scene.acting.seismic, middle)
     patches = assembly.patches
     for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
         wet = np.flatnonzero((side >= 0) & (loads.water != 0.0))
         wet = wet[~assembly.fixed[side[wet]]]
         add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], loads.water_at(assembly)[wet])
-    for block, push in scene.pond:
+    for block, push in scene.acting.pond:
         at = assembly.centroids[block] + line_of_action(push)
         add("water", np.array([block]), push.force[None, :], at[None, :])
-    for block, push in scene.surcharge:
+    for block, push in scene.acting.surcharge:
         assert push.at is not None
         add("surcharge", np.array([block]), push.force[None, :], push.at[None, :])
-    for k, (block, push) in enumerate(scene.pushes, 1):
+    for k, (block, push) in enumerate(scene.acting.pushes, 1):
         at = assembly.centroids[block] if push.at is None else push.at
         add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])
-    anchors = scene.anchors
-    for k, push_number in enumerate(scene.anchor_pushes):
+    anchors = scene.acting.anchors
+    for k, push_number in enumerate(scene.acting.anchor_pushes):
         name = f"force {push_number}, at its end"
         add(name, anchors.toe[k : k + 1], -anchors.forces[k : k + 1], anchors.points[k : k + 1])
-    bolts = scene.bolts
+    bolts = scene.acting.bolts
     for k, pull in enumerate(bolt_pulls(scene, solved).tolist()):
         name, part_of_it = f"passive bolt {k + 1}", pull / float(np.linalg.norm(bolts.forces[k]))
         if np.isnan(pull):

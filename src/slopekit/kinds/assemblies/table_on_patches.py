@@ -66,7 +66,8 @@ def with_water(
     if water.pond is not None and not pond:
         told = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
         notices = (*notices, Notice("W419", told))
-    return replace(scene, pressures=frozen(means), water_points=frozen(points), notices=notices, pond=pond)
+    acting = replace(scene.acting, pond=pond)
+    return replace(scene, pressures=frozen(means), water_points=frozen(points), notices=notices, acting=acting)
 
 
 def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
@@ -210,7 +211,7 @@ def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: "C
         if not assembly.fixed[block]:
             own = (assembly.triangle_block == block) & (plan > 0.0)
             loaded.append((block, _pressed(pressure_kpa, plan[own], corners[own].mean(axis=1))))
-    return replace(scene, surcharge=tuple(loaded))
+    return replace(scene, acting=replace(scene.acting, surcharge=tuple(loaded)))
 
 
 def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
@@ -241,7 +242,7 @@ def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
             message = f"the surcharge on {name} has nothing to stand on: no part of it looks up and touches no other"
             raise MisfitError([Fault("E461", message, "", "Name the block on top, or give a force.")])
         loaded.append((block, _pressed(given[name], np.array(plans), np.array(middles))))
-    return replace(scene, surcharge=tuple(loaded))
+    return replace(scene, acting=replace(scene.acting, surcharge=tuple(loaded)))
 
 
 def _pressed(pressure_kpa: float, plans: Floats, middles: Floats) -> PointForce:

@@ -14,7 +14,7 @@ def line_of(result: Result) -> str:
     """
     limit, whole = result.fos.limit, result.comparisons.without_basal
     named = [("", limit)]
-    if result.design.criterion == "all-pairs":
+    if result.design.analysis.criterion == "all-pairs":
         named = [("limit", limit), ("all-pairs", result.fos.all_pairs_failed)]
     if result.leading is not None:
         name, value = result.leading

@@ -24,8 +24,8 @@ def sheet_of(result: Result) -> Sheet:
     design, tables = result.design, {}
     title = f"   {design.title}" if design.title else ""
     sections = [*kind_of(design).slope(design, result)]
-    if design.partial is not None:
-        sections.append(_partial_factors(design.partial))
+    if design.analysis.partial is not None:
+        sections.append(_partial_factors(design.analysis.partial))
     if design.bolts:  # most designs have none: they load nothing of it
         from slopekit.core.codec import json_of
         from slopekit.kinds.sheets.bolts import FILE, schedule, schedule_entries, schedule_table
@@ -109,7 +109,7 @@ def _factors(result: Result) -> Iterator[Factor]:
     if fos.all_pairs_failed is not None:
         criterion = "no block is tied to bedrock by sticking pairs" if many else "the paper's criterion"
         yield Factor(fos.all_pairs_failed, f"all pairs failed ({criterion}; depends on the stiffness)")
-    elif many and result.design.criterion == "all-pairs":
+    elif many and result.design.analysis.criterion == "all-pairs":
         yield Factor(None, "all pairs failed: asked for, and not found")
 
 
@@ -186,7 +186,7 @@ def _not_given(result: Result) -> list[str]:
     """Return the inputs that took an example value, or one by a rule of the program."""
     invented = ["φ" if name == "phi" else name for name in result.design.invented]
     called = {"seismic.trend": "seismic trend (as under LOADS)"}
-    ruled = [called.get(name, name) for name in result.design.defaults if name not in result.design.invented]
+    ruled = [called.get(name, name) for name in result.design.reading.defaults if name not in result.design.invented]
     entries = [f"example values used: {', '.join(invented)}"] if invented else []
     return ["; ".join([*entries, *([", ".join(ruled)] if ruled else [])])] if invented or ruled else []
 

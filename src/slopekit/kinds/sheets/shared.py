@@ -125,8 +125,9 @@ def _residual(result: Result) -> list[Factor]:
         return []
     status = result.design.in_own_names(result.words.status(left.status))
     differs = "" if left.status == result.status else f": {status}"
-    rows = [Factor(left.limit, f"residual strength, PRE-IE{differs}", judged_difference(
-        left.difference, left.agree, result.design.agree_within) if left.agree is not None else "")]  # fmt: skip
+    within = result.design.analysis.agree_within
+    judged = judged_difference(left.difference, left.agree, within) if left.agree is not None else ""
+    rows = [Factor(left.limit, f"residual strength, PRE-IE{differs}", judged)]
     if left.closed_form is not None:
         rows.append(Factor(left.closed_form, f"residual strength, {result.words.closed_form}"))
     return rows
@@ -176,7 +177,7 @@ def verdict(result: Result) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
     if result.agree is None:
         return "not compared with the closed form"
-    return judged_difference(result.difference, result.agree, result.design.agree_within)
+    return judged_difference(result.difference, result.agree, result.design.analysis.agree_within)
 
 
 def judged_difference(difference: float | None, agree: bool, agree_within: float) -> str:
@@ -229,9 +230,9 @@ def judged_on(result: Result, rule: Rule) -> str:
     value, name = result.value_of(rule), result.name_of(rule)
     called = {"limit": "limit", **JUDGED}[name]
     if value is None:
-        return f" ({result.design.criterion})" if rule.name == "fos" else ""
+        return f" ({result.design.analysis.criterion})" if rule.name == "fos" else ""
     said = f"{called} {judged_factor(value, [rule])}" if rule.name == "fos" else judged_factor(value, [rule])
-    if rule.name == "fos" and result.design.criterion == "all-pairs":
+    if rule.name == "fos" and result.design.analysis.criterion == "all-pairs":
         other = "the limit" if name == "all_pairs_failed" else "the factor of all pairs"
         said += f", no higher than {other}"
     first = result.findings.mechanisms[0] if result.findings is not None and result.findings.mechanisms else None

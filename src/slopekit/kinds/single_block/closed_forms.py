@@ -10,6 +10,7 @@ from slopekit.core.arrays import Floats, NDArray
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
+from slopekit.design.ground_water import TABLE, SlopeDesign
 from slopekit.design.parts import Strength
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.kinds.single_block.held_bolts import Bounds
@@ -124,6 +125,25 @@ def force_on(design: Design) -> Arguments:
     pulls = [*(force.components_kn for force in design.forces), *_bolts(design, "active")]
     names = ("force_east", "force_north", "force_up")
     return dict(zip(names, map(sum, zip(*pulls, strict=True)), strict=True)) if pulls else dict.fromkeys(names)
+
+
+def pressures_and_force(
+    design: SlopeDesign, joints: int, by_faces: Callable[[Arguments], tuple[list[float | None], Arguments]]
+) -> tuple[list[float | None], Arguments]:
+    """Mean pressures (kPa) of so many joints and the crack, None where a part of full water says them; and the force.
+
+    Parameters
+    ----------
+    by_faces : of the force, the same where water or a surcharge are integrated over the faces of the block
+    """
+    force = force_on(design)
+    pressures: list[float | None] = [None] * (joints + 1)
+    if design.water.mode == "pressures":
+        pressures[:] = [*design.water.pressures_kpa, *[0.0] * joints][: joints + 1]
+    if not design.is_cut_for_loads:
+        return pressures, force
+    means, force = by_faces(force)
+    return (means if design.water.mode == TABLE or design.is_wet_by_crack else pressures), force
 
 
 def passive_bolts(design: Design) -> list[list[float]]:

@@ -101,7 +101,8 @@ def ladder_of_block(
     ----------
     finer : rungs of coarser and finer node pairs
     """
-    result = replace(analyse(replace(design, criterion="all-pairs")), design=design)
+    by_pairs = replace(design, analysis=replace(design.analysis, criterion="all-pairs"))
+    result = replace(analyse(by_pairs), design=design)
     if not result.fos.limit:
         return Ladder(result)
     rungs: list[Rung] = []

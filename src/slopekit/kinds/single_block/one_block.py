@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,11 +69,11 @@ def left_out_of_slope(own: Sequence[str], has_crack: bool, strengths: Sequence[S
 
 
 def kind_of_one_block(
-    name: str, record: type[D], read: Callable[[Reader], D], words: Words,
+    record: type[D], read: Callable[[Reader], D], words: Words,
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Iterable[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
-    on_arrays: "OnArrays[D] | None" = None, variants: Mapping[str, Words] = MappingProxyType({}),
+    on_arrays: "OnArrays[D] | None" = None,
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form; what else it says of itself is put in its place.
@@ -84,7 +84,6 @@ def kind_of_one_block(
     changes : a few changes of the input, by name: SENSITIVITY says what they do to the closed form
     notices : what a reader must know of the design
     on_arrays : the closed form of many designs in one call, where it can be had
-    variants : what designs call things that have the input of that name, where it is not as the kind does
     without_basal : a block that the one analysed is part of, and that may fail before it
     """
 
@@ -101,7 +100,16 @@ def kind_of_one_block(
         comparisons = Comparisons(found.analysis.forces_only.factor, {}, governs, without_basal(design))
         forces = resultant_forces(made, found, water_forces(made.loads, made.faces))
         return result(
-            own_words(design), design, made, found, status, closed, forces, clock, comparisons, tuple(notices(design))
+            words.of(vars(design)),
+            design,
+            made,
+            found,
+            status,
+            closed,
+            forces,
+            clock,
+            comparisons,
+            tuple(notices(design)),
         )
 
     def after(design: D) -> tuple[float | None, str]:
@@ -111,14 +119,11 @@ def kind_of_one_block(
             return None, f"no {words.block}"
         return closed.factor, closed.status
 
-    def own_words(design: D) -> Words:
-        return next((said for key, said in variants.items() if getattr(design, key) is not None), words)
-
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)
         found = find_limit(made, Clock())
         status = block_status(found, made.joints)
-        difference, agree = compare(found.comparable, status, closed, design.agree_within)
+        difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
         said = block_notices(design, made, found, closed.why_not, words.block)
         return Factors(
             status, found.limit.factor or None, closed.status, closed.factor or None, difference, agree,
@@ -132,21 +137,35 @@ def kind_of_one_block(
         return ladder_of_block(design, analyse, cut, meshes, closed_form)
 
     return Kind(
-        name, record, read, words, analyse, factors, ladder, strengths,
+        record, read, words, analyse, factors, ladder, strengths,
         lambda design, analysed: tuple(slope(design, analysed)), cut, closed_form, on_arrays,
-        answered="drag", variants=variants, without_basal=without_basal,
+        without_basal=without_basal,
     )  # fmt: skip
 
 
-def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
-    """A little more friction and cohesion, or a little more of each parameter of a curved law, by name."""
-    yield from changed_laws(strength)
-    if strength.named_law is not None:
+def other_strengths(design: D, strengths: Sequence[Strength]) -> Iterator[tuple[str, D]]:
+    """Designs with a little more friction and cohesion, or more of each parameter of their laws, by name.
+
+    Parameters
+    ----------
+    strengths : of the joints, as the design has them
+    """
+    distinct = dict.fromkeys(strengths)
+    for strength in distinct:
+        joints = [joint for joint, own in zip(_OF_THREE, strengths, strict=False) if own == strength]
+        of = f" of {' and '.join(joints)}" if len(distinct) > 1 else ""
+        for name, other in changed_laws(strength):
+            yield name + of, design.each_strength(partial(_exchanged, strength, other))
+    if any(strength.named_law for strength in strengths):
         return
-    if strength.friction_angle_deg < 88.0:
-        yield "φ +1°", replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
-    if strength.cohesion_kpa:
-        yield "c +10 %", replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
+    if max(strength.friction_angle_deg for strength in strengths) < 88.0:
+        yield "φ +1°", design.each_strength(lambda one: replace(one, friction_angle_deg=one.friction_angle_deg + 1.0))
+    if any(strength.cohesion_kpa for strength in strengths):
+        yield "c +10 %", design.each_strength(lambda one: replace(one, cohesion_kpa=one.cohesion_kpa * 1.1))
+
+
+def _exchanged(old: Strength, new: Strength, strength: Strength) -> Strength:
+    return new if strength == old else strength
 
 
 def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
@@ -166,12 +185,12 @@ def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
         if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
             at_rest = equilibrium(model, 1.0, stiffness)
     with clock("all_pairs"):
-        if design.criterion == "all-pairs" and limit.factor:
+        if design.analysis.criterion == "all-pairs" and limit.factor:
             from slopekit.preie.motion.all_pairs import all_pairs_failed
 
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
-        series = tuple(series_of(model, design.factors, stiffness, bound, made.axes))
+        series = tuple(series_of(model, design.analysis.factors, stiffness, bound, made.axes))
     return replace(found, bound=bound, at_rest=at_rest, pairs=pairs, series=series, lowest=lowest)
 
 
@@ -189,7 +208,7 @@ def result(
     pairs, searched = found.pairs, found.pairs.factor if found.pairs else None
     if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
         searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
-    difference, agree = compare(found.comparable, status, closed, design.agree_within)
+    difference, agree = compare(found.comparable, status, closed, design.analysis.agree_within)
     rest, origin, axes = found.at_rest, made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
     highest = analysis.forces_only.factor if analysis.moments_govern else None

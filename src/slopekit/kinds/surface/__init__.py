@@ -18,7 +18,6 @@ from slopekit.core.orientation import Line, coordinates, millimetre
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
-from slopekit.design.ground_water import ground_in_words
 from slopekit.design.parts import MeshFile
 from slopekit.evidence import Comparisons
 from slopekit.extents import SurfaceGeometry
@@ -260,7 +259,7 @@ def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
 
         pushes = pushes_of(design, mass, cut.origin)
     return block_loads(
-        _block(mass), design.unit_weight_kn_m3, _seismic(design),
+        _block(mass), design.rock.unit_weight_kn_m3, _seismic(design),
         [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
@@ -326,7 +325,7 @@ def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
     ):
         return None
     rotation = rotational_failure(
-        slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.unit_weight_kn_m3,
+        slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.rock.unit_weight_kn_m3,
         "cylinder" if slip.shape == "cylinder" else "ellipsoid", seismic=float(_seismic(design)[0]),
     )  # fmt: skip
     return ClosedForm(rotation.factor, rotation.status, _why_not(design))
@@ -350,10 +349,12 @@ def _columns(design: SurfaceDesign, notes: list[Notice]) -> dict[str, float | No
     assert profile is not None
     x, y, z = slip.centre_m
     if slip.shape == "cylinder":
-        made = lem.cylinder_columns((x, z), slip.radii_m[0], 2.0 * slip.radii_m[1], profile, design.unit_weight_kn_m3)
+        made = lem.cylinder_columns(
+            (x, z), slip.radii_m[0], 2.0 * slip.radii_m[1], profile, design.rock.unit_weight_kn_m3
+        )
         y = 0.0  # the cylinder's columns lie about it
     else:
-        made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, profile, design.unit_weight_kn_m3)
+        made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, profile, design.rock.unit_weight_kn_m3)
     if made.overhung_share > _OVERHUNG:
         share = f"{made.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
         notes.append(Notice("W324", f"{share}: the columns carry it, that part of the surface holds nothing in them"))
@@ -475,17 +476,12 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
         f"normals {geometry.normals}, edges {geometry.edge_m:.3g} m; the surface lets {lets} through{turned}",
         ground,
     ]
+    wet = design.ground_in_words() if design.is_cut_for_loads else water_in_words(result)
     return (
         Section("SURFACE", entries),
         size_part(result, geometry.total_height_m),
-        loads_part(_water_in_words(design, result), result, x_is_east=True),
+        loads_part(wet, result, x_is_east=True),
     )
-
-
-def _water_in_words(design: SurfaceDesign, result: Result) -> list[str]:
-    if not design.is_cut_for_loads:
-        return water_in_words(result)
-    return list(ground_in_words(design, " (x)"))
 
 
 WORDS = Words(
@@ -499,6 +495,6 @@ WORDS = Words(
     assumes=" (normal stresses of a rigid mass on an even elastic bed)", turns=False,
 )  # fmt: skip
 KIND = Kind(
-    "surface", SurfaceDesign, read_surface, WORDS, analyse_surface, _factors, _ladder,
+    SurfaceDesign, read_surface, WORDS, analyse_surface, _factors, _ladder,
     lambda design: [design.strength], _slope, cut,
 )  # fmt: skip

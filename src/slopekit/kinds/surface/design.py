@@ -7,17 +7,8 @@ from typing import Any, ClassVar, Literal
 from slopekit.core.orientation import coordinates
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
-from slopekit.design.common import Design
 from slopekit.design.fields import Field, declare, fields_of, group, number, text
-from slopekit.design.ground_water import (
-    TABLE,
-    TablePlane,
-    pond,
-    read_ground_water,
-    table_depth,
-    table_plane,
-    table_points,
-)
+from slopekit.design.ground_water import TABLE, WetDesign, read_ground_water
 from slopekit.design.parts import MeshFile, Strength, Water, axis_key
 from slopekit.design.reading.named_files import mesh_file
 from slopekit.design.reading.nodes import Node
@@ -119,12 +110,12 @@ class Slip:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SurfaceDesign(Design):
+class SurfaceDesign(WetDesign):
     """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (axis_key("slope.up"),)
     REQUIRED: ClassVar[tuple[str, ...]] = ("slope", "strength", "rock")
-    UNSAID: ClassVar[tuple[str, ...]] = ("table_depth_m", "table_points_m", "table_plane", "pond_m")
+    ALONG = " (x)"
 
     profile_m: Points | None = text(
         "slope.profile", default=None, coordinates=2, left_out="one of the two",
@@ -141,10 +132,6 @@ class SurfaceDesign(Design):
     )
     slip: Slip = group("slip", Slip, example="{shape: sphere, centre: [40, 0, 40], radius: 40}")
     strength: Strength
-    table_depth_m: float | None = table_depth()
-    table_points_m: tuple[tuple[float, float], ...] | None = table_points("x")
-    table_plane: TablePlane | None = table_plane("the origin")
-    pond_m: float | None = pond()
 
     @property
     def is_cut_for_loads(self) -> bool:

@@ -22,12 +22,11 @@ from slopekit.kinds.single_block.closed_forms import (
     ClosedForms,
     OnArrays,
     SizesOfMany,
-    force_on,
     passive_bolts,
+    pressures_and_force,
 )
 from slopekit.kinds.single_block.held_bolts import Bounds, bounds_of, upward
-from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block
-from slopekit.kinds.single_block.secants import changed_laws
+from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.wedge.cutting import JOINTS, cut, for_closed_form, height_of, rock_mass, shape_of, size_scale
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
@@ -51,7 +50,7 @@ def compared(design: WedgeDesign) -> ClosedForm:
         rock_mass(design)
     else:
         shape_of(design)
-    return replace(closed_form(design), why_not=DILATES if any(design.dilation_deg) else "")
+    return replace(closed_form(design), why_not=DILATES if any(one.dilation_deg for one in design.strengths) else "")
 
 
 def _heights(design: WedgeDesign) -> tuple[Any, Any]:
@@ -80,24 +79,18 @@ def arguments(design: WedgeDesign) -> Arguments:
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
-    water, crack = design.water, design.crack
-    given, basal = water.mode == "pressures", design.basal
-    pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0, 0.0] if given else [None] * 4
-    force = force_on(design)
-    if design.is_cut_for_loads:
-        means, force = for_closed_form(design, force)
-        if water.mode == "table" or design.is_wet_by_crack:
-            given, pressures = True, means
+    crack, basal = design.crack, design.basal
+    pressures, force = pressures_and_force(design, len(design.strengths), lambda force: for_closed_form(design, force))
     if basal is not None:
         columns |= {
             "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
-            "basal_height_m": basal.height_m, "pressure3": pressures.pop(2),
+            "basal_height_m": basal.height_m, "pressure3": pressures[2],
         }  # fmt: skip
     return columns | force | {
         **_of_strengths(strengths_of(design)),
-        "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
-        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
-        "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[2],
+        "unit_weight_kn_m3": design.rock.unit_weight_kn_m3, "fill": design.water.fill if pressures[0] is None else 0.0,
+        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": design.water.crack_fill,
+        "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[-1],
         "crack_dip_deg": None if crack is None else crack.plane.dip_deg,
         "crack_dip_direction_deg": None if crack is None else crack.plane.dip_direction_deg,
         "crack_distance_m": 0.0 if crack is None else crack.distance_m,
@@ -251,19 +244,7 @@ def _changes(design: WedgeDesign) -> Iterator[tuple[str, WedgeDesign]]:
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
         without = replace(design, crack_water_m=None)
         yield "full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=()))
-    one_for_all = len(set(design.strengths)) == 1
-    for strength in dict.fromkeys(design.strengths):
-        held = zip(("J1", "J2", "basal"), design.strengths, strict=False)
-        of = "" if one_for_all else " of " + " and ".join(joint for joint, own in held if own == strength)
-        for name, other in changed_laws(strength):
-            each = [other if own == strength else own for own in design.strengths]
-            yield (name + of, design.with_strengths(each))
-    is_straight = not any((*design.laws, *design.made_of))
-    phi, c = design.friction_angle_deg, design.cohesion_kpa
-    if is_straight and max(phi) < 88.0:
-        yield "φ +1°", replace(design, friction_angle_deg=tuple(own + 1.0 for own in phi))
-    if is_straight and any(c):
-        yield "c +10 %", replace(design, cohesion_kpa=tuple(own * 1.1 for own in c))
+    yield from other_strengths(design, design.strengths)
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
@@ -348,8 +329,8 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         entries.append(basal.plane_entry(design, geometry.areas_m2["basal"], strength_said))
     slope = [(name, f"{name} {plane}  {plane.in_words()}") for name, plane in
              (("face", design.face), ("upper", design.upper))]  # fmt: skip
-    entries += [text for name, text in slope if name not in design.defaults]
-    details = [text for name, text in slope if name in design.defaults]
+    entries += [text for name, text in slope if name not in design.reading.defaults]
+    details = [text for name, text in slope if name in design.reading.defaults]
     if design.crack:
         entries.append(
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
@@ -392,9 +373,8 @@ _ON_THREE = replace(
     },
 )  # fmt: skip
 
-KIND = replace(kind_of_one_block(
-    "wedge", WedgeDesign, read_wedge, _WORDS,
+KIND = kind_of_one_block(
+    WedgeDesign, read_wedge, replace(_WORDS, variants={"basal": _ON_THREE}),
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, variants={"basal": _ON_THREE}, without_basal=_without_basal,
-), paper_keys=("slope.", "strength.", "rock.density"),
+    on_arrays=ON_ARRAYS, without_basal=_without_basal,
 )  # fmt: skip

@@ -193,7 +193,7 @@ def without_basal(design: WedgeDesign) -> WithoutBasal | None:
     if float(basal.plane.normal() @ _rock_mass(design).basal_at) <= 0.0:
         return None
     water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
-    whole = replace(design.with_strengths(design.strengths[:2]), basal=None, water=water)
+    whole = replace(design, strengths=design.strengths[:2], basal=None, water=water)
     whole = replace(whole, bolts=_bolts_of_whole(whole))
     without_crack = replace(whole, crack=None, water=replace(water, crack_fill=None))
     for wedge in (whole, without_crack) if whole.crack else (whole,):  # the crack may lie behind it

@@ -147,7 +147,7 @@ def _loads(design: WedgeDesign, shape: Shape) -> Loads:
 
         pushes = water.pushes(design, _local_slope(design, shape))
     return block_loads(
-        block, design.unit_weight_kn_m3, design.seismic.coefficient * Line(trend, 0.0).vector(),
+        block, design.rock.unit_weight_kn_m3, design.seismic.coefficient * Line(trend, 0.0).vector(),
         [point_force(force, origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit.core.errors import DesignError, Fault, Faults, did_you_mean
@@ -26,19 +27,26 @@ from slopekit.design.fields import (
 )
 from slopekit.design.ground_water import WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
-from slopekit.design.parts import Residual, Strength, Water
+from slopekit.design.parts import Strength, Water
 from slopekit.design.reading.nodes import Document, Node, Place, from_python
 from slopekit.design.reading.reader import Reader
 from slopekit.design.reading.structure import check_structure, is_distribution
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
 
 if TYPE_CHECKING:
-    from slopekit.strength.protocol import StrengthLaw
+    pass
 
 _DEPTH_OF_WATER = declare("water", "length", 0.0, code="E118", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
+}  # fmt: skip
+
+
+#: What JSON calls the strengths of all joints, by the attributes of one.
+_BY_JOINT = {
+    "cohesion_kpa": "cohesion_kpa", "friction_angle_deg": "friction_angle_deg", "dilation_deg": "dilation_deg",
+    "tension_kpa": "tension_kpa", "law": "laws", "made_of": "made_of", "residual": "residuals",
 }  # fmt: skip
 
 
@@ -121,18 +129,18 @@ class SizeLimits:
 class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
 
-    Strengths are those of J1, J2 and, where there is one, the basal joint. `laws` are the curved ones of the joints;
-    cohesion and friction angle are those of `Strength.by_law` then. `crack_water_m`: how deep water is in the crack,
-    where it is that which wets the joints; None where `Water` says it.
+    Strengths are those of J1, J2 and, where there is one, the basal joint. `crack_water_m`: how deep water is in the
+    crack, where it is that which wets the joints; None where `Water` says it.
     """
 
-    ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
-    REQUIRED: ClassVar[tuple[str, ...]] = ()
-    FILLS: ClassVar[bool] = True
-    INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
-    DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
-    CRACK_FROM: ClassVar[str] = "behind the crest along J1's trace"
-    UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits", "crack_water_m", "laws", "made_of", "residuals")
+    ALSO = (JOINTS,)
+    REQUIRED = ()
+    FILLS = True
+    INTO = MappingProxyType({"crack.water": "water.crack_fill"})
+    DEFAULTS = PAPER_WEDGE
+    PAPER_KEYS = ("slope.", "strength.", "rock.density")
+    CRACK_FROM = "behind the crest along J1's trace"
+    UNSAID = ("basal", "limits", "crack_water_m")
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
@@ -142,10 +150,7 @@ class WedgeDesign(SlopeDesign):
         check=more_than_nothing, says="out of range ({least} to {most})",
         doc="vertical, from the toe to where J1's trace meets the crest",
     )  # fmt: skip
-    cohesion_kpa: tuple[float, ...]
-    friction_angle_deg: tuple[float, ...]
-    dilation_deg: tuple[float, ...] = (0.0, 0.0)
-    tension_kpa: tuple[float, ...] = (0.0, 0.0)
+    strengths: tuple[Strength, ...]
     basal: Basal | None = group("basal", Basal, default=None, left_out="no basal joint")
     crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
     crack_water_m: float | None = None
@@ -155,26 +160,21 @@ class WedgeDesign(SlopeDesign):
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
     )
     joint_names: tuple[str, str] = ("J1", "J2")
-    laws: "tuple[StrengthLaw | None, ...]" = (None, None)
-    made_of: "tuple[StrengthLaw | None, ...]" = (None, None)
-    residuals: tuple[Residual | None, ...] = (None, None)
 
     @property
-    def strengths(self) -> tuple[Strength, ...]:
-        """The strength of each joint."""
-        parts = (
-            self.cohesion_kpa, self.friction_angle_deg, self.dilation_deg, self.tension_kpa, self.laws, self.made_of,
-            self.residuals,
-        )  # fmt: skip
-        return tuple(Strength(*values) for values in zip(*parts, strict=True))
+    def cohesion_kpa(self) -> tuple[float, ...]:
+        """The cohesion of each joint."""
+        return tuple(strength.cohesion_kpa for strength in self.strengths)
 
-    def with_strengths(self, strengths: Sequence[Strength]) -> "WedgeDesign":
-        """The same wedge with other strengths on its joints."""
-        return replace(self, **_by_joint(strengths))
+    @property
+    def friction_angle_deg(self) -> tuple[float, ...]:
+        """The friction angle of each joint."""
+        return tuple(strength.friction_angle_deg for strength in self.strengths)
 
-    def each_strength(self, change: Callable[[Strength], Strength]) -> "WedgeDesign":
-        """The wedge with every strength changed."""
-        return self.with_strengths([change(one) for one in self.strengths])
+    def with_c_and_phi(self, cohesion_kpa: Sequence[float], friction_deg: Sequence[float]) -> tuple[Strength, ...]:
+        """The strengths of its joints, with other cohesion and friction."""
+        joints = zip(self.strengths, cohesion_kpa, friction_deg, strict=True)
+        return tuple(replace(one, cohesion_kpa=c, friction_angle_deg=phi) for one, c, phi in joints)
 
     @property
     def is_wet(self) -> bool:
@@ -187,11 +187,6 @@ class WedgeDesign(SlopeDesign):
         return bool(self.crack_water_m)
 
     @property
-    def is_cut_for_loads(self) -> bool:
-        """Whether water or surcharge are integrated over the faces of the block."""
-        return super().is_cut_for_loads or self.is_wet_by_crack
-
-    @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The joints, the basal joint and the crack where there are such."""
         also = [name for name, own in (("basal", self.basal), ("crack", self.crack)) if own is not None]
@@ -201,22 +196,20 @@ class WedgeDesign(SlopeDesign):
         """A sentence with the names of the two joints in place of J1 and J2."""
         return re.sub(r"\bJ([12])\b", lambda match: self.joint_names[int(match[1]) - 1], sentence)
 
+    def plain(self, exact: bool = False) -> dict[str, Any]:
+        """The attributes as JSON values, those of the strengths as one list of each."""
+        document = super().plain(exact)
+        strengths = document.pop("strengths")
+        for name, several in _BY_JOINT.items():
+            if any(strength.get(name) is not None for strength in strengths):
+                document[several] = [strength.get(name) for strength in strengths]
+        return document
+
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out."""
         document = super().inputs()
         document["joints"] = {f"J{k}": str(plane) for k, plane in enumerate(self.joints, 1)}
         return document
-
-
-def _by_joint(strengths: Sequence[Strength]) -> dict[str, Any]:
-    """The attributes of a wedge that have a value for each joint."""
-    return {
-        "cohesion_kpa": tuple(one.cohesion_kpa for one in strengths),
-        "friction_angle_deg": tuple(one.friction_angle_deg for one in strengths),
-        "dilation_deg": tuple(one.dilation_deg for one in strengths),
-        "tension_kpa": tuple(one.tension_kpa for one in strengths), "laws": tuple(one.law for one in strengths),
-        "made_of": tuple(one.made_of for one in strengths), "residuals": tuple(one.residual for one in strengths),
-    }  # fmt: skip
 
 
 # -- files ------------------------------------------------------------------------------------------------------------
@@ -247,10 +240,10 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     water = _water(reader, crack_node, [*names, *also], table, basal_node is not None)
     own |= reader.fields(WedgeDesign, only=("refine", "origin_m"))
     common = read_common(reader)
-    sound = [one or Strength(0.0, 0.0) for one in strengths]
+    sound = tuple(one or Strength(0.0, 0.0) for one in strengths)
     design: WedgeDesign = reader.made(
         WedgeDesign, own, common, ground, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
-        crack_water_m=depth, water=water, basal=basal, limits=_limits(reader, names, also), **_by_joint(sound),
+        crack_water_m=depth, water=water, basal=basal, limits=_limits(reader, names, also), strengths=sound,
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
         return design

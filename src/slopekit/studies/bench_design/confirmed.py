@@ -101,7 +101,7 @@ def _design(
         return replace(
             slope, joints=(joints[first].plane, joints[second].plane), face=face, height_m=height,
             joint_names=(joints[first].name, joints[second].name),
-            cohesion_kpa=strength[:2], friction_angle_deg=strength[2:],
+            strengths=slope.with_c_and_phi(strength[:2], strength[2:]),
         )  # fmt: skip
     common = {own.name: getattr(slope, own.name) for own in fields(Design)}
     if slope.water.mode == "pressures":

@@ -101,7 +101,7 @@ class BenchInputs:
     def near(self) -> float:
         """The part of the target that counts as near it."""
         part = self.numbers["near"]
-        return self.slope.agree_within if part is None else part
+        return self.slope.analysis.agree_within if part is None else part
 
     def catch_m(self, height_m: float) -> float:
         """The berm width wanted: what was given, else the modified Ritchie criterion."""
@@ -113,7 +113,7 @@ class BenchInputs:
         water, slope = self.slope.water, self.slope
         return BenchSite(
             self.joints.dips_deg, self.joints.dip_directions_deg, self.cohesion_kpa, self.friction_deg, self.trace_m,
-            self.spacing_m, self.toward_deg, slope.unit_weight_kn_m3, slope.water_unit_weight_kn_m3, water.fill,
+            self.spacing_m, self.toward_deg, slope.rock.unit_weight_kn_m3, slope.water_unit_weight_kn_m3, water.fill,
             water.pressures_kpa[0] if water.pressures_kpa else None, slope.seismic.coefficient, self.number("lateral"),
             self.number("lateral_toppling"), self.number("fos"), self.toe == "bench",
             height_m if self.every_m is None else self.every_m, self.number("swell"), self.number("repose"),
@@ -129,10 +129,10 @@ class BenchInputs:
             "friction_deg": range_of(self.friction_deg, self.own[1]),
             "traces_known": int(np.isfinite(self.trace_m).sum()), "traces_own": self.own[2],
             "spacings_known": int(np.isfinite(self.spacing_m).sum()), "spacings_own": self.own[3],
-            "unit_weight_kn_m3": slope.unit_weight_kn_m3, "density_kg_m3": slope.density_kg_m3,
+            "unit_weight_kn_m3": slope.rock.unit_weight_kn_m3, "density_kg_m3": slope.rock.density_kg_m3,
             "water": {"mode": water.mode, "fill": water.fill, "pressures_kpa": list(water.pressures_kpa[:1])},
             "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
-            "toe": self.toe, "every_m": self.every_m, "agree_within": slope.agree_within,
+            "toe": self.toe, "every_m": self.every_m, "agree_within": slope.analysis.agree_within,
             **json_of(self.numbers),
         }  # fmt: skip
 

@@ -66,7 +66,7 @@ def _strength(study: BenchDesigns) -> str:
         f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {water.in_words()}"
     )  # fmt: skip
     quake = asked.slope.seismic.coefficient
-    return f"{cohesion}, {friction}, {number(asked.slope.unit_weight_kn_m3)} kN/m³, {wet}" + (
+    return f"{cohesion}, {friction}, {number(asked.slope.rock.unit_weight_kn_m3)} kN/m³, {wet}" + (
         f", seismic {number(quake)}" if quake else ""
     )
 

@@ -125,7 +125,7 @@ class Check(StudyOutcome):
             **self.head(self.result.design),
             **{key: result[key] for key in as_it_is},
             "consistent": self.consistent,
-            "agree_within": self.result.design.agree_within,
+            "agree_within": self.result.design.analysis.agree_within,
             "reference": {"value": self.reference, "what": self.against},
             "findings": json_of(self.findings),
             "ladder": [
@@ -216,10 +216,10 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
         words = "the same F where strength is doubled, and where it is divided by F" if all(others) else (
             "with its strength changed the scene has no factor: the limit state is not the only one"
         )  # fmt: skip
-        if all(others) and off > design.agree_within:
+        if all(others) and off > design.analysis.agree_within:
             words = "with its strength changed another limit state is found: the factor is not unique"
-        yield Finding("other strengths", off if all(others) else None, design.agree_within,
-                      bool(all(others)) and off <= design.agree_within, words)  # fmt: skip
+        yield Finding("other strengths", off if all(others) else None, design.analysis.agree_within,
+                      bool(all(others)) and off <= design.analysis.agree_within, words)  # fmt: skip
     yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
     if fos.static_bound is None:
         yield Finding("upper bound", None, None, None, "not found: nothing is said of limit <= bound")
@@ -234,7 +234,7 @@ def _findings(result: Result, ladder: tuple[Rung, ...], evidence: Ladder) -> Ite
 
 
 def _agreement(result: Result) -> Finding:
-    name, within = "closed form", result.design.agree_within
+    name, within = "closed form", result.design.analysis.agree_within
     if result.agree is None:
         words = "there is none of this kind"
         if result.fos.closed_form is not None:
@@ -249,7 +249,7 @@ def _agreement(result: Result) -> Finding:
 
 def _convergence(result: Result, ladder: tuple[Rung, ...], unrefined: str) -> Finding:
     """Self-convergence: how far the limit and the finest two meshes lie apart."""
-    name, within = "node pairs", result.design.agree_within
+    name, within = "node pairs", result.design.analysis.agree_within
     meshes = [rung for rung in ladder if rung.method == "mesh"]
     lost = sum(rung.factor is None for rung in meshes)
     if lost:
@@ -318,7 +318,7 @@ def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Fin
     # admissible forces that balance at a factor prove that the blocks can be held at every lower one, not at a higher
     short = max(1.0 - balance.factor / limit, 0.0)
     if rest is not None:
-        within = result.design.agree_within
+        within = result.design.analysis.agree_within
         words = f"these forces hold at F = {balance.factor:.6g}, where all blocks last rest: so far below that limit"
         yield Finding("holds at limit", short, within, short <= within, words)
         return

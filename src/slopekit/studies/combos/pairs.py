@@ -154,11 +154,11 @@ class PairInputs:
         slope, water = self.slope, self.slope.water
         return {
             "face": str(slope.face), "upper": str(slope.upper), "height_m": slope.height_m,
-            "unit_weight_kn_m3": slope.unit_weight_kn_m3, "density_kg_m3": slope.density_kg_m3,
+            "unit_weight_kn_m3": slope.rock.unit_weight_kn_m3, "density_kg_m3": slope.rock.density_kg_m3,
             "water": {"mode": water.mode, "fill": water.fill, "pressures_kpa": list(water.pressures_kpa[:1])},
             "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3,
             "seismic": {"k": slope.seismic.coefficient, "trend_deg": slope.seismic.trend_deg},
-            "agree_within": slope.agree_within,
+            "agree_within": slope.analysis.agree_within,
             "cohesion_kpa": range_of(self.cohesion_kpa, self.own[0]),
             "friction_deg": range_of(self.friction_deg, self.own[1]),
             "limits": self.limits_of_all, "fos": self.target, "top": ALL if self.top is None else self.top,
@@ -205,7 +205,7 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
     assert listed is not None and slope is not None and sizes is not None  # noqa: PT018
     defaults = tuple(
         name for name in ("upper", "height", "density", "seismic.trend")
-        if name in slope.defaults or (name in ("upper", "height") and given.get(name) is None)
+        if name in slope.reading.defaults or (name in ("upper", "height") and given.get(name) is None)
     )  # fmt: skip
     (cohesion, own_c), (friction, own_phi) = strengths
     return PairInputs(listed, slope, sizes, cohesion, friction, (own_c, own_phi), target, top, defaults)
@@ -339,7 +339,7 @@ def _part(
             face_dip_direction_deg=slope.face.dip_direction_deg, upper_dip_deg=slope.upper.dip_deg,
             upper_dip_direction_deg=slope.upper.dip_direction_deg, height_m=np.where(climbs, shapes.height_m, 1.0),
             cohesion1_kpa=cohesion[one], cohesion2_kpa=cohesion[two], friction1_deg=friction[one],
-            friction2_deg=friction[two], unit_weight_kn_m3=slope.unit_weight_kn_m3, fill=slope.water.fill,
+            friction2_deg=friction[two], unit_weight_kn_m3=slope.rock.unit_weight_kn_m3, fill=slope.water.fill,
             pressures_kpa=slope.water.pressures_kpa[:2], water_unit_weight_kn_m3=slope.water_unit_weight_kn_m3,
             seismic=slope.seismic.coefficient, seismic_trend_deg=slope.seismic.trend_deg,
         ),

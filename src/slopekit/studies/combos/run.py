@@ -303,8 +303,8 @@ def _looked_at(asked: PairInputs, pairs: JointPairs, crew: Crew, desk: Workplace
     designs = [
         replace(
             asked.slope, joints=(joints[a].plane, joints[b].plane), joint_names=(joints[a].name, joints[b].name),
-            height_m=float(pairs.shapes.height_m[k]), cohesion_kpa=(float(cohesion[a]), float(cohesion[b])),
-            friction_angle_deg=(float(friction[a]), float(friction[b])),
+            height_m=float(pairs.shapes.height_m[k]),
+            strengths=asked.slope.with_c_and_phi(cohesion[[a, b]].tolist(), friction[[a, b]].tolist()),
         )
         for k, a, b in zip(chosen, one[chosen], two[chosen], strict=True)
     ]  # fmt: skip

@@ -130,8 +130,8 @@ def _strength(combos: Combos) -> str:
         source = "" if own == 0 else " (the joints' own)" if own == len(values) else f" (own of {own}, else the option)"
         parts.append(f"{name} {shown}{unit}{source}")
     slope = given.slope
-    density = "" if slope.density_kg_m3 is None else f" ({slope.density_kg_m3:.5g} kg/m³)"
-    return f"{'  '.join(parts)}  unit weight {slope.unit_weight_kn_m3:.5g} kN/m³{density}"
+    density = "" if slope.rock.density_kg_m3 is None else f" ({slope.rock.density_kg_m3:.5g} kg/m³)"
+    return f"{'  '.join(parts)}  unit weight {slope.rock.unit_weight_kn_m3:.5g} kN/m³{density}"
 
 
 def _loads(combos: Combos) -> list[str]:
@@ -243,8 +243,9 @@ def _agreement(combos: Combos) -> str:
     most = max((pair.difference for pair in worst if pair.difference is not None), default=0.0)
     word = "AGREE" if agree == compared and all(pair.settled for pair in worst) else "DISAGREE"
     governed = sum(pair.moments_govern for pair in worst)
+    within = combos.given.slope.analysis.agree_within * 100
     return (
-        f"{agree} of {len(worst)} {word} within {combos.given.slope.agree_within * 100:g} %; largest difference "
+        f"{agree} of {len(worst)} {word} within {within:g} %; largest difference "
         f"{most * 100:.2g} %; moments govern {governed}"
     )
 
@@ -262,7 +263,7 @@ def _again(combos: Combos) -> list[str]:
     parts = [
         f"slopekit wedge --dips {pair.planes[0]} {pair.planes[1]} --face {slope.face} --upper {slope.upper}",
         f"--height {number(pair.height_m)} --c {own[0]} --phi {own[1]}",
-        f"--unit-weight {number(slope.unit_weight_kn_m3)}",
+        f"--unit-weight {number(slope.rock.unit_weight_kn_m3)}",
     ]
     if slope.water.mode == "pressures":
         parts.append(f"--water u={number(slope.water.pressures_kpa[0])}")

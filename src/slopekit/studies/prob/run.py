@@ -267,7 +267,7 @@ class Probability(StudyOutcome):
             ],
             "pre_ie": json_of(self.confirmation),
             "sizes": json_of(self.sizes),
-            "defaults": list(self.design.defaults),
+            "defaults": list(self.design.reading.defaults),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -344,7 +344,7 @@ def prob(
     (75, 1000, 0.059, 0.093)
     """
     crew = checked_crew(jobs, scheduler)
-    if design.partial is not None:
+    if design.analysis.partial is not None:
         message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
         raise DesignError([Fault("E313", message, "analysis.partial_factors", advice)])
@@ -436,7 +436,7 @@ def _asked(
     chosen: By = "pre-ie" if by == "pre-ie" or not known or (by is None and may_dilate) else "closed-form"
     most = _MOST if chosen == "closed-form" else _MOST_BY_PRE_IE
     n = (MANY if chosen == "closed-form" else FEW) if n is None else n
-    near = design.agree_within if near is None else near
+    near = design.analysis.agree_within if near is None else near
     for name, value, low, high in (
         ("n", n, 1, most), ("seed", seed, 0, 2**63 - 1), ("the target", target, 1e-6, 1e6),
         ("confirm", confirm_count, 0, most), ("near", near, 0.0, 10.0), ("confidence", confidence, 0.5, 0.9999),

@@ -16,7 +16,7 @@ from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
-from slopekit.design.fields import field_at, fields_of
+from slopekit.design.fields import field_at, fields_of, parts_of
 from slopekit.design.parts import Strength
 from slopekit.design.reading.files import with_values
 from slopekit.design.reading.reader import strength_of
@@ -116,8 +116,9 @@ class Vectorised:
         for path, column in zip(self.keys, values.T, strict=True):
             if not path.startswith("strength."):
                 design = _put(design, _place(design, path), column, joints)
-        if design.density_kg_m3 is not None:
-            design = replace(design, unit_weight_kn_m3=design.density_kg_m3 * design.gravity_m_s2 / 1e3)
+        if design.rock.density_kg_m3 is not None:
+            weight = design.rock.density_kg_m3 * design.rock.gravity_m_s2 / 1e3
+            design = replace(design, rock=replace(design.rock, unit_weight_kn_m3=weight))
         return design
 
     def _strengths(self, values: Floats) -> Sequence[Strength]:
@@ -214,6 +215,9 @@ def _put(record: Any, parts: Sequence[str], values: Floats, names: Sequence[str]
         return (*record[:k], _put(record[k], parts[1:], values, names), *record[k + 1 :])
     if record is None or isinstance(record, float):
         return values
+    for name, of in parts_of(type(record)).items():
+        if any(field.path.split(".") == list(parts) for field in fields_of(of).values()):
+            return replace(record, **{name: _put(getattr(record, name), parts, values, names)})
     declared = fields_of(type(record))
     paths = {name: [name] for name in record.__dataclass_fields__}
     paths |= {name: field.path.split(".") for name, field in declared.items() if field.is_attribute}

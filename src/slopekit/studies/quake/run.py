@@ -179,7 +179,7 @@ class Quake(StudyOutcome):
             return ours is None and other is None
         if self.moments_govern:
             return None
-        return abs(ours - other) <= self.design.agree_within * max(ours, other)
+        return abs(ours - other) <= self.design.analysis.agree_within * max(ours, other)
 
     @property
     def moments_govern(self) -> bool:
@@ -391,7 +391,7 @@ def _shaken(
     """Displacement in every record, both ways, and the motion in the one that moves it most."""
     if ours.coefficient is None:
         return tuple(Shaken(record, 0.0, 0.0, 0.0, 0.0, 0.0) for record in records), None
-    limit, factor = ours.coefficient * static.gravity_m_s2, ours.factor or 1.0
+    limit, factor = ours.coefficient * static.rock.gravity_m_s2, ours.factor or 1.0
     shaken: list[Shaken] = []
     faults = Faults()
     most: tuple[float, Record, Way, RecordSlide] | None = None
@@ -411,7 +411,7 @@ def _shaken(
     if most is None:
         return tuple(shaken), None
     _, record, way, of = most
-    return tuple(shaken), _motion(record, way, of, limit, factor, static.gravity_m_s2)
+    return tuple(shaken), _motion(record, way, of, limit, factor, static.rock.gravity_m_s2)
 
 
 def _too_far(one: Shaken, coefficient: float) -> Fault:
@@ -432,9 +432,9 @@ def _beside(moves: SixMotion, static: Design, ours: Yield, records: Sequence[Rec
         return None
     record = next(one for one in records if one.name == moves.record)
     way: Way = "reversed" if moves.way == "reversed" else "as recorded"
-    limit = ours.coefficient * static.gravity_m_s2
+    limit = ours.coefficient * static.rock.gravity_m_s2
     of = slide(record.times_s, _WAYS[way] * record.accelerations, limit)
-    return _motion(record, way, of, limit, ours.factor or 1.0, static.gravity_m_s2)
+    return _motion(record, way, of, limit, ours.factor or 1.0, static.rock.gravity_m_s2)
 
 
 def _motion(record: Record, way: Way, of: RecordSlide, limit: float, factor: float, gravity: float) -> Motion:
@@ -465,8 +465,8 @@ def _into_the_slope(static: Design, ours: Yield, out: tuple[float, float] | None
 
 def _off_section(static: Design) -> list[Notice]:
     """W323 where a section is shaken another way than it lies."""
-    in_section, trend = kind_of(static).in_section, static.seismic.trend_deg
-    share = 1.0 if in_section is None else in_section(static)
+    trend, share = static.seismic.trend_deg, static.section_share
+    share = 1.0 if share is None else share
     if trend is None or abs(share) > 1.0 - 1e-6:
         return []
     why = "what acts along the face is left out, and moves a slope too: k_y is too high, or none is found"

@@ -103,7 +103,7 @@ def _agree(quake: Quake) -> list[str]:
     if quake.agree is None:
         return []
     ours, other = (one.coefficient or 0.0 for one in quake.yields)
-    apart = quake.agree and abs(ours - other) > quake.design.agree_within * max(ours, other)
+    apart = quake.agree and abs(ours - other) > quake.design.analysis.agree_within * max(ours, other)
     more = ": on the same assumptions (one traction a joint, forces alone); PRE-IE's is used" if apart else ""
     return [f"the methods {'AGREE' if quake.agree else 'DISAGREE'} on k_y{more}"]
 

@@ -322,7 +322,7 @@ def _block_of(static: Design) -> SixBlock:
         cohesion[keys] = [one.cohesion_kpa for one in left]
         friction[keys] = np.tan(np.radians([one.friction_angle_deg for one in left]))
         residual = cohesion, friction
-    mass = weight / static.gravity_m_s2
+    mass = weight / static.rock.gravity_m_s2
 
     def on_pairs(level: int) -> ShakenBlock | None:
         finer = model if level == made.refine else made.scene_at(level).model

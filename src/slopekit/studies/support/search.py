@@ -213,8 +213,8 @@ def site_of(design: Design) -> Site:
     assert made.hull is not None
     block = made.block
     return Site(
-        design, design.unit_weight_kn_m3 * block.volume, block.faces[made.face], block.areas[made.face],
-        made.axes, made.origin, kind.in_section is not None, kind.on_arrays, made.hull(),
+        design, design.rock.unit_weight_kn_m3 * block.volume, block.faces[made.face], block.areas[made.face],
+        made.axes, made.origin, design.section_share is not None, kind.on_arrays, made.hull(),
     )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from slopekit.core.errors import Faults, Notice
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.scatter.distributions import Distribution
-from slopekit.kinds import kind_of, notices_of_inputs, peak_only
+from slopekit.kinds import notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import (
     Method,
@@ -278,7 +278,7 @@ def _why_not(design: Design, key: Key) -> str:
 
 def _counts_by_default(design: Design, key: Key) -> bool:
     """Whether a default stands for a number of the slope: those that a wedge takes."""
-    paper_keys = kind_of(design).paper_keys
+    paper_keys = design.PAPER_KEYS
     if paper_keys and key.path in ("rock.density", "rock.unit_weight"):
         root = design.source.root if design.source is not None else None
         rock = root.get("rock") if root is not None else None

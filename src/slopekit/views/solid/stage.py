@@ -194,7 +194,7 @@ class Stage:
             unit: Floats = level / length
             return unit
         kind = known_kind(self.kind)
-        return np.array([-1.0 if kind is not None and kind.falls_west else 1.0, 0.0, 0.0])
+        return np.array([-1.0 if kind is not None and kind.record.FALLS_WEST else 1.0, 0.0, 0.0])
 
     @cached_property
     def eye(self) -> Floats:
