@@ -99,7 +99,7 @@ page = sk.report([result, swept], "report.html", pictures=False, project={"clien
 assert_type(page, Path)
 assert_type(page.name, str)
 assert_type(page.stat().st_size, int)
-files = sk.export(result, "wedge.stl", what=["blocks"], blocks="B1")
+files = sk.export(result, "wedge.stl", case=None)
 assert_type(files.files, tuple[Path, ...])
 one.view()
 try:
