@@ -10,18 +10,17 @@
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
+from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
 from slopekit.studies.words import head
