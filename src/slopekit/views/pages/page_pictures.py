@@ -29,10 +29,6 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], l
     """The pictures that can be drawn of a document, and sentences on those that cannot, with the code of each.
 
     A picture has its word `what`, its `caption`, itself as a data URI, `uri`, and whether it `is_chart`, not a scene.
-
-    Parameters
-    ----------
-    but : words of pictures that another part of the page shows
     """
     offered = offers(document)
     is_result = "fos" in document and "study" not in document
