@@ -152,6 +152,14 @@ class Kinematic(StudyOutcome):
         exact += [SEED] if self.is_sample else []
         return digest(exact)
 
+    def inputs(self) -> dict[str, Any]:
+        """What was given beside the joints, as JSON values."""
+        return {
+            "face": str(self.face),
+            "friction_deg": range_of(self.friction_deg, self.measured),
+            "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
+        } | ({"seed": SEED} if self.is_sample else {})  # fmt: skip
+
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; critical lines are counted by joint, `intersections.csv` has them all."""
         n, m = len(self.joints), len(self.lines.first)
@@ -159,11 +167,7 @@ class Kinematic(StudyOutcome):
         direct, oblique = self.toppling
         return {
             **survey_head("kinematic", self.joints, self.input_hash()),
-            "inputs": {
-                "face": str(self.face),
-                "friction_deg": range_of(self.friction_deg, self.measured),
-                "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
-            } | ({"seed": SEED} if self.is_sample else {}),
+            "inputs": self.inputs(),
             "defaults": list(self.defaults),
             "joints": n,
             "orientations": [

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any, TypeAlias
 
-from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
 from slopekit.studies.kinematic.criteria import (
     DIRECT,
@@ -18,7 +17,7 @@ from slopekit.studies.kinematic.criteria import (
     SLIDING_BASE,
 )
 from slopekit.studies.kinematic.run import SEED, Kinematic
-from slopekit.studies.surveys import codes_of, head, survey_entry
+from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set
@@ -37,8 +36,7 @@ def sheet_of(analysis: Kinematic) -> Sheet:
     few += f", {parallel} of them parallel, without a line of intersection" if parallel else ""
     return Sheet(head("kinematic", analysis.joints, analysis.input_hash()), (
         Section("SURVEY", [survey_entry(analysis.joints) + few, *_drawn(analysis)]),
-        Section("SLOPE", [f"face {analysis.face}  {analysis.face.in_words()}; horizontal behind the crest"]),
-        Section("LIMITS", [_limits(analysis)]),
+        Section("INPUTS", inputs_in_words(analysis.inputs(), analysis.defaults)),
         Section("PLANAR", [
             f"{of('planar')} joints slide within the lateral limit, {of('planar_without_limits')} without one",
             *_names(analysis.joint_names("planar")),
@@ -50,8 +48,6 @@ def sheet_of(analysis: Kinematic) -> Sheet:
         Section("DIRECT", _direct(analysis, of)),
         Section("SETS", _sets(analysis)),
         Section("FACES", _faces(analysis, n, m)),
-        Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", _defaults(analysis)),
         Section("TIME", [f"{analysis.seconds * 1e3:.0f} ms"]),
         Section("NOTE", [str(notice) for notice in analysis.warnings]),
     ), {"joints.csv": _joints(analysis), "intersections.csv": _intersections(analysis)})  # fmt: skip
@@ -132,15 +128,6 @@ def _names(names: Sequence[str]) -> list[str]:
         return []
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
     return [", ".join(names[:_MOST_NAMES]) + more]
-
-
-def _limits(analysis: Kinematic) -> str:
-    low, high = float(analysis.friction_deg.min()), float(analysis.friction_deg.max())
-    friction = f"friction {number(low)}°" if low == high else f"friction {number(low)} to {number(high)}°"
-    return (
-        f"{friction}; lateral ±{number(analysis.lateral_deg)}° for planar sliding, "
-        f"±{number(analysis.lateral_toppling_deg)}° for toppling, none for wedges"
-    )
 
 
 def _wedge(analysis: Kinematic, of: _Shares) -> list[str]:
@@ -227,16 +214,3 @@ def _percent(title: str, kind: str, width: int, digits: int = 2) -> Column[_Coun
 
 def _bases(row: _Counted) -> Any:
     return row[1]["base_sliding"] + row[1]["base_release"]
-
-
-def _defaults(analysis: Kinematic) -> list[str]:
-    words = {
-        "phi": "φ 30°", "lateral": "lateral limit 20°", "lateral_toppling": "lateral limit of toppling 30°",
-    }  # fmt: skip
-    return [", ".join(words[name] for name in analysis.defaults)] if analysis.defaults else []
-
-
-_MEANING = (
-    "what orientation and friction allow, no more: no cohesion, water or size; whether the joints meet in the slope is "
-    "not known. A share is one of poles or lines, not a probability of failure"
-)
