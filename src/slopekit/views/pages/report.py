@@ -112,8 +112,6 @@ def report_of(
                 context["verification"] = None
             verified.add(str(document["kind"]))
         pictures, left = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
-        if any(picture["what"] == "histogram" for picture in pictures):  # what is drawn is not listed too
-            context["sections"] = [one for one in context["sections"] if one[0] != "HISTOGRAM"]
         context["notices"] += [(one.code, one.message) for one in own]
         articles.append(context | {"pictures": pictures, "missing": left, "anchor": f"part-{k}", "name": short[k - 1]})
         notices += own
