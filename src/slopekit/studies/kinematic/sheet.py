@@ -1,4 +1,4 @@
-"""The sheet of the kinematic tests: which joints and pairs could move, by set and by face."""
+"""The sheet of the kinematic tests: which joints and pairs could move, by set."""
 
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
@@ -30,7 +30,7 @@ _Counted: TypeAlias = tuple[Any, Mapping[str, Any]]
 
 def sheet_of(analysis: Kinematic) -> Sheet:
     """The sheet of the kinematic tests."""
-    n, m, of = len(analysis.joints), len(analysis.lines.first), _Shares(analysis)
+    m, of = len(analysis.lines.first), _Shares(analysis)
     parallel = analysis.pairs - m
     few = f", {analysis.pairs} of them drawn at random (seed {SEED})" if analysis.is_sample else ""
     few += f", {parallel} of them parallel, without a line of intersection" if parallel else ""
@@ -47,7 +47,6 @@ def sheet_of(analysis: Kinematic) -> Sheet:
         ]),
         Section("DIRECT", _direct(analysis, of)),
         Section("SETS", _sets(analysis)),
-        Section("FACES", _faces(analysis, n, m)),
         Section("TIME", [f"{analysis.seconds * 1e3:.0f} ms"]),
         Section("NOTE", [str(notice) for notice in analysis.warnings]),
     ), {"joints.csv": _joints(analysis), "intersections.csv": _intersections(analysis)})  # fmt: skip
@@ -181,35 +180,8 @@ def _sets(analysis: Kinematic) -> list[Entry]:
     ]  # fmt: skip
 
 
-def _faces(analysis: Kinematic, n: int, m: int) -> list[Entry]:
-    """Percentages by face."""
-    if not analysis.over_faces:
-        return []
-    rows = [
-        (dip, {kind: value or 0.0 for kind, value in part.items()})
-        for (dip, _), part in zip(analysis.over_faces, analysis.percent_of_faces, strict=True)
-    ]
-    by = " by quantity" if analysis.joints.has_quantities else ""
-    table: Table[_Counted] = Table([
-        Column("dip", itemgetter(0), "dip", "°", width=5, text=lambda row: f"{row[0]:.4g}°"),
-        _percent("planar", "planar", 9, 1), _percent("primary", "wedge_primary", 10),
-        _percent("secondary", "wedge_secondary", 11), _percent("by friction", "wedge_by_friction", 13),
-        _percent("flexural", "flexural", 10, 1), _percent("direct", "direct", 9), _percent("oblique", "oblique", 9),
-        Column("bases", _bases, "bases", "%", ".1f", 8),
-    ], rows)  # fmt: skip
-    return [
-        f"toward {analysis.face.dip_direction_deg:03.0f}; per cent{by} of {n} joints (planar, flexural, bases), "
-        f"of {m} lines",
-        table,
-    ]
-
-
 def _count(title: str, kind: str, width: int) -> Column[_Counted]:
     return Column(title, lambda row: row[1][kind], kind, width=width)
-
-
-def _percent(title: str, kind: str, width: int, digits: int = 2) -> Column[_Counted]:
-    return Column(title, lambda row: row[1][kind], kind, "%", f".{digits}f", width)
 
 
 def _bases(row: _Counted) -> Any:
