@@ -64,7 +64,7 @@ def _fails(study: BenchDesigns) -> Table[OfBench]:
 
     def of(mode: str, what: str) -> Callable[[OfBench], Any]:
         def value(row: OfBench) -> float | None:
-            share = getattr(row.modes[mode], what).share
+            share = row.modes[mode][what].share
             return None if share is None else 100.0 * share
 
         return value
@@ -78,8 +78,8 @@ def _fails(study: BenchDesigns) -> Table[OfBench]:
     columns += [
         Column("any fails", of("any", "fails"), "any_fails", "%", ".1f", 11),
         Column(
-            "limits", lambda row: row.modes["any"].fails.low, "any_fails_low", width=15,
-            text=lambda row: _between(row.modes["any"].fails),
+            "limits", lambda row: row.modes["any"]["fails"].low, "any_fails_low", width=15,
+            text=lambda row: _between(row.modes["any"]["fails"]),
         ),
     ]  # fmt: skip
     return Table(columns, study.benches)

@@ -1,7 +1,7 @@
 """The sheet of a study of probability: the estimate, what it rests on, what PRE-IE says of it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from operator import attrgetter, itemgetter
+from operator import itemgetter
 from typing import Any
 
 from slopekit.core.arrays import Floats
@@ -10,7 +10,7 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
-from slopekit.studies.prob.estimates import Drawn, Share, Summary
+from slopekit.studies.prob.estimates import Share, Summary
 from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.prob.run import Probability
 from slopekit.studies.words import head, status_words
@@ -119,9 +119,9 @@ def _of(points: Mapping[int, Point], say: Callable[[Point], Any]) -> Callable[[i
 
 
 def _inputs(study: Probability) -> list[Entry]:
-    columns: list[Column[Drawn]] = [Column("as drawn", attrgetter("path"), "path", width=-38)]
-    for title, name, width in (("mean", "mean", 12), ("sd", "sd", 12), ("min", "least", 0), ("max", "most", 0)):
-        columns.append(Column(title, attrgetter(name), title, show=".5g", width=width))
+    columns: list[Column[Any]] = [Column("as drawn", itemgetter("path"), "path", width=-38)]
+    for name, width in (("mean", 12), ("sd", 12), ("min", 0), ("max", 0)):
+        columns.append(Column(name, itemgetter(name), name, show=".5g", width=width))
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
     return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest)]
