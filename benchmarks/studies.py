@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.design.reading.files import load
-from slopekit.studies.points import Evaluation
+from slopekit.studies.points import evaluation
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.sampling import METHODS, draw, planned, samples
 from slopekit.studies.prob.vectorised import vectorised
@@ -107,7 +107,7 @@ def pre_ie_rows(n: int = _PRE_IE) -> list[str]:
     design = load(scattering())
     drawn = samples(design.variables, design.correlation, n, 1)
     settings = [drawn.settings(row) for row in range(n)]
-    work = Evaluation(design)
+    work = partial(evaluation, design, True, False)
     work(settings[0])
     rows = ["| crew | samples | seconds | samples/s | against one process |", "|---|---|---|---|---|"]
     alone: list[Any] = []

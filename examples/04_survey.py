@@ -11,7 +11,7 @@ import slopekit as sk
 JOINTS, FACE = Path(__file__).parent / "joints.csv", "65/180"
 
 # What orientation and friction allow, joint by joint and line by line, as on a stereonet.
-tests = sk.kinematic(JOINTS, face=FACE, phi=30, faces="45:85:+10")
+tests = sk.kinematic(JOINTS, face=FACE, phi=30)
 counts, joints, lines = tests.counts, len(tests.joints), len(tests.lines.first)
 print(f"{joints} joints, {lines} lines of intersection, face {FACE}, friction 30° where none was measured")
 print(f"planar sliding     {counts['planar']} joints within ±20°, {counts['planar_without_limits']} without a limit")
@@ -22,7 +22,8 @@ bases = counts["base_release"] + counts["base_sliding"]
 print(f"direct toppling    {counts['direct']} edges of columns, {bases} bases under them")
 
 print(f"\n{'face':>5s}{'wedges %':>10s}{'by friction %':>15s}{'flexural %':>12s}")
-for dip, at in tests.over_faces:
+for dip in (45, 55, 65, 75, 85):
+    at = sk.kinematic(JOINTS, face=(dip, 180), phi=30).counts
     wedge, friction = 100 * at["wedge"] / lines, 100 * at["wedge_by_friction"] / lines
     print(f"{dip:4.0f}°{wedge:10.1f}{friction:15.1f}{100 * at['flexural'] / joints:12.1f}")
 

@@ -74,7 +74,6 @@ WEDGE = ("45/115", "45/245")
 BORDER: list[tuple[Callable[[], Any], str]] = [
     (lambda: sk.wedge(WEDGE, phi=b"30"), "E405 wedge takes numbers and texts for phi, not b'30'"),
     (lambda: sk.wedge(WEDGE, phi=[b"30", b"20"]), "E405 wedge takes numbers and texts for phi, not b'30'"),
-    (lambda: sk.kinematic(JOINTS, face="60/180", faces=b"60"), "E405 kinematic takes numbers and texts for faces"),
     (lambda: sk.combos(JOINTS, face="60/180", c=[None], phi=30), "E405 combos takes a value in each place of c"),
     (lambda: sk.combos(JOINTS, face="60/180", c=5, phi=30, seismic={}), "E143 seismic.k is missing"),
     (lambda: sk.combos(JOINTS, face="60/180", c=5, phi=30, top=np.array([1, 2])), "E405 combos takes a number"),

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from slopekit.studies.sets import sets
     from slopekit.studies.solve import Solution as Solution
     from slopekit.studies.solve import solve
-    from slopekit.studies.solve.for_cases import SolutionForAll as SolutionForAll
     from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
     from slopekit.studies.support.for_cases import SupportForAll as SupportForAll
@@ -59,7 +58,7 @@ _LATER = {
     "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob",
     "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
-    "SolutionForAll": "studies.solve.for_cases", "Support": "studies.support",
+    "Support": "studies.support",
     "SupportForAll": "studies.support.for_cases", "Sweep": "studies.sweep", "Tornado": "studies.tornado",
 }  # fmt: skip
 

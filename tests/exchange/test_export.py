@@ -20,24 +20,17 @@ def refused(*arguments, **options) -> sk.Fault:
 
 
 @pytest.mark.parametrize(
-    ("file", "options", "code", "says"),
+    ("file", "code", "says"),
     [
-        ("x.step", {}, "E141", "the suffix .step is no format"),
-        ("x", {}, "E141", "a file without suffix"),
-        ("x.stl", {"blocks": ["B1", "B999"]}, "E197", "there is no block B999"),
-        ("x.stl", {"what": "pairs"}, "E313", "STL files hold no pairs"),
-        ("x.stl", {"what": "blocks,interfaces"}, "E313", "one part at a time"),
-        ("x.stl", {"what": "joints"}, "E313", "joints is not a part"),
-        ("x.stl", {"what": ","}, "E313", "no part to write"),
-        ("x.vtu", {"what": "pairs"}, "E273", "there are no pairs to write"),
-        ("x.stl", {"blocks": ["B1"], "moving": True}, "E273", "there are no blocks to write"),
-        ("no/x.stl", {}, "E129", "cannot be written"),
+        ("x.step", "E141", "the suffix .step is no format"),
+        ("x", "E141", "a file without suffix"),
+        ("no/x.stl", "E129", "cannot be written"),
     ],
-)  # fmt: skip
-def test_what_is_refused(result, tmp_path, monkeypatch, file, options, code, says) -> None:
+)
+def test_what_is_refused(result, tmp_path, monkeypatch, file, code, says) -> None:
     monkeypatch.chdir(tmp_path)
     Path("file").write_text("")
-    fault = refused(result("bench"), file, **options)
+    fault = refused(result("bench"), file)
     assert fault.code == code
     assert says in fault.message
     assert not Path("x.stl").exists()
@@ -45,9 +38,6 @@ def test_what_is_refused(result, tmp_path, monkeypatch, file, options, code, say
 
 def test_advice_lists_and_guesses(result, tmp_path) -> None:
     assert ".stl .obj .glb .gltf .vtu .dxf" in refused(result("bench"), tmp_path / "x.stp").advice
-    assert refused(result("bench"), tmp_path / "x.stl", blocks=["b17"]).advice == "Did you mean B17?"
-    assert refused(result("bench"), tmp_path / "x.stl", what="block").advice == "Did you mean blocks?"
-    assert ".vtu" in refused(result("bench"), tmp_path / "x.stl", what="pairs").advice
 
 
 @pytest.mark.parametrize(
@@ -82,7 +72,7 @@ def test_missing_extras_are_named(result, tmp_path, monkeypatch) -> None:
     fault = refused(result("wedge"), tmp_path / "x.dxf")
     assert (fault.code, "extra cad (ezdxf)" in fault.message) == ("E140", True)
     assert not (tmp_path / "x.dxf").exists()
-    sk.export(result("wedge"), tmp_path / "x.vtu", what="blocks,interfaces,pairs")
+    sk.export(result("wedge"), tmp_path / "x.vtu")
     design = {
         "slopekit": 1, "kind": "surface", "slip": {"mesh": str(tmp_path / "there.dxf")}, "rock": {"unit_weight": 25},
         "slope": {"profile": [[60, 0], [40, 0], [0, 40], [-20, 40]]}, "strength": {"joint": {"c": 1, "phi": 30}},
@@ -90,22 +80,6 @@ def test_missing_extras_are_named(result, tmp_path, monkeypatch) -> None:
     with pytest.raises(sk.DesignError, match="extra cad") as caught:
         sk.run(design)
     assert caught.value.codes == ("E140",)
-
-
-def test_moving_leaves_bedrock_out(result, tmp_path) -> None:
-    done = sk.export(result("bench"), tmp_path / "x.obj", what="blocks,interfaces", moving=True)
-    assert done.written[0].blocks == 132 - 93
-    assert done.written[0].volume_m3 == pytest.approx(987.4750107200935, rel=1e-12)
-    one = sk.export(result("bench"), tmp_path / "x.obj", what=["interfaces"], blocks=["B103"])
-    assert (one.written[0].interfaces, one.written[0].volume_m3) == (4, None)
-
-
-def test_blocks_as_a_text(result, tmp_path) -> None:
-    """ "B9" is one block, not B and 9; with commas several, as on the command line."""
-    assert sk.export(result("bench"), tmp_path / "x.stl", blocks="B9").written[0].blocks == 1
-    assert sk.export(result("bench"), tmp_path / "x.stl", blocks="B1, B7").written[0].blocks == 2
-    assert refused(result("bench"), tmp_path / "x.stl", blocks=",").advice.startswith("No block is named")
-    assert refused(result("bench"), tmp_path / "x.stl", blocks=[9]).code == "E197"
 
 
 def test_other_objects_are_taken_by_their_document(result, tmp_path) -> None:
@@ -169,7 +143,6 @@ def test_a_case_that_there_is_not(two_cases, tmp_path, case, code, says) -> None
     assert fault.code == code
     assert says in fault.advice
     assert refused(two_cases.cases["dry"], tmp_path / "wedge.stl", case=case).code == "E313"
-    assert refused(two_cases, tmp_path / "wedge.stl", blocks="B9").code == "E197"
     study = sk.sweep(sk.load(two_cases.design.source.root.plain()), {"slope.height": [10]}, methods="closed-form")
     assert refused(study, tmp_path / "wedge.stl").code == "E350"
 

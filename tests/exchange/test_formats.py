@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 import slopekit as sk
 from slopekit.block_scene import BlockScene
 from slopekit.exchange import dxf
-from slopekit.exchange.picking import volume_of
+from slopekit.exchange.bodies import volume_of
 from slopekit.geometry.solids.meshes import outward, read_mesh
 from tests.bolted import bolted
 from tests.exchange.conftest import EAST, NORTH, TEMPLATES
@@ -33,9 +33,9 @@ def test_blocks_come_back(result, tmp_path, scene, suffix) -> None:
         pytest.importorskip("pyvista")
     shapes = BlockScene.from_dict(result(scene)["scene"]).shapes
     chosen = shapes.names if len(shapes.names) < 20 else shapes.names[::13]
-    sk.export(result(scene), tmp_path / f"x{suffix}", blocks=chosen)
+    sk.export(result(scene), tmp_path / f"x{suffix}")
     found = {name: (vertices, triangles) for name, vertices, triangles in read_blocks(tmp_path / f"x{suffix}")}
-    assert set(found) == set(chosen)
+    assert set(found) == set(shapes.names)
     grain = 2e-9 if scene.startswith("map") and EXACT[suffix] else 1e-15
     for name in chosen:
         vertices, triangles = shapes.solids.of(shapes.names.index(name))
@@ -69,11 +69,14 @@ def test_a_mesh_at_map_coordinates_that_is_inside_out_is_turned(tmp_path) -> Non
 
 
 def test_stl_by_trimesh_and_by_its_text(result, tmp_path) -> None:
-    sk.export(result("bench"), tmp_path / "x.stl", moving=True)
+    sk.export(result("bench"), tmp_path / "x.stl")
     lines = (tmp_path / "x.stl").read_text().splitlines()
-    assert [line[6:] for line in lines if line.startswith("solid ")][:2] == ["B51", "B52"]
+    names = [line[6:] for line in lines if line.startswith("solid ")]
+    assert (len(names), names[:2]) == (132, ["B1", "B2"])
     scene = trimesh.load(tmp_path / "x.stl")
-    assert sum(mesh.volume for mesh in scene.geometry.values()) == pytest.approx(987.4750107200935, rel=1e-12)
+    shapes = BlockScene.from_dict(result("bench")["scene"]).shapes
+    moving = [scene.geometry[name].volume for name, fixed in zip(shapes.names, shapes.fixed, strict=True) if not fixed]
+    assert sum(moving) == pytest.approx(987.4750107200935, rel=1e-12)
     assert all(mesh.is_watertight for mesh in scene.geometry.values())
     facet = next(k for k, line in enumerate(lines) if line.startswith("facet"))
     a, b, c = (np.array([float(word) for word in lines[facet + k].split()[1:]]) for k in (2, 3, 4))
@@ -89,27 +92,24 @@ def test_names_that_stl_readers_take_for_words(tmp_path, result) -> None:
     assert (name, len(vertices)) == ("s_olid v_ertex 1", 4)
 
 
-def test_obj_has_faces_and_interfaces_by_name(result, tmp_path) -> None:
-    sk.export(result("wedge"), tmp_path / "x.obj", what="blocks,interfaces")
+def test_obj_has_faces_by_name(result, tmp_path) -> None:
+    sk.export(result("wedge"), tmp_path / "x.obj")
     lines = (tmp_path / "x.obj").read_text().splitlines()
-    assert [line[2:] for line in lines if line.startswith("o ")] == ["wedge", "J1", "J2"]
+    assert [line[2:] for line in lines if line.startswith("o ")] == ["wedge"]
     assert {line for line in lines if line.startswith("g ")} == {
         "g wedge J1", "g wedge J2", "g wedge face", "g wedge upper_slope",
     }  # fmt: skip
-    areas = {name: trimesh.Trimesh(v, t, process=False).area for name, v, t in read_blocks(tmp_path / "x.obj")}
-    assert areas["J1"] == pytest.approx(result("wedge")["geometry"]["areas_m2"]["J1"], rel=1e-12)
 
 
 def test_glb_turns_z_up_and_keeps_the_offset_in_its_nodes(result, tmp_path) -> None:
     """glTF 2.0, 3.4: y is up. The offset is a double of the JSON, vertices are small."""
-    sk.export(result("map"), tmp_path / "x.gltf", what="blocks,interfaces,pairs")
+    sk.export(result("map"), tmp_path / "x.gltf")
     document = json.loads((tmp_path / "x.gltf").read_text())
     offset = next(node["matrix"][12:15] for node in document["nodes"] if node["name"] == "map origin")
     assert offset[:2] == pytest.approx([EAST, NORTH], abs=200.0)
     assert max(max(map(abs, one["max"])) for one in document["accessors"] if one["type"] == "VEC3") < 200.0
     block = next(mesh for mesh in document["meshes"] if mesh["name"] == "wedge")
     assert block["extras"]["factor_of_safety"] == pytest.approx(1.5574, abs=1e-4)
-    assert {node["name"] for node in document["nodes"]} >= {"wedge", "interface J1", "interface J2", "node pairs, slip"}
     bounds = trimesh.load_scene(tmp_path / "x.gltf").bounds  # east, up, -north
     geometry = BlockScene.from_dict(result("map")["scene"]).shapes.solids.vertices
     assert bounds[:, 1] == pytest.approx([geometry[:, 2].min(), geometry[:, 2].max()], abs=1e-4)
@@ -120,7 +120,7 @@ def test_vtu_by_pyvista(result, tmp_path) -> None:
     """Volumes and fields, by VTK; the stresses against the forces of the sheet."""
     pyvista = pytest.importorskip("pyvista")
     document = result("map")
-    done = sk.export(document, tmp_path / "x.vtu", what="blocks,interfaces,pairs")
+    done = sk.export(document, tmp_path / "x.vtu")
     assert [path.name for path in done.files] == ["x.vtu", "x-interfaces.vtu", "x-pairs.vtu"]
     blocks, interfaces, pairs = (pyvista.read(path) for path in done.files)
     assert blocks.points.dtype == np.float64
@@ -141,12 +141,11 @@ def test_vtu_by_pyvista(result, tmp_path) -> None:
     assert {pairs.field_data["mode_names"][mode] for mode in pairs.cell_data["mode"]} == {"slip"}
 
 
-@pytest.mark.parametrize("options", [{"moving": True}, {"blocks": "B103,B60"}])
-def test_vtu_indices_mean_the_names_listed(result, tmp_path, options) -> None:
+def test_vtu_indices_mean_the_names_listed(result, tmp_path) -> None:
     """By VTK: each cell's block by its name has its volume, and the blocks beside a polygon share its joint."""
     pyvista = pytest.importorskip("pyvista")
     shapes = BlockScene.from_dict(result("bench")["scene"]).shapes
-    done = sk.export(result("bench"), tmp_path / "x.vtu", what="blocks,interfaces", **options)
+    done = sk.export(result("bench"), tmp_path / "x.vtu")
     blocks, interfaces = (pyvista.read(path) for path in done.files)
     names = [str(name) for name in blocks.field_data["block_names"]]
     for at, volume in zip(blocks.cell_data["block"], blocks.cell_data["volume_m3"], strict=True):
@@ -162,34 +161,36 @@ def test_vtu_indices_mean_the_names_listed(result, tmp_path, options) -> None:
             low, high = block.points.min(axis=0) - 1e-6, block.points.max(axis=0) + 1e-6
             corners = interfaces.get_cell(k).points
             assert ((corners >= low) & (corners <= high)).all()
-    back = read_blocks(tmp_path / "x.vtu")
-    assert [name for name, _, _ in back] == list(cells)
+    assert done.written[0].interfaces == interfaces.n_cells
 
 
 def test_vtu_pairs_index_the_names_listed(tmp_path) -> None:
-    """By VTK: the node pairs of one block of three lie within it."""
+    """By VTK: the node pairs of each of three blocks lie within it."""
     pyvista = pytest.importorskip("pyvista")
     source = sk.run(TEMPLATES / "blocks.yaml")
-    done = sk.export(source, tmp_path / "x.vtu", what="blocks,pairs", blocks="B2")
-    block, pairs = (pyvista.read(path) for path in done.files)
+    done = sk.export(source, tmp_path / "x.vtu")
+    blocks, _, pairs = (pyvista.read(path) for path in done.files)
     names = [str(name) for name in pairs.field_data["block_names"]]
-    assert list(block.field_data["block_names"]) == names == list(source.scene.shapes.names)
-    assert names[block.cell_data["block"][0]] == "B2"
-    beside = {(names[a], names[b]) for a, b in zip(
-        pairs.cell_data["plus_block"], pairs.cell_data["minus_block"], strict=True
-    )}  # fmt: skip
-    assert {frozenset(one) for one in beside} == {frozenset(("B2", "base")), frozenset(("B1", "B2"))}
-    assert (np.abs(pairs.points - block.points.mean(axis=0)) <= np.ptp(block.points, axis=0) / 2 + 1e-6).all()
+    assert list(blocks.field_data["block_names"]) == names == list(source.scene.shapes.names)
+    sides = np.stack([pairs.cell_data["plus_block"], pairs.cell_data["minus_block"]], axis=1)
+    assert {frozenset(names[k] for k in two) for two in sides.tolist()} == {
+        frozenset(("B1", "base")), frozenset(("B2", "base")), frozenset(("B1", "B2")),
+    }  # fmt: skip
+    for k in range(3):
+        corners = blocks.extract_cells(k).points
+        own = pairs.points[(sides == blocks.cell_data["block"][k]).any(axis=1)]
+        assert len(own)
+        assert ((own >= corners.min(axis=0) - 1e-6) & (own <= corners.max(axis=0) + 1e-6)).all()
 
 
 def test_dxf_by_ezdxf(result, tmp_path) -> None:
-    sk.export(result("map"), tmp_path / "x.dxf", what="blocks,interfaces,pairs")
+    sk.export(result("map"), tmp_path / "x.dxf")
     drawing = ezdxf.readfile(tmp_path / "x.dxf")
     assert drawing.units == 6
     audit = drawing.audit()
     assert (audit.errors, audit.fixes) == ([], [])
     layers = {entity.dxf.layer for entity in drawing.modelspace()}
-    assert layers == {"BLOCKS-MOVING", "INTERFACE-J1", "INTERFACE-J2", "PAIRS-SLIP", "LINE-OF-INTERSECTION"}
+    assert layers == {"BLOCKS-MOVING", "LINE-OF-INTERSECTION"}
     (line,) = drawing.modelspace().query("LINE")
     assert (line.dxf.end - line.dxf.start).magnitude == pytest.approx(256.9123443880054, rel=1e-9)
     assert min(line.dxf.start.z, line.dxf.end.z) == 300.0
@@ -252,7 +253,7 @@ def test_bolts_in_vtu(tmp_path) -> None:
     pyvista = pytest.importorskip("pyvista")
     bolts = bolted("three").scene.bolts
     done = sk.export(bolted("three"), tmp_path / "x.vtu")
-    assert [path.name for path in done.files] == ["x.vtu", "x-bolts.vtu"]
+    assert [path.name for path in done.files] == ["x.vtu", "x-interfaces.vtu", "x-pairs.vtu", "x-bolts.vtu"]
     grid = pyvista.read(tmp_path / "x-bolts.vtu")
     assert grid.celltypes.tolist() == [3, 3]
     for k in range(2):
@@ -260,34 +261,6 @@ def test_bolts_in_vtu(tmp_path) -> None:
     assert grid.cell_data["number"].tolist() == [1, 2]
     assert grid.cell_data["force_kn"].tolist() == [300.0, 100.0]
     assert grid.cell_data["passive"].tolist() == [0, 1]
-
-
-def test_bolts_where_asked_for(tmp_path, result) -> None:
-    """Named, left out, of some blocks; formats and results without any say so."""
-    source = bolted("bench")
-    assert sk.export(source, tmp_path / "a.dxf", what="blocks").written[0].bolts == 0
-    assert sk.export(source, tmp_path / "a.stl").written[0].bolts == 0
-    names = source.scene.shapes.names
-    own = names[source.scene.bolts.block[0]]
-    kept = int((source.scene.bolts.block == source.scene.bolts.block[0]).sum())
-    assert sk.export(source, tmp_path / "b.dxf", what="bolts", blocks=[own]).written[0].bolts == kept < 6
-    for document, file, code in ((source, "c.stl", "E313"), (result("map"), "c.dxf", "E273")):
-        with pytest.raises(sk.DesignError) as caught:
-            sk.export(document, tmp_path / file, what="bolts")
-        assert caught.value.codes == (code,)
-
-
-def test_interfaces_in_stl(result, tmp_path) -> None:
-    """Each joint's triangles: their areas, by trimesh, are those of the cut."""
-    sk.export(result("map"), tmp_path / "x.stl", what="interfaces")
-    bodies = [text.splitlines() for text in (tmp_path / "x.stl").read_text().split("endsolid") if "vertex" in text]
-    found = {}
-    for lines in bodies:
-        name = next(line for line in lines if line.startswith("solid")).split()[1]
-        corners = np.array([line.split()[1:] for line in lines if "vertex" in line], dtype=float)
-        found[name] = trimesh.triangles.area(corners.reshape(-1, 3, 3) - corners[0]).sum()
-    areas = result("map")["geometry"]["areas_m2"]
-    assert [found["J1"], found["J2"]] == pytest.approx([areas["J1"], areas["J2"]], rel=1e-9)
 
 
 def test_dxf_by_single_faces(result, tmp_path, monkeypatch) -> None:

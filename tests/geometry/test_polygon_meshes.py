@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from slopekit.core.errors import DesignError
-from slopekit.exchange.picking import volume_of
+from slopekit.exchange.bodies import volume_of
 from slopekit.geometry.solids.meshes import read_mesh, triangulated
 
 ELL = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]  # 5 m²

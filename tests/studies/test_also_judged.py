@@ -86,9 +86,9 @@ def test_bolts_of_samples_hold_the_whole_wedge_where_they_pass_it() -> None:
                               "strength": "joint"} for name, way in (("J1", 130), ("J2", 230))}}  # fmt: skip
     design = sk.load(CUT | dips | {"support": {"bolts": [bolt, *others]}})
     found = sk.prob(design, 12, confirm=0, near=0)
-    sampled = bolts.Sampled(design, False, before=tuple(bolts.as_laid_out(design).tolist()))
+    before = tuple(bolts.as_laid_out(design).tolist())
     for row in range(12):
-        point = points.Point.from_record(sampled(found.samples.settings(row)))
+        point = points.Point.from_record(bolts.sample_record(design, False, before, found.samples.settings(row)))
         both = point.factors.closed_form, point.factors.also.closed_form
         assert found.judged.factor[row] == pytest.approx(min(both), rel=1e-12)
     bare = sk.prob(sk.load(CUT | dips | {"support": {"bolts": others}}), 12, confirm=0, near=0)

@@ -347,8 +347,8 @@ def test_the_same_seed_gives_the_same(found: Any) -> None:
     one, again, other = (sk.bench_design(list(JOINTS), seed=seed, **common) for seed in (1, 1, 2))
     assert one.benches == again.benches
     assert one.benches != other.benches
-    share = one.benches[0].modes["any"].fails
-    assert share.low <= other.benches[0].modes["any"].fails.share <= share.high
+    share = one.benches[0].modes["any"]["fails"]
+    assert share.low <= other.benches[0].modes["any"]["fails"].share <= share.high
 
 
 @pytest.mark.parametrize(
@@ -440,7 +440,8 @@ def test_the_sheet_lists_what_was_read() -> None:
     benches = sk.bench_design(
         ["45/115", "45/245"], height=10, face="60:75:5", berm="6:9:+1", dip_direction=180, c=5, phi=30, n=100, confirm=0
     )
-    assert "heights 10 m; faces 60, 63.75, 67.5, 71.25, 75°; berms 6, 7, 8, 9 m" in str(benches)
+    said = " ".join(str(benches).split())
+    assert "heights 10 m, face dips 60; 63.75; 67.5; 71.25; 75°, berms 6; 7; 8; 9 m" in said
 
 
 def test_the_sheet_keeps_height_and_face_apart_and_counts_in_plain_digits() -> None:

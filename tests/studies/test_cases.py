@@ -146,7 +146,7 @@ def test_bolts_without_an_answer_in_a_case_do_not_meet_it(monkeypatch, lost) -> 
     assert not for_cases._tried("active", "a", case, found).met
 
 
-def test_solve_gives_the_value_for_all() -> None:
+def test_solve_gives_the_value_of_each_case() -> None:
     """c of each case from the formula, linear in c; the largest governs."""
 
     def needed(target: float, **case: float) -> float:
@@ -155,30 +155,13 @@ def test_solve_gives_the_value_for_all() -> None:
 
     own = {"static": needed(1.5), "quake": needed(1.1, k=0.1), "drained": needed(1.3, fill=0.0)}
     found = sk.solve(sk.load(FILE), "strength.bedding.c")
-    assert found.for_all.value == pytest.approx(max(own.values()), rel=1e-6)
+    assert {name: one.answer.value for name, one in found.cases.items()} == pytest.approx(own, rel=1e-6)
     assert (found.governing, found.exit_code) == ("static", 0)
-    assert {row.case: row.own for row in found.for_all.inside} == pytest.approx(own, rel=1e-6)
+    rows = found.to_frame()
+    assert dict(zip(rows["case"], rows["value"], strict=True)) == pytest.approx(own, rel=1e-6)
+    assert set(rows["bound"]) == {"at least"}
     wet = sk.solve(sk.load({**DESIGN, "cases": {name: CASES[name] for name in ("static", "quake")}}), "water.fill")
-    assert wet.for_all.value == min(one.answer.value for one in wet.cases.values())
-    assert "at most" in wet.line
-
-
-def test_cases_that_no_value_satisfies_are_named() -> None:
-    """Heavier rock breaks the bond of dry rock and presses wet joints together: one case sets a most, one a least."""
-    cases = {
-        "bonded": {"set": {"strength.bedding.c": 30, "water.fill": 0}, "accept": "fos >= 2"},
-        "wet": {"set": {"strength.bedding.c": 0, "water.fill": 1}, "accept": "fos >= 0.8"},
-    }
-    found = sk.solve(sk.load({**DESIGN, "cases": cases}), "rock.unit_weight")
-    bonded, wet = (one.answer for one in found.cases.values())
-    assert (bonded.rises, wet.rises, bonded.value < wet.value) == (False, True, True)
-    assert (found.for_all.value, found.exit_code) == (None, 1)
-    key = found.cases["wet"].key
-    reason = f"wet needs at least {key.shown(wet.value)}, bonded at most {key.shown(bonded.value)}"
-    assert found.for_all.reason == reason
-    assert found.for_all.line == f"rock.unit_weight: no value for all 2 cases: {reason}"
-    assert found.to_dict()["for_all"]["reason"] == reason
-    assert reason in " ".join(str(found).split())
+    assert wet.cases[wet.governing].answer.value == min(one.answer.value for one in wet.cases.values())
 
 
 def test_prob_answers_case_by_case() -> None:

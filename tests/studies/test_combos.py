@@ -231,7 +231,7 @@ def test_larger_wedges_are_left_out_where_limits_filter() -> None:
     assert (left.pairs.shapes.scale == 1.0).all()
     assert (left.pairs.shapes.sizes.setback_m[kept] <= 3.0).all()
     assert left.pairs.factor[kept] == pytest.approx(scaled.pairs.factor[kept], nan_ok=True)
-    assert "left out, larger than that" in str(left.sheet)
+    assert "larger than the limits of size" in str(left.sheet)
     with pytest.raises(DesignError) as raised:
         sk.combos(joints, **slope, limit_by="cut")
     assert [fault.code for fault in raised.value.faults] == ["E126"]
@@ -518,7 +518,7 @@ def test_the_command(tmp_path) -> None:
     full = (folder / "combos.txt").read_text().splitlines()
     assert [line for line in full if not line.startswith("TIME ")] == run.stdout.splitlines()
     assert any(line.startswith("TIME ") for line in full)
-    again = " ".join(run.stdout.split()).partition("AGAIN slopekit ")[2].partition(" READS")[0]
+    again = " ".join(run.stdout.split()).partition("AGAIN slopekit ")[2].partition(" NOTE")[0]
     worst = json.loads((folder / "combos.json").read_text())["worst"][0]
     assert slopekit(*again.split(), "--quiet").stdout.split()[:2] == [worst["status"], f"{worst['fos']['limit']:.3f}"]
     picture = folder / "x.png"

@@ -245,15 +245,6 @@ def test_vertical_edges_and_parallel_joints() -> None:
     assert found.to_dict()["pairs"] - found.to_dict()["intersections"] == 1
 
 
-def test_the_table_of_faces_is_the_test_at_each_face() -> None:
-    joints = survey(8, 40)
-    found = sk.kinematic(joints, face="65/200", faces="40:90:+12.5")
-    assert [dip for dip, _ in found.over_faces] == [40.0, 52.5, 65.0, 77.5, 90.0]
-    for dip, counts in found.over_faces:
-        assert counts == sk.kinematic(joints, face=(dip, 200)).counts
-    assert found.over_faces == sk.kinematic(joints, face="65/200", faces=[40, 52.5, 65, 77.5, 90]).over_faces
-
-
 def test_counts_by_set_add_up(tmp_path) -> None:
     rows = [f"N{k},{'AB'[k % 2] if k % 5 else ''},{dip:.1f},{way:.1f}" for k, (dip, way) in enumerate(survey(6, 30))]
     (tmp_path / "joints.csv").write_text("name,set,dip,dip_direction\n" + "\n".join(rows))
@@ -284,15 +275,6 @@ def test_counts_by_set_add_up(tmp_path) -> None:
         ("E115", {"phi": 95}, "phi is 95°"),
         ("E107", {"lateral": "20 m"}, "lateral limit has the unit m"),
         ("E125", {"joints": np.full((100_001, 2), 45.0)}, "joints holds 100001 joints: more than 100000 joints"),
-        ("E312", {"faces": "45:90"}, "faces: 45:90 is not from:to:how many, nor from:to:+step"),
-        ("E312", {"faces": "90:45:+5"}, "faces: steps of +5 do not lead from 90° to 45°"),
-        ("E312", {"faces": "45:90:+0"}, "steps of +0"),
-        ("E312", {"faces": "40:90:12.5"}, "12.5 is no number of values from 2 to 200; steps are written with +"),
-        ("E312", {"faces": "45:95:+5"}, "a face of 95° is none"),
-        ("E312", {"faces": "1:89:+0.1"}, "881 values are more than 200"),
-        ("E312", {"faces": list(range(1, 203))}, "faces has 202 values, more than 200"),
-        ("E312", {"faces": 0}, "a face of 0° is none"),
-        ("E106", {"faces": "a:b:+c"}, "faces is 'a', a number is needed"),
         ("E307", {"lateral": 95}, "the lateral limit is 95°"),
         ("E307", {"lateral_toppling": -5}, "the lateral limit is -5°"),
         ("E405", {"joints": 5}, "joints are int"),
@@ -307,8 +289,8 @@ def test_faults(code, inputs, says) -> None:
 
 def test_all_faults_at_once(tmp_path) -> None:
     (tmp_path / "joints.csv").write_text("dip,dd\n195,115\n45,x\n")
-    codes = refused(joints=tmp_path / "joints.csv", face="65-180", phi=-1, lateral=99, faces="1:2").codes
-    assert codes == ("E101", "E104", "E104", "E115", "E307", "E312")
+    codes = refused(joints=tmp_path / "joints.csv", face="65-180", phi=-1, lateral=99).codes
+    assert codes == ("E101", "E104", "E104", "E115", "E307")
     with pytest.raises(DesignError) as caught:
         kinematic([Plane(45, 115), "x", (45, 500)], face="65/180")
     assert caught.value.codes == ("E104", "E102")
@@ -329,13 +311,12 @@ def test_notices(tmp_path) -> None:
 
 
 def test_json_sheet_and_tables() -> None:
-    found = sk.kinematic(survey(4), face="65/180", faces="50:80:+10")
+    found = sk.kinematic(survey(4), face="65/180")
     document = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert document["counts"] == found.counts
     assert document["percent"]["planar"] == pytest.approx(100 * found.counts["planar"] / 60)
     assert document["percent"]["wedge"] == pytest.approx(100 * found.counts["wedge"] / 1770)
     assert document["defaults"] == ["lateral", "lateral_toppling", "phi"]
-    assert len(document["faces"]) == 4
     sheet = str(found)
     assert max(map(len, sheet.splitlines())) <= 100
     assert f"friction alone does not hold {found.counts['wedge_by_friction']}" in " ".join(sheet.split())
@@ -351,7 +332,7 @@ def test_json_sheet_and_tables() -> None:
 
 def test_the_command(tmp_path) -> None:
     folder = tmp_path / "out"
-    run = slopekit("kinematic", LIST, "--face", "65/180", "--faces", "45:90:+5", "-o", str(folder))
+    run = slopekit("kinematic", LIST, "--face", "65/180", "-o", str(folder))
     assert (run.returncode, run.stderr) == (0, "")
     assert {path.name for path in folder.iterdir()} == {
         "kinematic.json", "kinematic.txt", "joints.csv", "intersections.csv", "stereonet.png",
@@ -372,7 +353,7 @@ def test_of_many_joints_pairs_are_drawn_and_said(monkeypatch) -> None:
     """The shares among the pairs drawn lie within four standard errors of those among all pairs."""
     from slopekit.studies.kinematic import criteria
 
-    every = sk.kinematic(survey(1, 400), face="70/180", phi=30, faces=[50, 80])
+    every = sk.kinematic(survey(1, 400), face="70/180", phi=30)
     monkeypatch.setattr(criteria, "MOST_PAIRS", 1000)
     monkeypatch.setattr(criteria, "DRAWN_PAIRS", 20_000)
     found, again = (sk.kinematic(survey(1, 400), face="70/180", phi=30) for _ in range(2))

@@ -15,7 +15,7 @@ from slopekit.kinds.protocol import compare
 from slopekit.views.pages import report as room
 from slopekit.views.pages.report import report_of
 from slopekit.views.pages.report_inputs import input_tables
-from slopekit.views.pages.report_words import limit_of, meaning
+from slopekit.views.pages.report_words import limit_of
 from slopekit.views.solid import layers
 from slopekit.views.solid import viewer_data as viewer
 from slopekit.views.solid.stage import Stage
@@ -74,7 +74,7 @@ def test_what_a_limit_of_many_blocks_is() -> None:
 
 def test_without_a_limit_no_number_is_praised() -> None:
     seen = words(report_of(no_limit(), with_pictures=False).html)
-    for text in ("with them there is no factor of safety, forces alone give 0.199", "is not to be used",
+    for text in ("with them there is no factor of safety. Forces alone give 0.199",
                  "the methods AGREE on forces alone", "none PRE-IE",
                  "No limit state was found: what the joints carry is not known"):  # fmt: skip
         assert text in seen, text
@@ -82,26 +82,6 @@ def test_without_a_limit_no_number_is_praised() -> None:
                  "moments lower the limit"):  # fmt: skip
         assert text not in seen, text
     assert 'class="badge good">the methods' not in report_of(no_limit(), with_pictures=False).html
-
-
-def test_what_a_number_without_comparison_rests_on() -> None:
-    found = document("wedge") | {"agree": None, "difference": None}
-    assert "PRE-IE alone (its balance of forces and its bound)" in meaning(found)[0]
-    bare = found | {"fos": found["fos"] | {"static_bound": None}}
-    assert "PRE-IE alone (its balance of forces);" in meaning(bare)[0]
-    none = found | {"fos": dict.fromkeys(found["fos"])}
-    assert "There is no number" in meaning(none)[0]
-
-
-@pytest.mark.parametrize(
-    ("bound", "said"), [(21.8889, "practically the same"), (21.8836, "practically the same"),
-                        (22.9778, "lies 5.0 % above"),
-                        (21.8836 * 300.0, "is 300 times the limit: it lets joints dilate"),
-                        (20.0, "8.6 % below the limit, which an upper bound cannot")],
-)  # fmt: skip
-def test_where_the_static_bound_lies(bound, said) -> None:
-    found = document("wedge")
-    assert said in meaning(found | {"fos": found["fos"] | {"limit": 21.8836, "static_bound": bound}})[-1]
 
 
 def test_pressure_on_a_curved_surface_is_the_designs() -> None:

@@ -84,20 +84,14 @@ def export(
     result: Annotated[str, typer.Argument(help="A result: DIR of run -o DIR, or its result.json.", metavar="RESULT")],
     output: Annotated[str, typer.Option("-o", help="The file: .stl .obj .glb .vtu .dxf (extra: cad).", metavar="FILE")],
     case: Annotated[str | None, CASE] = None,
-    what: Annotated[
-        str | None,
-        typer.Option(help="blocks, interfaces, pairs, bolts; several with commas [blocks; bolts where there are any]."),
-    ] = None,
-    blocks: Annotated[str | None, typer.Option(help="Only these: B1,B7.", metavar="NAMES")] = None,
-    moving: Annotated[bool, typer.Option("--moving", help="Leave bedrock out.")] = False,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="The names of the files only.")] = False,
 ) -> None:
-    """Blocks, interfaces, node pairs or bolts of a result for CAD, ParaView and others, in your own coordinates."""
+    """Blocks and bolts of a result for CAD, ParaView and others, in your own coordinates."""
     from slopekit.exchange.export import export as export_result
 
     with watched("export"):
-        done = export_result(result, Path(output), what=what, blocks=blocks, moving=moving, case=case)
+        done = export_result(result, Path(output), case=case)
     if as_json:
         typer.echo(json_text({"slopekit": __version__, **done.to_dict()}))
     elif quiet:
@@ -121,13 +115,12 @@ def _lines(one: "Written") -> list[str]:
         )
         if count
     ]
-    volume = "" if one.volume_m3 is None else f", {one.volume_m3:.9g} m³"
     files = [str(path) for path in one.files]
     if len(one.files) > 4:
         files = [str(one.files[0]), f"and {len(one.files) - 1} files beside it"]
     return [
         f"WROTE     {', '.join(files)}",
-        f"          {one.format}, metres: {', '.join(counts)}{volume}",
+        f"          {one.format}, metres: {', '.join(counts)}, {one.volume_m3:.9g} m³",
         f"PRECISION {one.precision}",
     ]
 

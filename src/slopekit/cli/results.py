@@ -17,7 +17,7 @@ OPTIONS = {
     "quiet": QUIET, "output": FOLDER,
 }  # fmt: skip
 _ENDINGS = (".png", ".glb", ".gltf")
-_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
+_PICTURES = ("scene", "elevation", "mechanism", "stereonet")
 
 
 def remove_older(record: dict[str, Any], folder: Path) -> list[Path]:

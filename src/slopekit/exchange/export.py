@@ -1,53 +1,37 @@
 """`slopekit export` and `sk.export`: one function from a result to files, and what was written in words."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_files
+from slopekit.exchange.bodies import bodies_of, volume_of
 from slopekit.exchange.dxf import write_dxf
-from slopekit.exchange.picking import WHAT, Picked, WrittenBlock, names_of, picked, volume_of, with_bolts, words_of_what
 from slopekit.exchange.solids import Files, write_glb, write_obj, write_stl
 from slopekit.exchange.source import ExportSource, Given, sources_of
 from slopekit.exchange.vtu import write_vtu
 
-if TYPE_CHECKING:
-    pass
-
 _SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is said above it
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
-    """What a format holds: parts, and whether several at once; who writes it.
-
-    `needs` a module, of an extra; `is_rounded`: coordinates from each block's own middle are float32.
-    """
-
-    name: str
-    write: Callable[[Path, Picked], Files]
-    parts: tuple[str, ...] = WHAT
-    several: bool = True
-    needs: tuple[str, str] | None = None
-    is_rounded: bool = False
-
-
-#: Formats by the suffix of the file.
-FORMATS: Mapping[str, Format] = {
-    ".stl": Format("STL", write_stl, WHAT[:2], several=False),
-    ".obj": Format("OBJ", write_obj, WHAT[:2]),
-    ".glb": Format("GLB", write_glb, is_rounded=True),
-    ".gltf": Format("glTF", write_glb, is_rounded=True),
-    ".vtu": Format("VTU", write_vtu),
-    ".dxf": Format("DXF", write_dxf, needs=("ezdxf", "cad")),
+#: Name and writer of each format, by the suffix of the file.
+FORMATS: Mapping[str, tuple[str, Callable[[Path, ExportSource], Files]]] = {
+    ".stl": ("STL", write_stl),
+    ".obj": ("OBJ", write_obj),
+    ".glb": ("GLB", write_glb),
+    ".gltf": ("glTF", write_glb),
+    ".vtu": ("VTU", write_vtu),
+    ".dxf": ("DXF", write_dxf),
 }
+_ROUNDED = (".glb", ".gltf")  # coordinates from each block's own middle are float32
+_WITH_BOLTS = (".glb", ".gltf", ".vtu", ".dxf")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +41,7 @@ class Written:
     Attributes
     ----------
     files : written, the first is the one asked for; format, precision : in words
-    blocks, interfaces, pairs, bolts : how many; volume_m3 : of the blocks as they were written, None without blocks
+    blocks, interfaces, pairs, bolts : how many; volume_m3 : of the blocks as they were written
     case : the load case it is of, empty without
     """
 
@@ -67,8 +51,8 @@ class Written:
     blocks: int
     interfaces: int
     pairs: int
-    volume_m3: float | None
-    bolts: int = 0
+    volume_m3: float
+    bolts: int
     case: str = ""
 
     def to_dict(self) -> dict[str, Any]:
@@ -101,27 +85,21 @@ def export(
     result: Given,
     path: str | os.PathLike[str],
     *,
-    what: str | Sequence[str] | None = None,
-    blocks: str | Sequence[str] | None = None,
-    moving: bool = False,
     case: str | None = None,
 ) -> Export:
-    """Write the blocks, interfaces, node pairs or bolts of a result to a file of another program.
+    """Write the blocks and bolts of a result to a file of another program; in VTU interfaces and node pairs too.
 
     Parameters
     ----------
     result : a result, its JSON as a dict, or the path of the JSON file or of the folder of result.json
     path : the file, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf (.dxf needs the extra `cad`)
-    what : "blocks", "interfaces", "pairs", "bolts", or several of them [blocks; with bolts that have a head where the
-        format holds both]
-    blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
     case : one of the load cases of the result, by name; without it each has a file of its own, NAME-CASE.dxf beside
         `path`
 
     Raises
     ------
     DesignError
-        E129, E140, E141, E197, E273, E313, E340 and E350: see `slopekit explain`.
+        E129, E140, E141, E197, E313, E340 and E350: see `slopekit explain`.
 
     Notes
     -----
@@ -136,87 +114,68 @@ def export(
     >>> done.written[0].blocks, round(done.written[0].volume_m3)
     (1, 209461)
     """
-    words = words_of_what("blocks" if what is None else what)
-    target = _target(Path(path), words)
-    sources, names = sources_of(result, case), names_of(blocks)
-    has_bolts = what is None and "bolts" in FORMATS[target.suffix.lower()].parts
-    chosen = {name: picked(one.scene, words, names, moving, one.is_section) for name, one in sources.items()}
+    target, sources = _target(Path(path)), sources_of(result, case)
     written, said = list[Written](), dict[Notice, list[str]]()
     for name, source in sources.items():
-        part = with_bolts(chosen[name], names, moving) if has_bolts else chosen[name]
         is_alone = case is not None or not name
         file = target if is_alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
-        written.append(_written_file(file, part, name))
-        for notice in dict.fromkeys(_notices(source, part)):
+        written.append(_written_file(file, source, name))
+        for notice in _notices(source):
             said.setdefault(notice, []).append(name)
     notices = [
         one if len(whose) == len(sources) else Notice(one.code, f"{', '.join(whose)}: {one.message}")
         for one, whose in said.items()
     ]
-    return Export(tuple(written), (*notices, *_alike(list(sources), list(chosen.values()))))
+    return Export(tuple(written), (*notices, *_alike(sources)))
 
 
-def _written_file(path: Path, part: Picked, name: str) -> Written:
-    """One file of one case."""
-    form = FORMATS[path.suffix.lower()]
+def _written_file(path: Path, source: ExportSource, case: str) -> Written:
+    """Write one file of one case, and count what is in it."""
+    suffix, scene, bodies = path.suffix.lower(), source.scene, bodies_of(source.scene)
+    name, write = FORMATS[suffix]
     with writing(path), whole_files(path.parent) as staging:  # VTU has a file more for each part
-        files, precision = form.write(staging / path.name, part)
-    return _described(form, [path.with_name(file.name) for file in files], precision, part, name)
+        files, precision = write(staging / path.name, source)
+    if suffix in _ROUNDED:
+        volume = sum(volume_of(body.local.astype(np.float32).astype(np.float64), body.triangles) for body in bodies)
+    else:
+        volume = sum(body.volume for body in bodies)
+    interfaces, pairs = (len(scene.shapes.contacts), len(scene.pairs)) if suffix == ".vtu" else (0, 0)
+    bolts = len(scene.known_bolts) if suffix in _WITH_BOLTS else 0
+    beside = tuple(path.with_name(file.name) for file in files)
+    return Written(beside, name, precision, len(bodies), interfaces, pairs, volume, bolts, case)
 
 
-def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:
+def _alike(sources: Mapping[str, ExportSource]) -> list[Notice]:
     """W376 where every load case has the same blocks."""
     first, *others = [
-        [(one.name, one.vertices.tobytes(), one.triangles.tobytes()) for one in part.bodies] for part in parts
+        [(one.name, one.vertices.tobytes(), one.triangles.tobytes()) for one in bodies_of(source.scene)]
+        for source in sources.values()
     ]  # fmt: skip
-    if not others or not first or any(other != first for other in others):
+    if not others or any(other != first for other in others):
         return []
-    message = f"the blocks are the same in {', '.join(names[:-1])} and {names[-1]}"
+    *names, last = sources
+    message = f"the blocks are the same in {', '.join(names)} and {last}"
     return [Notice("W376", f"{message}: --case NAME writes one")]
 
 
-def _target(path: Path, words: Sequence[str]) -> Path:
-    """The file to write, refused before any work is done; E129, E140, E141, E313."""
-    file_format = _format(path.suffix.lower(), str(path))
-    lacking = [word for word in words if word not in file_format.parts]
-    if lacking:
-        able = [suffix for suffix, one in FORMATS.items() if lacking[0] in one.parts]
-        message = f"{file_format.name} files hold no {lacking[0]}"
-        raise DesignError([Fault("E313", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
-    if len(words) > 1 and not file_format.several:
-        message = f"{file_format.name} files hold one part at a time, not {' and '.join(words)}"
-        able = [suffix for suffix, one in FORMATS.items() if one.several and set(words) <= set(one.parts)]
-        raise DesignError([Fault("E313", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
-    _refuse_without(file_format, str(path))
+def _target(path: Path) -> Path:
+    """The file to write, refused before any work is done; E129, E140, E141."""
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        near = get_close_matches(suffix, FORMATS, n=1)
+        shown = f"the suffix {suffix}" if suffix else "a file without suffix"
+        advice = f"There are: {' '.join(FORMATS)}.{f' Did you mean {near[0]}?' if near else ''}"
+        raise DesignError([Fault("E141", f"{shown} is no format that slopekit writes", str(path), advice)])
+    if suffix == ".dxf":
+        try:
+            __import__("ezdxf")
+        except ImportError:
+            message = "DXF files need the extra cad (ezdxf)"
+            raise DesignError([Fault("E140", message, str(path), "pip install 'slopekit[cad]'")]) from None
     if path.is_dir():
         raise DesignError([Fault("E129", f"{path} cannot be written: it is a folder", str(path))])
     _refuse_unwritable(path.parent)
     return path
-
-
-def _format(suffix: str, where: str) -> Format:
-    file_format = FORMATS.get(suffix)
-    if file_format is None:
-        near = get_close_matches(suffix, FORMATS, n=1)
-        shown = f"the suffix {suffix}" if suffix else "a file without suffix"
-        advice = f"There are: {' '.join(FORMATS)}.{f' Did you mean {near[0]}?' if near else ''}"
-        raise DesignError([Fault("E141", f"{shown} is no format that slopekit writes", where, advice)])
-    return file_format
-
-
-def _refuse_without(file_format: Format, where: str) -> None:
-    """E140 where the module that a format needs is not installed."""
-    if file_format.needs is None:
-        return
-    module, extra = file_format.needs
-    try:
-        __import__(module)
-    except ImportError:
-        message, advice = (
-            f"{file_format.name} files need the extra {extra} ({module})",
-            f"pip install 'slopekit[{extra}]'",
-        )
-        raise DesignError([Fault("E140", message, where, advice)]) from None
 
 
 def _refuse_unwritable(folder: Path) -> None:
@@ -227,27 +186,11 @@ def _refuse_unwritable(folder: Path) -> None:
         pass
 
 
-def _described(form: Format, files: Sequence[Path], precision: str, chosen: Picked, case: str) -> Written:
-    """What was written."""
-    volume = sum(_volume(body, form.is_rounded) for body in chosen.bodies) if chosen.bodies else None
-    return Written(
-        tuple(files), form.name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume,
-        len(chosen.bolts), case,
-    )  # fmt: skip
-
-
-def _volume(body: WrittenBlock, is_rounded: bool) -> float:
-    """The volume (m³) of a block as it stands in the file."""
-    if not is_rounded:
-        return body.volume
-    return volume_of(body.local.astype(np.float32).astype(np.float64), body.triangles)
-
-
-def _notices(source: ExportSource, chosen: Picked) -> Iterator[Notice]:
+def _notices(source: ExportSource) -> Iterator[Notice]:
     """What the files do not say themselves: W376 flat triangles for a curved body."""
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
-    if source.is_curved and chosen.bodies and true > 0.0:
-        flat = sum(body.volume for body in chosen.bodies)
+    if source.is_curved and true > 0.0:
+        flat = sum(body.volume for body in bodies_of(source.scene))
         share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
         if share > _SMOOTH:
             message = f"the mass is written with flat triangles: {flat:.6g} m³"

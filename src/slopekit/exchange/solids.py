@@ -4,24 +4,22 @@ Those hold float32 vertices about each block's own origin, the origins as double
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from slopekit.block_scene import joined
+from slopekit.block_scene import BlockScene, joined
 from slopekit.bolts import nearest, plates, rods
 from slopekit.core.arrays import Floats, Ints
-from slopekit.exchange.panels import triangles_of
-from slopekit.exchange.picking import Picked
+from slopekit.exchange.bodies import bodies_of, state_of
+from slopekit.exchange.source import ExportSource
 
 _RESERVED = re.compile(r"(?i)solid|facet|normal|vertex|loop")  # readers look for these words, in names as well
 _DIGITS = "text, every digit of a double"
 #: Colours (red, green, blue, alpha).
 _STATES = ((150, 150, 150, 255), (214, 190, 150, 255), (200, 80, 10, 255))  # bedrock, stands, moves
-_JOINTS = ((0, 100, 164, 200), (0, 127, 95, 200), (168, 84, 138, 200), (216, 144, 0, 200), (86, 180, 233, 200))
-_MODES = ((0, 127, 95, 255), (200, 80, 10, 255), (0, 100, 164, 255))
 _BOLTS = ((200, 0, 80, 255), (20, 30, 90, 255))  # active, passive
 _ROD = 0.05  # m: the most that the radius of a rod is drawn
 #: The nodes of a GLB: the turn from z up to glTF's y up, below it the offset to the user's coordinates.
@@ -30,20 +28,19 @@ _Z_UP, _ORIGIN = "slopekit: z is up", "map origin"
 Files = tuple[list[Path], str]
 
 
-def write_stl(path: Path, picked: Picked) -> Files:
-    """ASCII STL: one `solid` a block, or a joint where interfaces are written."""
+def write_stl(path: Path, source: ExportSource) -> Files:
+    """ASCII STL: one `solid` a block."""
     lines: list[str] = []
-    for name, vertices, triangles in _surfaces(picked):
-        corners = vertices[triangles]
-        words = _words(vertices)
-        normals = [f"{x:.6g} {y:.6g} {z:.6g}" for x, y, z in _normals(corners).tolist()]
-        lines.append(f"solid {stl_name(name)}")
-        for (a, b, c), normal in zip(triangles.tolist(), normals, strict=True):
+    for body in bodies_of(source.scene):
+        words = _words(body.vertices)
+        normals = [f"{x:.6g} {y:.6g} {z:.6g}" for x, y, z in _normals(body.vertices[body.triangles]).tolist()]
+        lines.append(f"solid {stl_name(body.name)}")
+        for (a, b, c), normal in zip(body.triangles.tolist(), normals, strict=True):
             lines.append(
                 f"facet normal {normal}\n outer loop\n  vertex {words[a]}\n  vertex {words[b]}\n  vertex {words[c]}\n"
                 " endloop\nendfacet"
             )
-        lines.append(f"endsolid {stl_name(name)}")
+        lines.append(f"endsolid {stl_name(body.name)}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return [path], _DIGITS
 
@@ -52,31 +49,22 @@ def _rounding(vertices: Floats) -> float:
     return float(np.abs(vertices - vertices.astype(np.float32)).max(initial=0.0))
 
 
-def write_obj(path: Path, picked: Picked) -> Files:
-    """OBJ: one object a block, its faces by name where they are known, interfaces as polygons, one object a joint."""
+def write_obj(path: Path, source: ExportSource) -> Files:
+    """OBJ: one object a block, its faces by name where they are known."""
     lines = ["# slopekit; metres, x east, y north, z up"]
     at = 1
-    solids, fixed = picked.scene.shapes.solids, picked.scene.shapes.fixed
-    for body in picked.bodies:
-        lines += [f"o {_token(body.name)}", *_vertices(body.vertices)]
-        faces = solids.face[solids.block == body.index] if body.index >= 0 else np.full(len(body.triangles), -1)
-        is_rock = body.index < 0 or fixed[body.index]
-        last = None
+    solids, fixed = source.scene.shapes.solids, source.scene.shapes.fixed
+    for body in bodies_of(source.scene):
+        lines += [f"o {_token(body.name)}", *(f"v {words}" for words in _words(body.vertices))]
+        unnamed, last = "bedrock" if fixed[body.index] else "moving", None
+        faces = solids.face[solids.block == body.index]
         for face, (a, b, c) in zip(faces.tolist(), (body.triangles + at).tolist(), strict=True):
-            group = solids.faces[face] if face >= 0 else "bedrock" if is_rock else "moving"
+            group = solids.faces[face] if face >= 0 else unnamed
             if group != last:
                 lines.append(f"g {_token(body.name)} {_token(group)}")
                 last = group
             lines.append(f"f {a} {b} {c}")
         at += len(body.vertices)
-    contacts = picked.scene.shapes.contacts
-    for _, joint, own in picked.by_joint():
-        lines.append(f"o {_token(joint)}")
-        for k in own.tolist():
-            corners = contacts.corners[contacts.first[k] : contacts.first[k + 1]]
-            lines += _vertices(corners)
-            lines.append("f " + " ".join(str(at + i) for i in range(len(corners))))
-            at += len(corners)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return [path], _DIGITS
 
@@ -90,23 +78,8 @@ def stl_name(name: str) -> str:
     return _RESERVED.sub(lambda match: f"{match.group()[0]}_{match.group()[1:]}", " ".join(name.split()))
 
 
-def _surfaces(picked: Picked) -> Iterator[tuple[str, Floats, Ints]]:
-    """Blocks, then the panels of each joint, as triangles."""
-    for body in picked.bodies:
-        yield body.name, body.vertices, body.triangles
-    if len(picked.contacts):
-        contacts = picked.scene.shapes.contacts
-        triangles, panel = triangles_of(contacts)
-        for _, joint, own in picked.by_joint():
-            yield joint, contacts.corners, triangles[np.isin(panel, own)]
-
-
 def _words(vertices: Floats) -> list[str]:
     return [f"{x!r} {y!r} {z!r}" for x, y, z in (vertices + 0.0).tolist()]
-
-
-def _vertices(vertices: Floats) -> list[str]:
-    return [f"v {words}" for words in _words(vertices)]
 
 
 def _token(name: str) -> str:
@@ -120,46 +93,34 @@ def _normals(corners: Floats) -> Any:
     return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
 
 
-def write_glb(path: Path, picked: Picked) -> Files:
-    """A .glb, or a .gltf with its buffers within."""
+def write_glb(path: Path, source: ExportSource) -> Files:
+    """Write blocks and bolts as a .glb, or as a .gltf with its buffers within."""
     import trimesh
 
-    origin, contacts = picked.middle, picked.scene.shapes.contacts
+    blocks, bodies = source.scene, bodies_of(source.scene)
+    vertices = blocks.shapes.solids.vertices
+    origin = np.round((vertices.min(axis=0) + vertices.max(axis=0)) / 2.0)
     scene = trimesh.Scene()
     turn = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
     scene.graph.update(frame_from=scene.graph.base_frame, frame_to=_Z_UP, matrix=turn)
     scene.graph.update(frame_from=_Z_UP, frame_to=_ORIGIN, matrix=_shift(origin))
-    rounding = 0.0
     taken = {scene.graph.base_frame, _Z_UP, _ORIGIN}
 
-    def add(name: str, geometry: Any, at: Floats) -> None:
+    def add(name: str, vertices: Floats, triangles: Ints, at: Floats, colour: Any, known: dict[str, Any]) -> None:
         while name in taken:
             name += "_"
         taken.add(name)
-        scene.geometry[name] = geometry  # add_geometry looks through all that is there: n² of time
-        scene.graph.update(frame_from=_ORIGIN, frame_to=name, matrix=_shift(at), geometry=name)
-
-    def add_mesh(name: str, vertices: Floats, triangles: Ints, at: Floats, colour: Any, known: dict[str, Any]) -> None:
-        nonlocal rounding
-        rounding = max(rounding, _rounding(vertices))
         mesh = trimesh.Trimesh(vertices, triangles, process=False, metadata=known)
         mesh.visual = _painted(colour)
-        add(name, mesh, at)
+        scene.geometry[name] = mesh  # add_geometry looks through all that is there: n² of time
+        scene.graph.update(frame_from=_ORIGIN, frame_to=name, matrix=_shift(at - origin), geometry=name)
 
-    for body in picked.bodies:
-        middle, local = body.middle, body.local
-        add_mesh(body.name, local, body.triangles, middle - origin, _STATES[picked.state_of(body)],
-                 _of_block(picked, body.index))  # fmt: skip
-    triangles, panel = triangles_of(contacts)
-    for k, joint, own in picked.by_joint():
-        used, index = np.unique(triangles[np.isin(panel, own)], return_inverse=True)
-        add_mesh(f"interface {joint}", contacts.corners[used] - origin, index.reshape(-1, 3), np.zeros(3),
-                 _JOINTS[k % len(_JOINTS)], {"joint": joint})  # fmt: skip
-    for mode, word, points in picked.by_mode():
-        colours = np.tile(np.array(_MODES[mode], dtype=np.uint8), (len(points), 1))
-        add(f"node pairs, {word}", trimesh.PointCloud(points - origin, colours), np.zeros(3))
-    _add_bolts(picked, add_mesh, origin)
+    for body in bodies:
+        colour = _STATES[state_of(blocks, body)]
+        add(body.name, body.local, body.triangles, body.middle, colour, _of_block(blocks, body.index))
+    _add_bolts(blocks, add)
     save_gltf(scene, path)
+    rounding = max(_rounding(body.local) for body in bodies)
     said = f"float32 about each block's own origin (rounded by up to {rounding:.2g} m)"
     return [path], f"{said}, origins as doubles in the nodes"
 
@@ -174,11 +135,11 @@ def save_gltf(scene: Any, path: Path) -> None:
         path.write_bytes(trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)["model.gltf"])
 
 
-def _add_bolts(picked: Picked, add_mesh: Callable[..., None], origin: Floats) -> None:
+def _add_bolts(scene: BlockScene, add: Callable[..., None]) -> None:
     """One rod with its plate a bolt, about its head."""
-    bolts = picked.scene.known_bolts
-    radius = min(_ROD, 0.1 * nearest(bolts.heads_m)) if len(picked.bolts) else 0.0
-    for k in picked.bolts.tolist():
+    bolts = scene.known_bolts
+    radius = min(_ROD, 0.1 * nearest(bolts.heads_m)) if len(bolts) else 0.0
+    for k in range(len(bolts)):
         head, end, here = bolts.heads_m[k], bolts.ends_m[k], np.zeros((1, 3))
         rod, plate = rods(here, (end - head)[None, :], radius), plates(here, bolts.plates[k : k + 1], 6.0 * radius)
         vertices, triangles, _ = joined([rod, plate])
@@ -188,25 +149,20 @@ def _add_bolts(picked: Picked, add_mesh: Callable[..., None], origin: Floats) ->
             "length_m": length if np.isfinite(length) else None, "acts": "passive" if passive else "active",
             "head": head.tolist(), "end": end.tolist(),
         }  # fmt: skip
-        add_mesh(f"bolt {int(bolts.number[k])}", vertices, triangles, head - origin, _BOLTS[passive], known)
+        add(f"bolt {int(bolts.number[k])}", vertices, triangles, head, _BOLTS[passive], known)
 
 
 def _painted(colour: tuple[int, int, int, int]) -> Any:
-    """The look of a mesh; one that is seen through has no back."""
+    """The look of a mesh."""
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    clear = colour[3] < 255
-    material = PBRMaterial(
-        baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.9, doubleSided=clear,
-        alphaMode="BLEND" if clear else "OPAQUE",
-    )  # fmt: skip
+    material = PBRMaterial(baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.9, alphaMode="OPAQUE")
     return TextureVisuals(material=material)
 
 
-def _of_block(picked: Picked, k: int) -> dict[str, Any]:
+def _of_block(scene: BlockScene, k: int) -> dict[str, Any]:
     """What is known of a block, as glTF extras."""
-    scene = picked.scene
     factor = float(scene.factor[k])
     return {
         "fixed": bool(scene.shapes.fixed[k]), "factor_of_safety": factor if np.isfinite(factor) else None,

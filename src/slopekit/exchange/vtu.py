@@ -12,33 +12,38 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from slopekit.block_scene import MODES
+from slopekit.block_scene import MODES, BlockScene, Bolts
 from slopekit.core.arrays import Floats, Ints
+from slopekit.exchange.bodies import bodies_of
 from slopekit.exchange.panels import areas_of
-from slopekit.exchange.picking import Picked
 from slopekit.exchange.solids import Files
+from slopekit.exchange.source import ExportSource
 
 _VERTEX, _LINE, _POLYGON, _POLYHEDRON = 1, 3, 7, 42
 _TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8"), "u": ("UInt8", "|u1"), "b": ("UInt8", "|u1")}
 
 
-def write_vtu(path: Path, picked: Picked) -> Files:
-    """NAME.vtu, with NAME-interfaces.vtu and so on where several are asked for."""
-    files = []
-    writers = {"blocks": _blocks, "interfaces": _interfaces, "pairs": _pairs, "bolts": _bolts}
-    for what in picked.what:
-        target = path if what == picked.what[0] else path.with_name(f"{path.stem}-{what}{path.suffix}")
-        target.write_bytes(writers[what](picked))
-        files.append(target)
+def write_vtu(path: Path, source: ExportSource) -> Files:
+    """NAME.vtu of the blocks, with NAME-interfaces.vtu, NAME-pairs.vtu and NAME-bolts.vtu where there are any."""
+    scene = source.scene
+    parts = {"": _blocks(scene)}
+    if len(scene.shapes.contacts):
+        parts["-interfaces"] = _interfaces(scene)
+    if len(scene.pairs):
+        parts["-pairs"] = _pairs(scene)
+    if scene.bolts is not None:
+        parts["-bolts"] = _bolts(scene.bolts, scene)
+    files = [path.with_name(f"{path.stem}{part}{path.suffix}") for part in parts]
+    for file, content in zip(files, parts.values(), strict=True):
+        file.write_bytes(content)
     return files, "float64"
 
 
-# -- the three files --------------------------------------------------------------------------------------------------
+# -- the four files- --------------------------------------------------------------------------------------------------
 
 
-def _blocks(picked: Picked) -> bytes:
-    scene, bodies = picked.scene, picked.bodies
-    index = np.array([body.index for body in bodies])
+def _blocks(scene: BlockScene) -> bytes:
+    bodies = bodies_of(scene)
     firsts = np.cumsum([0, *(len(body.vertices) for body in bodies)])
     stream, ends = [], []
     length = 0
@@ -51,12 +56,12 @@ def _blocks(picked: Picked) -> bytes:
     moved = scene.displacement
     none = np.full((len(scene.velocity), 6), np.nan)
     displacement = none if moved is None or len(moved) != len(none) else moved
-    data: dict[str, Floats | Ints] = {
-        "block": index.astype(np.int64), "fixed": scene.shapes.fixed[index].astype(np.uint8),
-        "factor_of_safety": scene.factor[index], "mechanism_order": scene.order[index].astype(np.int64),
+    data: dict[str, Any] = {
+        "block": np.arange(len(bodies)), "fixed": scene.shapes.fixed.astype(np.uint8),
+        "factor_of_safety": scene.factor, "mechanism_order": scene.order.astype(np.int64),
         "volume_m3": np.array([body.volume for body in bodies]),
-        "velocity": scene.velocity[index, :3], "rotation": scene.velocity[index, 3:],
-        "displacement_m": displacement[index, :3], "displacement_rotation_rad": displacement[index, 3:],
+        "velocity": scene.velocity[:, :3], "rotation": scene.velocity[:, 3:],
+        "displacement_m": displacement[:, :3], "displacement_rotation_rad": displacement[:, 3:],
     }  # fmt: skip
     cells = {
         "connectivity": np.arange(firsts[-1]), "offsets": firsts[1:], "types": np.full(len(bodies), _POLYHEDRON),
@@ -66,52 +71,48 @@ def _blocks(picked: Picked) -> bytes:
     return _file(np.concatenate([body.vertices for body in bodies]), cells, data, names)
 
 
-def _interfaces(picked: Picked) -> bytes:
-    scene, own = picked.scene, picked.contacts
+def _interfaces(scene: BlockScene) -> bytes:
     contacts = scene.shapes.contacts
-    sizes = np.diff(contacts.first)[own]
-    at = np.repeat(contacts.first[own] - np.cumsum(sizes) + sizes, sizes) + np.arange(sizes.sum())
     data: dict[str, Floats | Ints] = {
-        "joint": contacts.joint[own], "plus_block": contacts.plus[own], "minus_block": contacts.minus[own],
-        "area_m2": areas_of(contacts)[own],
+        "joint": contacts.joint, "plus_block": contacts.plus, "minus_block": contacts.minus,
+        "area_m2": areas_of(contacts),
     }  # fmt: skip
-    cells = {"connectivity": np.arange(len(at)), "offsets": np.cumsum(sizes), "types": np.full(len(own), _POLYGON)}
-    return _file(contacts.corners[at], cells, data, _names(picked))
+    cells = {
+        "connectivity": np.arange(len(contacts.corners)), "offsets": contacts.first[1:],
+        "types": np.full(len(contacts), _POLYGON),
+    }  # fmt: skip
+    return _file(contacts.corners, cells, data, _names(scene))
 
 
-def _pairs(picked: Picked) -> bytes:
-    pairs, own = picked.scene.pairs, picked.pairs
-    area = pairs.control_area_m2[own]
+def _pairs(scene: BlockScene) -> bytes:
+    pairs, count = scene.pairs, len(scene.pairs)
+    area = pairs.control_area_m2
     data: dict[str, Floats | Ints] = {
-        "joint": pairs.joint[own], "plus_block": pairs.plus[own], "minus_block": pairs.minus[own],
-        "control_area_m2": area, "normal": pairs.normals[own], "normal_kn": pairs.normal_kn[own],
-        "shear_kn": pairs.shear_kn[own], "mode": pairs.mode[own],
-        "normal_stress_kpa": np.divide(pairs.normal_kn[own], area, out=np.zeros(len(own)), where=area > 0.0),
+        "joint": pairs.joint, "plus_block": pairs.plus, "minus_block": pairs.minus, "control_area_m2": area,
+        "normal": pairs.normals, "normal_kn": pairs.normal_kn, "shear_kn": pairs.shear_kn, "mode": pairs.mode,
+        "normal_stress_kpa": np.divide(pairs.normal_kn, area, out=np.zeros(count), where=area > 0.0),
     }  # fmt: skip
-    count = len(own)
     cells = {"connectivity": np.arange(count), "offsets": np.arange(1, count + 1), "types": np.full(count, _VERTEX)}
-    return _file(pairs.points_m[own], cells, data, _names(picked))
+    return _file(pairs.points_m, cells, data, _names(scene))
 
 
-def _bolts(picked: Picked) -> bytes:
+def _bolts(bolts: Bolts, scene: BlockScene) -> bytes:
     """A line a bolt, its head first."""
-    bolts, own = picked.scene.known_bolts, picked.bolts
-    count = len(own)
+    count = len(bolts)
     data = {
-        "number": bolts.number[own], "block": bolts.block[own], "force_kn": bolts.force_kn[own],
-        "length_m": bolts.length_m[own], "passive": bolts.passive[own].astype(np.uint8),
-        "plate_normal": bolts.plates[own],
+        "number": bolts.number, "block": bolts.block, "force_kn": bolts.force_kn, "length_m": bolts.length_m,
+        "passive": bolts.passive.astype(np.uint8), "plate_normal": bolts.plates,
     }  # fmt: skip
-    points = np.stack([bolts.heads_m[own], bolts.ends_m[own]], axis=1).reshape(-1, 3)
+    points = np.stack([bolts.heads_m, bolts.ends_m], axis=1).reshape(-1, 3)
     cells = {
         "connectivity": np.arange(2 * count), "offsets": 2 * np.arange(1, count + 1), "types": np.full(count, _LINE),
     }  # fmt: skip
-    return _file(points, cells, data, {"block_names": picked.scene.shapes.names})
+    return _file(points, cells, data, {"block_names": scene.shapes.names})
 
 
-def _names(picked: Picked) -> dict[str, Sequence[str]]:
+def _names(scene: BlockScene) -> dict[str, Sequence[str]]:
     return {
-        "joint_names": picked.scene.shapes.joints, "block_names": picked.scene.shapes.names,
+        "joint_names": scene.shapes.joints, "block_names": scene.shapes.names,
         "mode_names": MODES,
     }  # fmt: skip
 

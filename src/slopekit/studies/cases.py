@@ -10,70 +10,30 @@
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
+from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
 from slopekit.studies.words import head
 
 if TYPE_CHECKING:
-    from slopekit.studies.solve.for_cases import SolutionForAll
     from slopekit.studies.support.for_cases import SupportForAll
 
 #: Studies that find one thing for all cases: the module with `for_all`, and `options` of each case.
-_FOR_ALL: Mapping[str, str] = {
-    "support": "slopekit.studies.support.for_cases", "solve": "slopekit.studies.solve.for_cases",
-}  # fmt: skip
 _ROOM, _LAST = 88, 16  # characters of a line beside its label; of those its last column, as it comes
 _EXITS = (0, 1, 4, 3, 2, 5)  # from good to bad
 
 
 Found = TypeVar("Found", bound=Shown, covariant=True)
-
-
-@dataclass(frozen=True, slots=True)
-class InCase:
-    """A load case with what is found for all: what it asks for, what both methods give, whether that is enough.
-
-    Attributes
-    ----------
-    status : of PRE-IE, or why there is none; own : the value that the case alone needs, None where that is nothing
-    """
-
-    case: str
-    target: float
-    status: str
-    limit: float | None
-    closed_form: float | None
-    met: bool
-    own: float | None = None
-
-
-def in_each_case(with_what: str, inside: Sequence[InCase], last: Column[InCase]) -> Table[InCase]:
-    """The table of every case with what is found for all; its records are the JSON of them."""
-
-    def factor(value: float | None) -> str:
-        return factor_text(value).strip()
-
-    columns: list[Column[InCase]] = [
-        Column(with_what, attrgetter("case"), "case", width=-22),
-        Column("asks", attrgetter("target"), "target_fos", show=".4g", width=7),
-        Column("FoS", attrgetter("limit"), "limit", show=factor, width=9),
-        Column("closed form", attrgetter("closed_form"), "closed_form", show=factor, width=13),
-        Column("met", attrgetter("met"), "met", show=lambda met: "yes" if met else "NO", width=6),
-        replace(last, title=f"  {last.title}", width=-1, about="  {}"),
-    ]
-    return Table(columns, inside)
 
 
 #: A case and what came of it.
@@ -97,7 +57,7 @@ class Cases(Shown, Generic[Found]):
     design: Design
     what: str
     cases: Mapping[str, Found]
-    for_all: "SolutionForAll | SupportForAll | None" = None
+    for_all: "SupportForAll | None" = None
     keys: tuple[str, ...] = ()
 
     @property
@@ -239,19 +199,18 @@ def each_case(
     DesignError, GeometryError
         With the faults of all cases: those that not all of them have say whose they are.
     """
-    module = import_module(_FOR_ALL[name]) if name in _FOR_ALL else None
     by_case, wrong = dict[str, Found](), dict[str, DesignError | GeometryError]()
     for case in design.cases:
-        own = dict(given) if module is None else module.options(case.design, given)
         try:
-            by_case[case.name] = function(**{place: case.design}, **own)
+            by_case[case.name] = function(**{place: case.design}, **given)
         except (DesignError, GeometryError) as error:
             wrong[case.name] = error
     if wrong:
         _refuse(wrong, len(design.cases))
     varied = given.get("keys", given.get("key")) or ()
     keys = (varied.partition("=")[0],) if isinstance(varied, str) else tuple(varied)
-    return Cases(design, name, by_case, None if module is None else module.for_all(by_case, given), keys)
+    for_all = import_module("slopekit.studies.support.for_cases").for_all(by_case) if name == "support" else None
+    return Cases(design, name, by_case, for_all, keys)
 
 
 def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "") -> dict[str, Mapping[str, Any]]:

@@ -364,22 +364,11 @@ def listed(names: Sequence[str]) -> str:
 def _nearest(path: str, known: Mapping[str, Key]) -> str:
     """The keys that may have been meant: those that end so, are written nearly so, or stand beside it."""
     above, _, last = path.rpartition(".")
-    keys = {name.rpartition(".")[2] for name in known if not above or name.startswith(f"{above}.")}
-    last = next(iter(nearest(last, keys, cutoff=0.99)), last)
+    last = next(iter(nearest(last, {name.rpartition(".")[2] for name in known}, cutoff=0.7)), last)
     path = f"{above}.{last}" if above else last
-    if path in known:
-        return f"Did you mean {path}?"
-    ends = [name for name in known if path and (name.endswith(f".{path}") or f".{path}." in f".{name}.")]
-    if not ends:
-        ends = nearest(path, known, cutoff=0.8)
-    if not ends and above:
-        ends = [name for name in known if name.startswith(f"{above}.")]
-    if not ends:
-        near = nearest(last, {name.rpartition(".")[2] for name in known}, cutoff=0.7)
-        ends = [name for name in known if near and name.endswith(f".{near[0]}")]
-    if not ends:
-        top = path.partition(".")[0]
-        ends = [name for name in known if name.startswith(f"{top}.")]
+    ends = [name for name in known if path and f".{path}." in f".{name}."] or nearest(path, known, cutoff=0.8)
+    ends = ends or [name for name in known if name.endswith(f".{last}")]
+    ends = ends or [name for name in known if name.startswith(f"{path.partition('.')[0]}.")]
     if ends:
         return f"Did you mean {ends[0]}?" if len(ends) == 1 else f"Did you mean one of {listed(ends)}?"
     numbers = [name for name, key in known.items() if key.role == "quantity"]

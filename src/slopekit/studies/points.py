@@ -144,27 +144,23 @@ def point_from_record(record: Mapping[str, Any]) -> Point:
     return Point(Factors(**{name: record[name] for name in _NO_FACTORS}, also=also))
 
 
-@dataclass(frozen=True, slots=True)
-class Evaluation:
-    """What a worker does with one set of values: the design is read with them and analysed.
+def evaluation(design: Design, pre_ie: bool, keeps_bolts: bool, values: Mapping[str, object]) -> Record:
+    """The record of a point: what a worker does with one set of values.
 
-    `pre_ie` False asks the closed form alone, where there is one. `keeps_bolts` says that bolts stay where they are as
-    values change, as in a slope that turns out otherwise: those that miss the block then, or end within it, give no
-    force (W311), where else they would be a fault. Values of the bolts themselves are taken as they are.
+    Parameters
+    ----------
+    pre_ie : False asks the closed form alone, where there is one
+    keeps_bolts : bolts stay where they are as values change, as in a slope that turns out otherwise: those that miss
+        the block then, or end within it, give no force (W311), where else they would be a fault. Values of the bolts
+        themselves are taken as they are
     """
-
-    design: Design
-    pre_ie: bool = True
-    keeps_bolts: bool = False
-
-    def __call__(self, values: Mapping[str, object]) -> Record:
-        point = point_of(self.design, values, self.pre_ie)
-        if self.keeps_bolts and values and point.code in _OF_BOLTS:
-            point = point_of(self.design, values, self.pre_ie, holding_bolts)
-            if point.factors is not None:
-                notes = (Notice("W311", _WITHOUT_FORCE), *point.factors.notes)
-                point = replace(point, factors=replace(point.factors, notes=notes))
-        return point.to_record()
+    point = point_of(design, values, pre_ie)
+    if keeps_bolts and values and point.code in _OF_BOLTS:
+        point = point_of(design, values, pre_ie, holding_bolts)
+        if point.factors is not None:
+            notes = (Notice("W311", _WITHOUT_FORCE), *point.factors.notes)
+            point = replace(point, factors=replace(point.factors, notes=notes))
+    return point.to_record()
 
 
 def holding_bolts(design: Design) -> Design:

@@ -10,7 +10,6 @@ import hashlib
 import json
 import os
 import signal
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -34,10 +33,8 @@ Record: TypeAlias = Any
 Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
-_GONE_S = 5.0  # within which workers of a broken pool have ended
 _MOST_JOBS = 512
 _LAYOUT = 2  # of records, to be raised with them: since 2 points have what acceptance is held against besides
-_NO_GUARD = 64  # exit code of a worker whose script asks for workers itself while it is imported
 
 
 @dataclass(slots=True)
@@ -183,8 +180,7 @@ def run_all(
     Interrupted
         Ctrl-C: E304, with what is done in the journal.
     DesignError
-        E301 no connection to the scheduler or workers with another slopekit, E140 Dask is not installed, E464 a
-        script without a main guard.
+        E301 no connection to the scheduler or workers with another slopekit, E140 Dask is not installed.
     SolverError
         E303 workers die again and again.
 
@@ -262,8 +258,6 @@ def _on_workers(
                 for future in futures:
                     future.cancel()
                 raise
-            if lost:
-                _refuse_without_guard(executor)
         losses = losses + 1 if len(lost) == len(left) else 0
         # one by one: what kills its worker does not take others along
         left = [[index] for chunk in lost for index in chunk if index not in done]
@@ -281,19 +275,6 @@ def _several(work: Callable[[Any], Record], tasks: Sequence[Any]) -> list[Record
     return [work(task) for task in tasks]
 
 
-def _refuse_without_guard(executor: Executor) -> None:
-    """E464 where a worker of ours went away because the script that asked runs itself again in it."""
-    workers = list((getattr(executor, "_processes", None) or {}).values())
-    ends = time.monotonic() + _GONE_S
-    while any(one.exitcode is None for one in workers) and time.monotonic() < ends:
-        time.sleep(0.01)  # the pool is told of a worker's end before its exit code can be read
-    if any(one.exitcode == _NO_GUARD for one in workers):
-        script = str(getattr(sys.modules["__main__"], "__file__", ""))
-        message = "the script has no main guard: every process of jobs= begins it anew"
-        advice = "Put what it does into a function, def main():, and end it with these two lines, or leave jobs out:\n"
-        raise DesignError([Fault("E464", message, script, f'{advice}if __name__ == "__main__":\n    main()')])
-
-
 @contextmanager
 def _executor(crew: Crew) -> Iterator[Executor]:
     with ExitStack() as stack:
@@ -302,8 +283,6 @@ def _executor(crew: Crew) -> Iterator[Executor]:
             return
         import multiprocessing
 
-        if getattr(multiprocessing.current_process(), "_inheriting", False):
-            raise SystemExit(_NO_GUARD)  # a worker that runs its script: the one who asked says so
         # spawned: the same on every system, and no threads of ours are copied half-way
         pool = _Pool(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
         try:

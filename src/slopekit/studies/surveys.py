@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from slopekit._version import FORMAT, __version__
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
-from slopekit.core.sheet import counted
+from slopekit.core.orientation import number
+from slopekit.core.sheet import Column, Table, counted
 from slopekit.design.joint_lists import JointList, own_or_given
 from slopekit.design.words import shown
 from slopekit.kinds.wedge.design import WedgeDesign
@@ -57,6 +60,64 @@ def survey_entry(joints: JointList) -> str:
     n, sets = len(joints), len(joints.sets())
     in_sets = f" in {counted(sets, 'set')}" if sets else ""
     return f"{counted(n, 'joint')}{in_sets}, {counted(n * (n - 1) // 2, 'pair')}"
+
+
+_OPTIONS = {"friction": "phi", "cohesion": "c"}  # by what they give
+_UNITS = {"_kn_m3": " kN/m³", "_kg_m3": " kg/m³", "_kpa": " kPa", "_deg": "°", "_m3": " m³", "_m": " m"}
+
+
+def inputs_in_words(
+    inputs: Mapping[str, Any], defaults: Sequence[str] = (), units: Mapping[str, str] = MappingProxyType({})
+) -> list[str]:
+    """The inputs of a document by name, with units; what was left to the study is marked, what is null left out.
+
+    >>> inputs_in_words({"height_m": 15.0, "water": {"mode": "dry", "fill": 0.0}}, ["height"])
+    ['height 15 m (default)', 'water: mode dry, fill 0']
+    """
+    plain, groups = list[str](), list[str]()
+    for key, value in inputs.items():
+        if value is None or value == []:
+            continue
+        ending = next((one for one in _UNITS if key.endswith(one)), "")
+        name = key.removesuffix(ending)
+        words, unit = name.replace("_", " "), _UNITS.get(ending, units.get(key, ""))
+        if isinstance(value, Mapping) and "least" not in value:
+            groups += [f"{words}: {entry}" for entry in inputs_in_words(value)]
+        else:
+            default = " (default)" if _OPTIONS.get(name, name) in defaults else ""
+            plain.append(f"{words} {_in_words(value)}{unit}{default}")
+    return [*([", ".join(plain)] if plain else []), *groups]
+
+
+def _in_words(value: Any) -> str:
+    """A number, a text, several of them, or the least and the most of strengths."""
+    if isinstance(value, Mapping):
+        ends = dict.fromkeys((number(value["least"]), number(value["most"])))
+        return " to ".join(ends)
+    if isinstance(value, list | tuple):
+        return "; ".join(map(_in_words, value))
+    return number(value) if isinstance(value, int | float) else str(value)
+
+
+def records_table(records: Sequence[Mapping[str, Any]]) -> Table[Mapping[str, Any]]:
+    """A table of JSON values for a file: a column for each number, named by its path; lists are left out."""
+    rows = [_flat(record) for record in records]
+    names = dict.fromkeys(name for row in rows for name in row)
+    return Table([Column("", partial(_cell, name), name) for name in names], rows)
+
+
+def _cell(name: str, row: Mapping[str, Any]) -> Any:
+    return row.get(name)
+
+
+def _flat(record: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    flat = dict[str, Any]()
+    for key, value in record.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{above}{key}.")
+        elif not isinstance(value, list | tuple):
+            flat[f"{above}{key}"] = value
+    return flat
 
 
 def range_of(values: Floats, own: int) -> dict[str, float | int]:

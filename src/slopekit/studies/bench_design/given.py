@@ -51,6 +51,8 @@ _NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
     "swell": ("ratio", 1.0, 3.0, "the volume of broken rock by that of solid rock", SWELL),
     "repose": ("angle", 10.0, 60.0, "an angle of repose", REPOSE_DEG),
 }  # fmt: skip
+#: Of the numbers, as a sheet has them.
+UNITS = {name: {"length": " m", "angle": "°", "ratio": ""}[kind] for name, (kind, *_) in _NUMBERS.items()}
 _WHOLE = ("n", "confirm", "seed")
 
 

@@ -44,15 +44,6 @@ def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = 
 
 
 @dataclass(frozen=True, slots=True)
-class OfMode:
-    """One way to fail: how often a block forms, how often a block that forms fails, how often both."""
-
-    forms: Share
-    fails_if_formed: Share
-    fails: Share
-
-
-@dataclass(frozen=True, slots=True)
 class OfBerm:
     """A berm of a bench.
 
@@ -99,7 +90,8 @@ class OfBench:
 
     Attributes
     ----------
-    modes : by the words of `MODES`, and `any`
+    modes : by the words of `MODES`, and `any`: how often a block forms, how often one that forms fails, how often both,
+        `forms`, `fails_if_formed` and `fails`
     backbreak : along the bench, m
     curve_m : backbreak at 0, 1 ... 100 % of the length; face_curve_deg : the effective face angle likewise, falling
     effective_face_deg : at the reliability wanted
@@ -112,7 +104,7 @@ class OfBench:
     height_m: float
     face_dip_deg: float
     catch_width_m: float
-    modes: Mapping[str, OfMode] = field(metadata={"json": "probability"})
+    modes: Mapping[str, Mapping[str, Share]] = field(metadata={"json": "probability"})
     backbreak: SizeStatistics = field(metadata={"json": "backbreak_m"})
     curve_m: tuple[float, ...] = field(metadata={"json": "backbreak_curve_m"})
     face_curve_deg: tuple[float, ...] = field(metadata={"json": "effective_face_curve_deg"})
@@ -141,7 +133,7 @@ def of_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> OfCohesion:
     }
     steps = steps_of(bench, asked.ground(bench.height_m).every_m)
     lost = quantiles(bench.setback_m, [asked.number("reliability")], steps)[0]
-    given = of.modes["any"].fails
+    given = of.modes["any"]["fails"]
     decides = shares["any"] > given.high and 2.0 * (given.share or 0.0) <= shares["any"]
     return OfCohesion(among, shares, asked.catch_m(bench.height_m) + lost, decides)
 
@@ -166,11 +158,11 @@ def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
     with np.errstate(invalid="ignore", divide="ignore"):
         of_both = of_fails / of_forms
     modes = {
-        name: OfMode(
-            share_of(forms[k], None, of_forms[:, k], confidence),
-            share_of(fails[k], forms[k], of_both[:, k], confidence),
-            share_of(fails[k], None, of_fails[:, k], confidence),
-        )
+        name: {
+            "forms": share_of(forms[k], None, of_forms[:, k], confidence),
+            "fails_if_formed": share_of(fails[k], forms[k], of_both[:, k], confidence),
+            "fails": share_of(fails[k], None, of_fails[:, k], confidence),
+        }
         for k, name in enumerate(_CALLED)
     }  # fmt: skip
     failed = bench.governs >= 0

@@ -5,7 +5,7 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 >>> import slopekit as sk
 >>> found = sk.bench_design(["50/150", "55/215", "48/165", "60/200", "80/005"], height=15, face=[65, 80],
 ...                         dip_direction=180, c=0, phi=30, n=400, confirm=0)
->>> [round(bench.modes["any"].fails.share, 2) for bench in found.benches]
+>>> [round(bench.modes["any"]["fails"].share, 2) for bench in found.benches]
 [0.59, 0.66]
 """
 
@@ -79,7 +79,7 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
         yield Notice("W394", message)
     yield from _cohesion(benches)
     slope = asked.slope
-    if any(bench.modes["toppling"].forms.count for bench in benches) and (
+    if any(bench.modes["toppling"]["forms"].count for bench in benches) and (
         slope.water.mode != "dry" or slope.seismic.coefficient
     ):
         yield Notice(
@@ -101,8 +101,8 @@ def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
     hanging = [(bench, bench.bare) for bench in benches if bench.bare is not None and bench.bare.decides]
     if not hanging:
         return
-    bench, bare = max(hanging, key=lambda one: one[1].fails["any"] - (one[0].modes["any"].fails.share or 0.0))
-    of_formed = 100.0 * (bench.modes["any"].fails_if_formed.share or 0.0)
+    bench, bare = max(hanging, key=lambda one: one[1].fails["any"] - (one[0].modes["any"]["fails"].share or 0.0))
+    of_formed = 100.0 * (bench.modes["any"]["fails_if_formed"].share or 0.0)
     yield Notice(
         "W422",
         f"the answer hangs on cohesion in {len(hanging)} of {len(benches)} benches: at {number(bench.height_m)} m and "

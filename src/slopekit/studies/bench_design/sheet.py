@@ -3,35 +3,33 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
+from slopekit.core.codec import json_of
 from slopekit.core.orientation import number
-from slopekit.core.sheet import Column, Section, Sheet, Table, counted
+from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.studies.bench_design.bench import MODES
-from slopekit.studies.bench_design.given import LATERAL_DEG, LATERAL_TOPPLING_DEG
-from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, OfCohesion
+from slopekit.studies.bench_design.given import UNITS
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm
 from slopekit.studies.bench_design.run import BenchDesigns
 from slopekit.studies.prob.estimates import Share
-from slopekit.studies.surveys import codes_of, head, survey_entry
+from slopekit.studies.surveys import codes_of, head, inputs_in_words, records_table, survey_entry
 
 
 def sheet_of(study: BenchDesigns) -> Sheet:
     """The sheet of a study of benches."""
     return Sheet(head("bench-design", study.joints, study.given.input_hash()), (
-        Section("SURVEY", [survey_entry(study.joints), _strength(study), _sizes(study)]),
-        Section("TRIALS", _trials(study)),
+        Section("SURVEY", [survey_entry(study.joints)]),
+        Section("INPUTS", inputs_in_words(study.given.to_dict(), study.given.defaults, UNITS)),
         Section("FAILS", [_OF_PLACES, _fails(study)]),
-        Section("COHESION", [_OF_COHESION, _cohesion(study)] if study.given.has_cohesion else []),
         Section("BACKBREAK", [_backbreak_said(study), _backbreak(study)]),
         Section("BERMS", [_OF_BERMS, _berms(study)] if study.given.berms_m is not None else []),
         Section("NEEDED", [_needed_said(study), _needed(study)]),
         Section("BEST", _best(study)),
         Section("PRE-IE", _pre_ie(study)),
-        Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", _defaults(study)),
         Section("TIME", [f"{study.timing_s['total']:.1f} s, {study.crew}"]),
         Section("NOTE", [str(notice) for notice in study.warnings]),
-    ), {"benches.csv": _benches_table(study), "berms.csv": _berms_table(study)})  # fmt: skip
+    ), {
+        "benches.csv": records_table(json_of(study.benches)), "berms.csv": records_table(json_of(study.berms)),
+    })  # fmt: skip
 
 
 def line_of(study: BenchDesigns) -> str:
@@ -52,59 +50,6 @@ def line_of(study: BenchDesigns) -> str:
     return "  ".join([line, *codes_of(study.warnings)])
 
 
-# -- what was given ---------------------------------------------------------------------------------------------------
-
-
-def _strength(study: BenchDesigns) -> str:
-    asked = study.given
-    low, high = float(asked.friction_deg.min()), float(asked.friction_deg.max())
-    friction = f"φ {number(low)}°" if low == high else f"φ {number(low)} to {number(high)}°"
-    low, high = float(asked.cohesion_kpa.min()), float(asked.cohesion_kpa.max())
-    cohesion = f"c {number(low)} kPa" if low == high else f"c {number(low)} to {number(high)} kPa"
-    water = asked.slope.water
-    wet = "dry" if water.mode == "dry" or (not water.fill and not water.pressures_kpa) else (
-        f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {water.in_words()}"
-    )  # fmt: skip
-    quake = asked.slope.seismic.coefficient
-    return f"{cohesion}, {friction}, {number(asked.slope.rock.unit_weight_kn_m3)} kN/m³, {wet}" + (
-        f", seismic {number(quake)}" if quake else ""
-    )
-
-
-def _sizes(study: BenchDesigns) -> str:
-    asked = study.given
-    texts = []
-    for values, what, none in (
-        (asked.trace_m, "traces", "no trace lengths: joints run on"), (asked.spacing_m, "spacings", "no spacings"),
-    ):  # fmt: skip
-        known = values[np.isfinite(values)]
-        low, high = (f"{end:.3g}" for end in (known.min(), known.max())) if known.size else ("", "")
-        span = low if low == high else f"{low} to {high}"
-        texts.append(f"{what} {span} m of {counted(len(known), 'joint')}" if known.size else none)
-    return "; ".join(texts)
-
-
-def _trials(study: BenchDesigns) -> list[str]:
-    asked = study.given
-    every = "one each bench height" if asked.every_m is None else f"one each {asked.every_m:.3g} m"
-    toe = "anywhere on the face" if asked.toe == "anywhere" else "at the toe of the bench, as large as the joints allow"
-    ranges = [
-        f"heights {', '.join(map(number, asked.heights_m))} m",
-        f"faces {', '.join(map(number, asked.face_dips_deg))}°",
-    ]
-    ranges += [] if asked.berms_m is None else [f"berms {', '.join(map(number, asked.berms_m))} m"]
-    return [
-        "; ".join(ranges),
-        f"{int(asked.number('n'))} places along the bench ({every}), two joints drawn at each; faces toward "
-        f"{asked.toward_deg:03.0f}, toe of the block {toe}, upper slope level",
-        f"fails: FoS below {number(asked.number('fos'))}; limits at {number(100.0 * asked.number('confidence'))} %: "
-        "the wider of Wilson's and of the survey drawn again from itself",
-    ]
-
-
-# -- tables -----------------------------------------------------------------------------------------------------------
-
-
 def _size_columns() -> list[Column[Any]]:
     return [
         Column("height", lambda row: row.height_m, "height_m", "m", ".4g", 7,
@@ -119,7 +64,7 @@ def _fails(study: BenchDesigns) -> Table[OfBench]:
 
     def of(mode: str, what: str) -> Callable[[OfBench], Any]:
         def value(row: OfBench) -> float | None:
-            share = getattr(row.modes[mode], what).share
+            share = row.modes[mode][what].share
             return None if share is None else 100.0 * share
 
         return value
@@ -133,43 +78,11 @@ def _fails(study: BenchDesigns) -> Table[OfBench]:
     columns += [
         Column("any fails", of("any", "fails"), "any_fails", "%", ".1f", 11),
         Column(
-            "limits", lambda row: row.modes["any"].fails.low, "any_fails_low", width=15,
-            text=lambda row: _between(row.modes["any"].fails),
+            "limits", lambda row: row.modes["any"]["fails"].low, "any_fails_low", width=15,
+            text=lambda row: _between(row.modes["any"]["fails"]),
         ),
     ]  # fmt: skip
     return Table(columns, study.benches)
-
-
-def _cohesion(study: BenchDesigns) -> Table[OfBench]:
-    """What fails, and the berm needed, as given and without cohesion."""
-
-    def bare(row: OfBench) -> OfCohesion:
-        assert row.bare is not None
-        return row.bare
-
-    def without(mode: str) -> Callable[[OfBench], float | None]:
-        return lambda row: _percent_of(bare(row).fails_if_formed[mode])
-
-    columns = _size_columns()
-    for mode in (*MODES[:2], "any"):
-        columns += [
-            Column(mode, _if_formed(mode), f"{mode}_fails_if_formed_percent", "%", ".1f", 8),
-            Column("c = 0", without(mode), f"{mode}_fails_if_formed_without_cohesion_percent", "%", ".1f", 7),
-        ]
-    columns += [
-        Column("berm", lambda row: row.berm_needed_m, "berm_needed_m", "m", ".2f", 8),
-        Column("c = 0", lambda row: bare(row).berm_needed_m, "berm_needed_without_cohesion_m", "m", ".2f", 8),
-        Column("", lambda row: bare(row).decides, "cohesion_decides", width=9, show=lambda own: " decides" * bool(own)),
-    ]
-    return Table(columns, study.benches)
-
-
-def _if_formed(mode: str) -> Callable[[OfBench], float | None]:
-    return lambda row: _percent_of(row.modes[mode].fails_if_formed.share)
-
-
-def _percent_of(share: float | None) -> float | None:
-    return None if share is None else 100.0 * share
 
 
 def _backbreak(study: BenchDesigns) -> Table[OfBench]:
@@ -274,27 +187,7 @@ def _pre_ie(study: BenchDesigns) -> list[str]:
     return rows
 
 
-def _defaults(study: BenchDesigns) -> list[str]:
-    asked = study.given
-    words = {
-        "berm": "berm: the width needed", "catch": "catch width 0.2 H + 4.5 m (modified Ritchie)",
-        "every": "places by spacing" if asked.every_m is not None else "a place each bench height",
-        "density": "2600 kg/m³", "n": f"{int(asked.number('n'))} trials",
-        "reliability": f"reliability {number(100.0 * asked.number('reliability'))} %", "fos": "FoS 1",
-        "lateral": f"lateral limit {number(LATERAL_DEG)}°",
-        "lateral_toppling": f"lateral limit of toppling {number(LATERAL_TOPPLING_DEG)}°",
-        "swell": f"swell {number(asked.number('swell'))}",
-        "repose": f"angle of repose {number(asked.number('repose'))}°",
-        "toe": "toe anywhere",
-    }  # fmt: skip
-    return [", ".join(words[name] for name in asked.defaults)] if asked.defaults else []
-
-
 _OF_PLACES = "per cent of the places: a block forms, and fails; topple: columns"
-_OF_COHESION = (
-    "per cent of the blocks that form which fail, as given and without cohesion; the berm needed likewise, m; decides: "
-    "cohesion holds half or more of what would fail, beyond the limits"
-)
 _OF_BERMS = (
     "per cent of the length that keeps the catch width; m of the berm that are left on 80 and 95 % of it; per cent of "
     "the places whose broken rock such a berm holds; inter-ramp angle of the design"
@@ -312,76 +205,3 @@ def _backbreak_said(study: BenchDesigns) -> str:
 def _needed_said(study: BenchDesigns) -> str:
     wanted = number(100.0 * study.given.number("reliability"))
     return f"so that {wanted} % of the length keeps the catch width"
-
-
-_MEANING = (
-    "a place is one where two joints of the survey meet; it stands for the length to the next one, or for the width of "
-    "what fails there. Backbreak is the deepest point of a block behind the crest: the berm is kept where what is left "
-    "there is as wide as the catch width. Blocks on one plane and columns have free sides; what comes after the first "
-    "block is not followed. Inter-ramp angle from toe to toe"
-)
-
-
-# -- files ------------------------------------------------------------------------------------------------------------
-
-
-def _benches_table(study: BenchDesigns) -> Table[OfBench]:
-    """All that is said of each bench."""
-    columns: list[Column[OfBench]] = [*_size_columns()]
-
-    def share(mode: str, what: str, part: str) -> Callable[[OfBench], Any]:
-        return lambda row: getattr(getattr(row.modes[mode], what), part)
-
-    for mode in (*MODES, "any"):
-        for what in ("forms", "fails_if_formed", "fails"):
-            for part, ending in (("share", ""), ("low", "_low"), ("high", "_high")):
-                columns.append(Column("", share(mode, what, part), f"{mode}_{what}{ending}"))
-
-    def spread(of: str, part: str | float) -> Callable[[OfBench], Any]:
-        def value(row: OfBench) -> float | None:
-            distribution = getattr(row, of)
-            if distribution is None:
-                return None
-            return float(getattr(distribution, part) if isinstance(part, str) else distribution.quantiles[part])
-
-        return value
-
-    for of, name, unit in (
-        ("backbreak", "backbreak", "m"), ("volume_m3", "volume_per_100_m", "m3"), ("spill", "spill_width", "m"),
-    ):  # fmt: skip
-        columns += [
-            Column("", spread(of, "mean"), f"{name}_mean_{unit}"),
-            Column("", spread(of, "most"), f"{name}_max_{unit}"),
-        ]
-        columns += [
-            Column("", spread(of, part), f"{name}_{100 * part:.0f}_{unit}") for part in (0.5, 0.8, 0.9, 0.95, 0.99)
-        ]
-    columns += [
-        Column("", lambda row: row.crest_lost, "share_of_crest_lost"),
-        Column("", lambda row: row.effective_face_deg, "effective_face_deg"),
-        Column("", lambda row: row.catch_width_m, "catch_width_m"),
-        Column("", lambda row: row.berm_needed_m, "berm_needed_m"),
-        Column("", lambda row: row.inter_ramp_deg, "inter_ramp_at_berm_needed_deg"),
-        Column("", lambda row: row.bare and row.bare.fails["any"], "any_fails_without_cohesion"),
-        Column("", lambda row: row.bare and row.bare.berm_needed_m, "berm_needed_without_cohesion_m"),
-    ]
-    return Table(columns, study.benches)
-
-
-def _berms_table(study: BenchDesigns) -> Table[OfBerm]:
-    """All that is said of each berm."""
-
-    def left(part: float) -> Callable[[OfBerm], Any]:
-        return lambda row: row.left_m[part]
-
-    return Table([
-        *_size_columns(),
-        Column("", lambda row: row.berm_m, "berm_m"), Column("", lambda row: row.catch_width_m, "catch_width_m"),
-        Column("", lambda row: row.inter_ramp_deg, "inter_ramp_deg"),
-        Column("", lambda row: row.reliability.share, "reliability"),
-        Column("", lambda row: row.reliability.low, "reliability_low"),
-        Column("", lambda row: row.reliability.high, "reliability_high"),
-        *(Column("", left(part), f"berm_left_{100 * part:.0f}_m") for part in (0.5, 0.8, 0.9, 0.95, 0.99)),
-        Column("", lambda row: row.spill_kept, "spill_kept"),
-        Column("", lambda row: row.accepted, "accepted"),
-    ], study.berms)  # fmt: skip

@@ -8,12 +8,11 @@ import numpy as np
 
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
-from slopekit.kinds import kind_named
 from slopekit.kinds.wedge.limits import LIMITED_BY
-from slopekit.kinds.words import WEIGHT_ONLY, size_number
+from slopekit.kinds.words import size_number
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck, Target
-from slopekit.studies.surveys import codes_of, head, survey_entry
+from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -34,25 +33,15 @@ _NAME = 11
 
 def sheet_of(combos: Combos) -> Sheet:
     """The sheet of all pairs."""
-    slope, pairs = combos.given.slope, _every_pair(combos)
+    pairs = _every_pair(combos)
     return Sheet(head("combos", combos.joints, combos.given.input_hash()), (
         Section("SURVEY", [survey_entry(combos.joints)]),
-        Section("SLOPE", [
-            f"face {slope.face}  {slope.face.in_words()}",
-            f"upper {slope.upper}  {slope.upper.in_words() if slope.upper.dip_deg else 'level'}",
-            f"height {size_number(slope.height_m)} m, the same for every pair: vertical, from the toe of a wedge up "
-            "the dip of the face to the crest (H1 below: to where the trace of its first joint meets the crest)",
-        ]),
-        Section("STRENGTH", [_strength(combos)]),
-        Section("LOADS", _loads(combos)),
-        Section("LIMITS", _limits(combos)),
+        Section("INPUTS", inputs_in_words(combos.given.to_dict(), combos.given.defaults)),
         Section("PAIRS", [_outcomes(combos)], hang=4),
         Section("TARGET", _target(combos)),
         Section("WORST", [_no_worst(combos) if not combos.worst else pairs]),
         Section("PRE-IE", _checked(combos)),
         Section("AGAIN", _again(combos), hang=2),
-        Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", _defaults(combos)),
         Section("TIME", [f"{combos.timing_s['total']:.2f} s"]),
         Section("NOTE", [str(notice) for notice in combos.warnings]),
     ), {"pairs.csv": pairs})  # fmt: skip
@@ -118,49 +107,6 @@ def _names(names: tuple[str, str]) -> str:
 def _mark(pair: PairCheck) -> str:
     mark = "M" if pair.moments_govern else "!" if pair.is_in_doubt else ""
     return mark + ("*" if pair.limited_by else "")
-
-
-def _strength(combos: Combos) -> str:
-    parts, given = [], combos.given
-    for name, unit, values, own in (
-        ("c", " kPa", given.cohesion_kpa, given.own[0]), ("φ", "°", given.friction_deg, given.own[1]),
-    ):  # fmt: skip
-        low, high = float(values.min()), float(values.max())
-        shown = f"{low:g}" if low == high else f"{low:g} to {high:g}"
-        source = "" if own == 0 else " (the joints' own)" if own == len(values) else f" (own of {own}, else the option)"
-        parts.append(f"{name} {shown}{unit}{source}")
-    slope = given.slope
-    density = "" if slope.rock.density_kg_m3 is None else f" ({slope.rock.density_kg_m3:.5g} kg/m³)"
-    return f"{'  '.join(parts)}  unit weight {slope.rock.unit_weight_kn_m3:.5g} kN/m³{density}"
-
-
-def _loads(combos: Combos) -> list[str]:
-    slope, entries = combos.given.slope, []
-    if slope.water.mode == "pressures":
-        entries.append(f"water u = {slope.water.pressures_kpa[0]:g} kPa on both joints, whatever the size")
-    elif slope.water.mode != "dry":
-        entries.append(f"water {slope.water.in_words()} (mean γw H/6, H the total height of each wedge)")
-    if slope.seismic.coefficient:
-        trend = slope.seismic.trend_deg
-        toward = kind_named("wedge").words.seismic if trend is None else f"toward {trend:03.0f}"
-        entries.append(f"seismic {slope.seismic.coefficient:.4g} g {toward}")
-    return entries or [WEIGHT_ONLY.replace(", no forces, no bolts", "")]
-
-
-def _limits(combos: Combos) -> list[str]:
-    named = zip((*LIMITED_BY[1:], "min volume"), combos.given.limits_of_all.values(), strict=False)
-    limits = {name: value for name, value in named if value is not None}
-    parts = [f"{name} {size_number(value)} {'m³' if 'volume' in name else 'm'}" for name, value in limits.items()]
-    if not parts:
-        return ["none: every wedge reaches from the toe of the slope to its crest"]
-    if combos.given.limits.by == "filter":
-        return [", ".join(parts), f"left out, larger than that: {counted(combos.counts['beyond_limits'], 'pair')}"]
-    removable = combos.pairs.is_removable
-    scaled = [
-        f"{int((removable & (combos.pairs.shapes.by == kind)).sum())} by {name}"
-        for kind, name in enumerate(LIMITED_BY) if name in limits
-    ]  # fmt: skip
-    return [", ".join(parts), *([f"made smaller, same shape, at the crest: {', '.join(scaled)}"] if scaled else [])]
 
 
 def _outcomes(combos: Combos) -> Table[tuple[str, int]]:
@@ -273,18 +219,3 @@ def _again(combos: Combos) -> list[str]:
         trend = slope.seismic.trend_deg
         parts.append(f"--seismic {number(slope.seismic.coefficient)}" + ("" if trend is None else f"@{number(trend)}"))
     return [" ".join(parts)]
-
-
-def _defaults(combos: Combos) -> list[str]:
-    slope = combos.given.slope
-    names = {
-        "upper": "upper slope level", "height": f"height {slope.height_m:g} m", "density": "density 2600 kg/m³",
-        "seismic.trend": f"seismic trend ({kind_named('wedge').words.seismic})",
-    }  # fmt: skip
-    return [", ".join(names[name] for name in combos.given.defaults)] if combos.given.defaults else []
-
-
-_MEANING = (
-    "each pair by itself: whether its joints meet in the slope is not known, so counts are no probabilities. A wedge "
-    "needs both joints as long as its edges, which --persistence limits"
-)

@@ -1,4 +1,4 @@
-"""A joint survey tested against a slope: planar and wedge sliding, flexural and direct toppling, over face angles.
+"""A joint survey tested against a slope: planar and wedge sliding, flexural and direct toppling.
 
 The criteria and their sources stand in `criteria`.
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import digest
-from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.errors import Faults, Notice
 from slopekit.core.orientation import Plane, number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
@@ -26,7 +26,6 @@ from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.design.parts import Strength
 from slopekit.design.words import between
-from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import (
     OF_JOINTS,
     Lines,
@@ -36,7 +35,6 @@ from slopekit.studies.kinematic.criteria import (
     tested_pairs,
 )
 from slopekit.studies.protocol import DESK, Option, StudyOutcome, Workplace, documented
-from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import (
     MOST_JOINTS,
     AFace,
@@ -51,7 +49,6 @@ from slopekit.studies.surveys import (
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 SEED = 1  # of the pairs that are drawn where there are too many
-_MOST_FACES = 200
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -63,9 +60,8 @@ class Kinematic(StudyOutcome):
     friction_deg : (n,) of each joint; measured : how many have their own
     lines, modes : see there; a stereonet needs no more than these, the joints and the limits
     pairs : whose lines these are, all or as many as were drawn
-    over_faces : (dip of the face, counts) for each face that was asked for
-    percent, percent_of_faces : parts of the joints and of the lines, of the face and of each face that was asked for.
-        A joint counts by its quantity, a line by the product of those of its two joints, as that many joints would
+    percent : parts of the joints and of the lines. A joint counts by its quantity, a line by the product of those of
+        its two joints, as that many joints would
     """
 
     name: ClassVar[str] = "kinematic"
@@ -78,9 +74,7 @@ class Kinematic(StudyOutcome):
     lines: Lines
     pairs: int
     modes: Modes
-    over_faces: tuple[tuple[float, Mapping[str, int]], ...]
     percent: Mapping[str, float | None]
-    percent_of_faces: tuple[Mapping[str, float | None], ...]
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
@@ -145,12 +139,19 @@ class Kinematic(StudyOutcome):
     def input_hash(self) -> str:
         """SHA-256 of the face, the limits and the joints with their friction angles."""
         face = (self.face.dip_deg, self.face.dip_direction_deg)
-        faces = [dip for dip, _ in self.over_faces]
         limits = (self.lateral_deg, self.lateral_toppling_deg)
-        exact = [face, faces, limits, self.joints.rows(), self.friction_deg.tolist()]
+        exact = [face, limits, self.joints.rows(), self.friction_deg.tolist()]
         exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
         exact += [SEED] if self.is_sample else []
         return digest(exact)
+
+    def inputs(self) -> dict[str, Any]:
+        """What was given beside the joints, as JSON values."""
+        return {
+            "face": str(self.face),
+            "friction_deg": range_of(self.friction_deg, self.measured),
+            "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
+        } | ({"seed": SEED} if self.is_sample else {})  # fmt: skip
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; critical lines are counted by joint, `intersections.csv` has them all."""
@@ -159,11 +160,7 @@ class Kinematic(StudyOutcome):
         direct, oblique = self.toppling
         return {
             **survey_head("kinematic", self.joints, self.input_hash()),
-            "inputs": {
-                "face": str(self.face),
-                "friction_deg": range_of(self.friction_deg, self.measured),
-                "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
-            } | ({"seed": SEED} if self.is_sample else {}),
+            "inputs": self.inputs(),
             "defaults": list(self.defaults),
             "joints": n,
             "orientations": [
@@ -182,10 +179,6 @@ class Kinematic(StudyOutcome):
             "critical_joints": {kind: list(self.joint_names(kind)) for kind in OF_JOINTS},
             "sets": [{"set": name} | tally for name, tally in self.by_set().items()],
             "set_pairs": [{"sets": list(names)} | tally for names, tally in self.by_set_pair().items()],
-            "faces": [
-                {"dip_deg": dip, "counts": dict(tally), "percent": dict(part)}
-                for (dip, tally), part in zip(self.over_faces, self.percent_of_faces, strict=True)
-            ],
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -199,7 +192,6 @@ def kinematic(
     phi: Annotated[Any, Option("Friction angle of joints without their own [30].")] = None,
     lateral: Annotated[Any, Option("Lateral limit of planar sliding [20].")] = None,
     lateral_toppling: Annotated[Any, Option("Lateral limit of toppling [30].")] = None,
-    faces: Annotated[Any, Option("Dips of the face to go through: 45:90:+5 (in steps of 5), or 45,60,75.")] = None,
     convention: Convention = None,
     columns: Columns = None,
     skip_bad: SkipBad = False,
@@ -248,9 +240,8 @@ def kinematic(
         if value is None:
             defaults.append(key)
         limits.append(standard if value is None else faults.of(partial(_limit, value, desk.named(key))))
-    dips = faults.of(lambda: _faces(faces, Key(desk.named("faces"), "angle", None, 0.0, 90.0)))
     faults.refuse()
-    assert listed is not None and plane is not None and dips is not None  # noqa: PT018  # no fault: nothing is missing
+    assert listed is not None and plane is not None  # noqa: PT018  # no fault: nothing is missing
     lateral_deg, toppling_deg = (0.0 if limit is None else limit for limit in limits)
     friction, measured, _ = own_or_given(listed, "phi", friction_angle, desk.named("phi"))
     if phi is None and measured < len(listed):
@@ -259,14 +250,11 @@ def kinematic(
     lines = lines_of(listed, pairs)
     limits_deg = lateral_deg, toppling_deg
     weights = listed.quantities, listed.quantities[lines.first] * listed.quantities[lines.second]
-    over = [modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits_deg) for dip in dips]
     modes = modes_of(listed, lines, plane, friction, *limits_deg)
     return Kinematic(
         listed, plane, friction, measured, lateral_deg, toppling_deg, lines, len(pairs[0]),
-        modes,
-        tuple((dip, face_modes.counts()) for dip, face_modes in zip(dips, over, strict=True)), modes.shares(*weights),
-        tuple(face_modes.shares(*weights) for face_modes in over), tuple(defaults),
-        tuple(_notices(listed, plane, friction)), time.perf_counter() - began,
+        modes, modes.shares(*weights), tuple(defaults), tuple(_notices(listed, plane, friction)),
+        time.perf_counter() - began,
     )  # fmt: skip
 
 
@@ -278,18 +266,6 @@ def _friction(value: object, where: str) -> float:
 def _limit(value: object, option: str) -> float:
     advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
     return between(value, "angle", (0.0, 90.0), "E307", "the lateral limit", f"{option} {value}", advice, "°")
-
-
-def _faces(given: Any, key: Key) -> tuple[float, ...]:
-    """Dips of the face, as values of a sweep are written."""
-    if given is None:
-        return ()
-    dips = parse_values(key, given, _MOST_FACES)
-    bad = [dip for dip in dips if not 0.0 < dip <= 90.0]
-    if bad:
-        message = f"a face of {number(bad[0])}° is none, a face dips more than 0 and up to 90"
-        raise DesignError([Fault("E312", message, f"{key.path}={given}", f"Write {key.path}=45:90:+5 for steps of 5.")])
-    return dips
 
 
 def _notices(joints: JointList, face: Plane, friction: Floats) -> list[Notice]:

@@ -1,10 +1,9 @@
-"""The sheet of the kinematic tests: which joints and pairs could move, by set and by face."""
+"""The sheet of the kinematic tests: which joints and pairs could move, by set."""
 
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any, TypeAlias
 
-from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
 from slopekit.studies.kinematic.criteria import (
     DIRECT,
@@ -18,7 +17,7 @@ from slopekit.studies.kinematic.criteria import (
     SLIDING_BASE,
 )
 from slopekit.studies.kinematic.run import SEED, Kinematic
-from slopekit.studies.surveys import codes_of, head, survey_entry
+from slopekit.studies.surveys import codes_of, head, inputs_in_words, survey_entry
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set
@@ -31,14 +30,13 @@ _Counted: TypeAlias = tuple[Any, Mapping[str, Any]]
 
 def sheet_of(analysis: Kinematic) -> Sheet:
     """The sheet of the kinematic tests."""
-    n, m, of = len(analysis.joints), len(analysis.lines.first), _Shares(analysis)
+    m, of = len(analysis.lines.first), _Shares(analysis)
     parallel = analysis.pairs - m
     few = f", {analysis.pairs} of them drawn at random (seed {SEED})" if analysis.is_sample else ""
     few += f", {parallel} of them parallel, without a line of intersection" if parallel else ""
     return Sheet(head("kinematic", analysis.joints, analysis.input_hash()), (
         Section("SURVEY", [survey_entry(analysis.joints) + few, *_drawn(analysis)]),
-        Section("SLOPE", [f"face {analysis.face}  {analysis.face.in_words()}; horizontal behind the crest"]),
-        Section("LIMITS", [_limits(analysis)]),
+        Section("INPUTS", inputs_in_words(analysis.inputs(), analysis.defaults)),
         Section("PLANAR", [
             f"{of('planar')} joints slide within the lateral limit, {of('planar_without_limits')} without one",
             *_names(analysis.joint_names("planar")),
@@ -49,9 +47,6 @@ def sheet_of(analysis: Kinematic) -> Sheet:
         ]),
         Section("DIRECT", _direct(analysis, of)),
         Section("SETS", _sets(analysis)),
-        Section("FACES", _faces(analysis, n, m)),
-        Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", _defaults(analysis)),
         Section("TIME", [f"{analysis.seconds * 1e3:.0f} ms"]),
         Section("NOTE", [str(notice) for notice in analysis.warnings]),
     ), {"joints.csv": _joints(analysis), "intersections.csv": _intersections(analysis)})  # fmt: skip
@@ -134,15 +129,6 @@ def _names(names: Sequence[str]) -> list[str]:
     return [", ".join(names[:_MOST_NAMES]) + more]
 
 
-def _limits(analysis: Kinematic) -> str:
-    low, high = float(analysis.friction_deg.min()), float(analysis.friction_deg.max())
-    friction = f"friction {number(low)}°" if low == high else f"friction {number(low)} to {number(high)}°"
-    return (
-        f"{friction}; lateral ±{number(analysis.lateral_deg)}° for planar sliding, "
-        f"±{number(analysis.lateral_toppling_deg)}° for toppling, none for wedges"
-    )
-
-
 def _wedge(analysis: Kinematic, of: _Shares) -> list[str]:
     counts = analysis.counts
     on_one = counts["wedge_primary"] - counts["wedge_on_both"]
@@ -194,49 +180,9 @@ def _sets(analysis: Kinematic) -> list[Entry]:
     ]  # fmt: skip
 
 
-def _faces(analysis: Kinematic, n: int, m: int) -> list[Entry]:
-    """Percentages by face."""
-    if not analysis.over_faces:
-        return []
-    rows = [
-        (dip, {kind: value or 0.0 for kind, value in part.items()})
-        for (dip, _), part in zip(analysis.over_faces, analysis.percent_of_faces, strict=True)
-    ]
-    by = " by quantity" if analysis.joints.has_quantities else ""
-    table: Table[_Counted] = Table([
-        Column("dip", itemgetter(0), "dip", "°", width=5, text=lambda row: f"{row[0]:.4g}°"),
-        _percent("planar", "planar", 9, 1), _percent("primary", "wedge_primary", 10),
-        _percent("secondary", "wedge_secondary", 11), _percent("by friction", "wedge_by_friction", 13),
-        _percent("flexural", "flexural", 10, 1), _percent("direct", "direct", 9), _percent("oblique", "oblique", 9),
-        Column("bases", _bases, "bases", "%", ".1f", 8),
-    ], rows)  # fmt: skip
-    return [
-        f"toward {analysis.face.dip_direction_deg:03.0f}; per cent{by} of {n} joints (planar, flexural, bases), "
-        f"of {m} lines",
-        table,
-    ]
-
-
 def _count(title: str, kind: str, width: int) -> Column[_Counted]:
     return Column(title, lambda row: row[1][kind], kind, width=width)
 
 
-def _percent(title: str, kind: str, width: int, digits: int = 2) -> Column[_Counted]:
-    return Column(title, lambda row: row[1][kind], kind, "%", f".{digits}f", width)
-
-
 def _bases(row: _Counted) -> Any:
     return row[1]["base_sliding"] + row[1]["base_release"]
-
-
-def _defaults(analysis: Kinematic) -> list[str]:
-    words = {
-        "phi": "φ 30°", "lateral": "lateral limit 20°", "lateral_toppling": "lateral limit of toppling 30°",
-    }  # fmt: skip
-    return [", ".join(words[name] for name in analysis.defaults)] if analysis.defaults else []
-
-
-_MEANING = (
-    "what orientation and friction allow, no more: no cohesion, water or size; whether the joints meet in the slope is "
-    "not known. A share is one of poles or lines, not a probability of failure"
-)

@@ -11,13 +11,12 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice, SlopekitError
-from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.common import Design
 from slopekit.design.reading.files import with_values
 from slopekit.kinds import kind_of
 from slopekit.kinds.single_block.held_bolts import D, held, stand_off, with_held
-from slopekit.studies.points import Evaluation, point_of
+from slopekit.studies.points import point_of
 from slopekit.studies.running import Record
 
 
@@ -47,17 +46,12 @@ def standing(design: D, before: Floats) -> D:
     return with_held(design, on_arrays.bounds(design), before)
 
 
-@dataclass(frozen=True, slots=True)
-class Sampled(Evaluation):
-    """A sample analysed with the bolts that hold its block."""
-
-    before: tuple[float, ...] = ()
-
-    def __call__(self, values: Mapping[str, object]) -> Record:
-        point = point_of(self.design, values, self.pre_ie, partial(standing, before=np.array(self.before)))
-        if point.factors is not None:  # of the design at its means they are said once
-            point = replace(point, factors=replace(point.factors, notes=()))
-        return point.to_record()
+def sample_record(design: Design, pre_ie: bool, before: tuple[float, ...], values: Mapping[str, object]) -> Record:
+    """The record of a sample analysed with the bolts that hold its block, `before` as `standing` takes it."""
+    point = point_of(design, values, pre_ie, partial(standing, before=np.array(before)))
+    if point.factors is not None:  # of the design at its means they are said once
+        point = replace(point, factors=replace(point.factors, notes=()))
+    return point.to_record()
 
 
 def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:

@@ -152,29 +152,18 @@ def rank_correlation(a: Floats, b: Floats) -> float | None:
     return float(first @ second) / size if size > 0.0 else None
 
 
-@dataclass(frozen=True, slots=True)
-class Drawn:
-    """What was drawn of one number, by its path."""
-
-    path: str
-    mean: float
-    sd: float
-    least: float = field(metadata={"json": "min"})
-    most: float = field(metadata={"json": "max"})
-
-
-def drawn_of(path: str, values: Floats) -> Drawn:
+def drawn_of(path: str, values: Floats) -> dict[str, str | float]:
     """What was drawn of a number: (n,) values. Of a direction the mean is the mean direction, the sd about it.
 
     >>> found = drawn_of("joints.J1.plane.dip_direction", np.array([350.0, 20.0]))
-    >>> round(found.mean, 9), round(found.sd, 9), round(found.least, 9), round(found.most, 9)
-    (5.0, 21.213203436, 350.0, 20.0)
+    >>> [round(found[name], 9) for name in ("mean", "sd", "min", "max")]
+    [5.0, 21.213203436, 350.0, 20.0]
     """
     values = unwrapped(path, values)
     sd = float(values.std(ddof=1)) if len(values) > 1 else 0.0
     of = [float(value) for value in (values.mean(), values.min(), values.max())]
     mean, least, most = [value % 360.0 for value in of] if _is_direction(path) else of
-    return Drawn(path, mean, sd, least, most)
+    return {"path": path, "mean": mean, "sd": sd, "min": least, "max": most}
 
 
 def unwrapped(path: str, values: Floats) -> Floats:

@@ -27,15 +27,15 @@ from slopekit.notices import new_notices, not_as_given
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import Point, kept_points, lower_of, point_of
 from slopekit.studies.prob.bolts import (
-    Sampled,
     as_laid_out,
     has_heads,
     holding,
+    sample_record,
     standing,
     without_force,
 )
 from slopekit.studies.prob.cracks import checked_alone, cracked
-from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
+from slopekit.studies.prob.estimates import Share, Summary, drawn_of, share_of, summary_of
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
     Confirmation,
@@ -135,7 +135,7 @@ class Probability(StudyOutcome):
     # what is asked of a study that is shown, and of none of the many that a range of means makes
 
     @cached_property
-    def variables(self) -> tuple[Drawn, ...]:
+    def variables(self) -> tuple[dict[str, Any], ...]:
         """What was drawn of each number, in short."""
         samples = self.samples
         return tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
@@ -260,7 +260,7 @@ class Probability(StudyOutcome):
                 "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
                 "above": summary.above, "failing_without_factor": int((judged.fails & np.isnan(judged.factor)).sum()),
             } | self._at_random(),
-            "variables": json_of(self.variables),
+            "variables": list(self.variables),
             "correlation": [{"between": [a, b], "rank": value} for a, b, value in self.design.correlation],
             "sensitivity": [
                 {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
@@ -410,7 +410,7 @@ def _points(
     run: list[object] = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
     run += ["heads on the face"] if has_heads(design) else []
     run += [asked.n, asked.seed, asked.method, asked.by, *part]
-    work = Sampled(design, pre_ie, before=tuple(as_laid_out(design).tolist()))
+    work = partial(sample_record, design, pre_ie, tuple(as_laid_out(design).tolist()))
     points, journal = kept_points(work, tasks, crew, desk, "prob", label, run)
     journals.append(journal)
     return points

@@ -1,8 +1,8 @@
 """The sheet of a study of probability: the estimate, what it rests on, what PRE-IE says of it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from operator import attrgetter, itemgetter
-from typing import Any, TypeAlias
+from operator import itemgetter
+from typing import Any
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
@@ -10,13 +10,12 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.evidence import WithoutBasal
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
-from slopekit.studies.prob.estimates import Drawn, Share, Summary
+from slopekit.studies.prob.estimates import Share, Summary
 from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.prob.run import Probability
-from slopekit.studies.prob.sizes import SHARES, SizeStatistics
 from slopekit.studies.words import head, status_words
 
-_ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
+_MOST_INPUTS = 20
 _FEW = 5  # of the sensitivities on the short sheet
 #: Why planes form no block, in a few words; the whole is in `slopekit explain CODE`.
 NO_BLOCK = {
@@ -47,12 +46,9 @@ def sheet_of(study: Probability) -> Sheet:
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
-        *(() if summary is None else (
-            Section("FoS", [_mean(summary, asked.target)], details=[_quantiles(summary)]),
-            Section("HISTOGRAM", (), details=[_histogram(summary, asked.target)]),
-        )),
-        Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])], details=_weaker(study)),
-        Section("SIZE", _scaled(study), details=_sizes(study)),
+        Section("FoS", [] if summary is None else [_mean(summary, asked.target)]),
+        Section("SENSITIVITY", [_matters(study.sensitivities[:_FEW])]),
+        Section("SIZE", _scaled(study)),
         Section("PRE-IE", _pre_ie(study)[:2], details=_pre_ie(study)[2:]),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [f"{times}  ({study.crew})"]),
@@ -123,9 +119,9 @@ def _of(points: Mapping[int, Point], say: Callable[[Point], Any]) -> Callable[[i
 
 
 def _inputs(study: Probability) -> list[Entry]:
-    columns: list[Column[Drawn]] = [Column("as drawn", attrgetter("path"), "path", width=-38)]
-    for title, name, width in (("mean", "mean", 12), ("sd", "sd", 12), ("min", "least", 0), ("max", "most", 0)):
-        columns.append(Column(title, attrgetter(name), title, show=".5g", width=width))
+    columns: list[Column[Any]] = [Column("as drawn", itemgetter("path"), "path", width=-38)]
+    for name, width in (("mean", 12), ("sd", 12), ("min", 0), ("max", 0)):
+        columns.append(Column(name, itemgetter(name), name, show=".5g", width=width))
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
     return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest)]
@@ -163,39 +159,6 @@ def _scaled(study: Probability) -> list[str]:
     return [f"limits of size: {counted(scaled, 'sample')} made smaller"] if scaled else []
 
 
-def _sizes(study: Probability) -> list[Entry]:
-    """Return the sizes of all blocks and of those that fail."""
-    sizes = study.sizes
-    if sizes is None or not sizes.forming:
-        return []
-    rows = [(key, of, among[key]) for key in sizes.forming
-            for of, among in (("that form", sizes.forming), ("that fail", sizes.failing)) if key in among]  # fmt: skip
-    per = " per m" if "face_width_m" not in sizes.forming else ""
-
-    def words(row: tuple[str, str, SizeStatistics]) -> str:
-        return _SIZES[row[0]] + (per if row[0] == "volume_m3" else "")
-
-    def quantile(share: float) -> Callable[[tuple[str, str, SizeStatistics]], float]:
-        return lambda row: row[2].quantiles[share]
-
-    columns: list[Column[tuple[str, str, SizeStatistics]]] = [
-        Column("of samples", itemgetter(1), "of", width=-12),
-        Column("size", itemgetter(0), "size", text=words, width=-19),
-        *(Column(f"{share * 100:g} %", quantile(share), f"q{share:g}", show=_four, width=11) for share in SHARES),
-        Column("largest", lambda row: row[2].most, "max", show=_four, width=11),
-    ]
-    return [Table(columns, rows)]
-
-
-def _four(value: float) -> str:
-    """Four digits, without an exponent where a person would not write one."""
-    return number(float(f"{value:.4g}"))
-
-
-_SIZES = {"volume_m3": "volume / m³", "height_m": "height / m", "face_width_m": "face width / m",
-          "setback_m": "setback / m"}  # fmt: skip
-
-
 def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
     def words(row: tuple[Share, str]) -> str:
         share, among = row
@@ -231,46 +194,10 @@ def _mean(summary: Summary, target: float) -> str:
     return f"mean {summary.mean:.3f}  sd {summary.sd:.3f}  {ends}{reliability}"
 
 
-def _quantiles(summary: Summary) -> str:
-    return "  ".join(f"{share * 100:g} %: {value:.3f}" for share, value in summary.quantiles.items())
-
-
-#: Samples with a factor from one value to another, and how many; without an end all those beyond the other.
-_Bin: TypeAlias = tuple[float | None, float | None, int]
-
-
-def _histogram(summary: Summary, target: float) -> Table[_Bin]:
-    """Bars of neighbouring bins together, so that a sheet holds them."""
-    together = -(-len(summary.counts) // _ROWS)
-    edges = [*summary.edges[:-1:together], summary.edges[-1]]
-    counts = [sum(summary.counts[start : start + together]) for start in range(0, len(summary.counts), together)]
-    longest = max(*counts, 1)
-
-    def bar(one: _Bin) -> str:
-        low, high, count = one
-        if low is None or high is None:
-            return f"   {count} {'lower' if low is None else 'higher'}"
-        return f" {'|' if low <= target < high else ' '} {'#' * round(_BAR * count / longest)} {count}"
-
-    bins: list[_Bin] = [(None, edges[0], summary.below)] if summary.below else []
-    bins += zip(edges, edges[1:], counts, strict=False)
-    bins += [(edges[-1], None, summary.above)] if summary.above else []
-    columns: list[Column[_Bin]] = [
-        Column("FoS from", lambda one: None if one[1] is None else one[0], "from", show=".4f", width=9),
-        Column("samples", itemgetter(2), "samples", text=bar, width=-1),
-    ]
-    return Table(columns, bins, headless=True)
-
-
 def _matters(coefficients: Sequence[tuple[str, float]]) -> str:
     if not coefficients:
         return "fewer than three samples have a factor"
     return " | ".join(f"{name} {value:+.2f}" for name, value in coefficients) + " (rank correlation with F)"
-
-
-def _weaker(study: Probability) -> list[str]:
-    weaker = study.sensitivities[_FEW:]
-    return [_matters(weaker)] if weaker else []
 
 
 def _pre_ie(study: Probability) -> list[str]:

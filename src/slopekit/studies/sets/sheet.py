@@ -28,8 +28,6 @@ def sheet_of(joint_sets: JointSets) -> Sheet:
         Section("BENCH", ["for a design of kind bench:", Verbatim(joint_sets.block)] if joint_sets.sets else []),
         Section("PROB", ["for slopekit prob, a wedge takes two of them:", Verbatim(joint_sets.scatter_block)]
                 if joint_sets.sets else []),
-        Section("READS AS", [_MEANING]),
-        Section("DEFAULTS", ["bias angle 15°"] if "bias_angle" in joint_sets.defaults else []),
         Section("TIME", [f"{joint_sets.seconds * 1e3:.0f} ms"]),
         Section("NOTE", [str(notice) for notice in joint_sets.warnings]),
     ), {"joints.csv": _joints(joint_sets), "sets.csv": _sets(joint_sets)})  # fmt: skip
@@ -210,8 +208,4 @@ def _metres(value: Any) -> str:
 _WORDS = (
     "mean ±: the cone that holds the true mean ({share:.0f} %); 68 %, 95 % in: the cone about the mean that holds so "
     "many of the joints"
-)
-_MEANING = (
-    "statistics of the joints that were measured, not of those that were not: a scanline or a face misses joints along "
-    "it. scatter is the root mean square angle to the mean, as a bench's joint set takes it"
 )

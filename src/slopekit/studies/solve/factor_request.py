@@ -13,7 +13,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, values_of
-from slopekit.studies.points import UNSETTLED, Evaluation, Method, Point, factor_at, status_of
+from slopekit.studies.points import UNSETTLED, Method, Point, evaluation, factor_at, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.running import ALONE, Crew, run_all
 from slopekit.studies.solve.roots import Crossing, RootSearch, Sample, near_by, places
@@ -69,7 +69,7 @@ class FactorRequest:
 
     def samples(self, method: Method, values: Sequence[float]) -> Samples:
         """What a method says at values, as many at a time as the crew is."""
-        work = Evaluation(self.design, method == "pre_ie")
+        work = partial(evaluation, self.design, method == "pre_ie", False)
         tasks = [values_of(self.design, [self.key], [value]) for value in values]
         crew = self.crew if len(tasks) > 1 and method == "pre_ie" else ALONE
         records = run_all(work, tasks, crew, advance=self.advance, at_once=1)
@@ -94,7 +94,7 @@ class FactorRequest:
         known = None if self.key.value is None else self.points.get(self.key.value)
         if known is not None and factor_at(known, "pre_ie") is not None:
             return known  # else what was left of the work may have been too little
-        return Point.from_record(Evaluation(self.design)({}))
+        return Point.from_record(evaluation(self.design, True, False, {}))
 
     def grid(self, even: int, close: int, each_decade: float) -> list[float]:
         """Values between the two: evenly, closer to the present one, and to a decade."""

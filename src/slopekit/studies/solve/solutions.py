@@ -11,6 +11,7 @@ from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.kinds import factors_of, notices_of_inputs
 from slopekit.notices import new_notices
@@ -111,6 +112,29 @@ class Solution(StudyOutcome):
     def answer(self) -> SolvedValue | None:
         """The root of PRE-IE nearest to the present value, None where there is none."""
         return self.pre_ie.roots[0] if self.pre_ie.roots else None
+
+    @property
+    def margin(self) -> float | None:
+        """Of load cases that one governs which needs most of the key, or the least where more is unsafe."""
+        answer = self.answer
+        return None if answer is None else -answer.value if answer.rises else answer.value
+
+    def case_columns(self) -> list[Column[Any]]:
+        """The value of each load case, and whether it is the least or the most."""
+
+        def value(one: "Solution") -> float | None:
+            return None if one.answer is None else one.answer.value
+
+        def way(one: "Solution") -> str:
+            return "" if one.answer is None else "at least" if one.answer.rises else "at most"
+
+        def shown(found: float | None) -> str:
+            return "none" if found is None else self.key.shown(found)
+
+        return [
+            Column("needs", way, "bound", width=10),
+            Column(self.key.path, value, "value", self.key.unit, show=shown, width=max(14, len(self.key.path) + 2)),
+        ]
 
     @property
     def reason(self) -> Fault | None:

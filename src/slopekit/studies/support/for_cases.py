@@ -7,19 +7,28 @@ from typing import Any
 
 from slopekit.core.errors import GeometryError
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Section, Table, counted
-from slopekit.design.common import Design
+from slopekit.core.sheet import Column, Section, Table, counted, factor_text
 from slopekit.design.parts import Bolt
 from slopekit.kinds import also_falls_short, dilates, factors_of
-from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.support.records import Acts, BoltCase, Support, enough, snippet
 from slopekit.studies.support.search import closed_form_answer, limit_answer
 
 
-def options(design: Design, given: Mapping[str, Any]) -> dict[str, Any]:
-    """What the study of a case takes: the factor that its acceptance asks for, where no other is wanted."""
-    asked = design.accepted_fos
-    return {**({} if asked is None else {"fos": asked}), **given}
+@dataclass(frozen=True, slots=True)
+class InCase:
+    """A load case with the bolts: what it asks for, what both methods give, whether that is enough.
+
+    Attributes
+    ----------
+    status : of PRE-IE, or why there is none
+    """
+
+    case: str
+    target: float
+    status: str
+    limit: float | None
+    closed_form: float | None
+    met: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,10 +145,21 @@ def _what(one: Tried, supports: Mapping[str, Support]) -> str:
 
 
 def _table(inside: Sequence[InCase]) -> Table[InCase]:
-    return in_each_case("with them", inside, Column("status", attrgetter("status"), "status"))
+    def factor(value: float | None) -> str:
+        return factor_text(value).strip()
+
+    columns: list[Column[InCase]] = [
+        Column("with them", attrgetter("case"), "case", width=-22),
+        Column("asks", attrgetter("target"), "target_fos", show=".4g", width=7),
+        Column("FoS", attrgetter("limit"), "limit", show=factor, width=9),
+        Column("closed form", attrgetter("closed_form"), "closed_form", show=factor, width=13),
+        Column("met", attrgetter("met"), "met", show=lambda met: "yes" if met else "NO", width=6),
+        Column("  status", attrgetter("status"), "status", width=-1, about="  {}"),
+    ]
+    return Table(columns, inside)
 
 
-def for_all(supports: Mapping[str, Support], given: Mapping[str, Any]) -> SupportForAll:
+def for_all(supports: Mapping[str, Support]) -> SupportForAll:
     """Bolts for all cases, for each way they act.
 
     The bolts of the case that needs most force come first: with them the others are asked. Where one of them is not

@@ -12,6 +12,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
+from functools import partial
 from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar, get_args
 
@@ -25,7 +26,6 @@ from slopekit.design.parts import ON_FACTOR
 from slopekit.kinds import kind_of, notices_of_inputs, peak_only
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import (
-    Evaluation,
     Line,
     Method,
     Methods,
@@ -34,6 +34,7 @@ from slopekit.studies.points import (
     asked_of,
     checked_target,
     code_without_blocks,
+    evaluation,
     factor_at,
     kept_points,
     lines_of,
@@ -340,12 +341,12 @@ def evaluated(
 
     Parameters
     ----------
-    keeps_bolts : as an `Evaluation` has it
+    keeps_bolts : as `evaluation` has it
     """
     plain = design.source.root.plain() if design.source is not None else None
     run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
     at_once = 64 if methods == "closed-form" else 1 if kind_of(design).closed_form is None else 8
-    work = Evaluation(design, methods != "closed-form", keeps_bolts)
+    work = partial(evaluation, design, methods != "closed-form", keeps_bolts)
     points, journal = kept_points(work, tasks, crew, desk, name, "points", run, at_once)
     journal.remove()
     return list(points) if methods != "pre-ie" else [_by_pre_ie(point) for point in points]

@@ -8,7 +8,6 @@ from typing import Any, TypeAlias
 
 from slopekit.core.orientation import millimetre
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import counted
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
 from slopekit.studies.points import Line, Method, Point, asked_of, factor_at, lines_of, lower_of, point_from_record
@@ -144,8 +143,7 @@ def draw_contour(figure: Any, document: Document) -> None:
     first, second = swept.keys
     method = swept.asked[0]
     if min(len(key["values"]) for key in swept.keys) < _FEWEST:
-        _draw_lines(figure, swept)
-        return
+        nothing("contours need three values of each key: give more, or sweep one key")
     lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
     across, down = [value for value, _ in lines[0][1]], [line or 0.0 for line, _ in lines]
     factors = np.array(
@@ -190,38 +188,6 @@ def draw_contour(figure: Any, document: Document) -> None:
     what = f"factor of safety over {_words(document, first, 40)} and {_words(document, second, 40)}"
     _finish(figure, axes, swept.document, what, margins=False)
     hide_cut(figure, axes, labels)
-
-
-def _draw_lines(figure: Any, swept: _Swept) -> None:
-    """The factor over the key with more values, a curve for each value of the other."""
-    document, method = swept.document, swept.asked[0]
-    (over, other), lines = swept.keys, sorted(swept.lines(), key=lambda line: line[0] or 0.0)
-    if len(over["values"]) < len(other["values"]):
-        over, other = other, over
-        by_first = zip(*(points for _, points in lines), strict=True)
-        lines = [(column[0][0], [(line or 0.0, point) for (line, _), (_, point) in zip(lines, column, strict=True)])
-                 for column in by_first]  # fmt: skip
-    every = [(value, factor_at(point, method), point) for _, points in lines for value, point in points]
-    axes = _axes(figure, [factor for _, factor, _ in every])
-    own: float | None = None
-    for (value, points), colour in zip(lines, (BLUE, RED), strict=False):
-        drawn = [(at, factor_at(point, method)) for at, point in points]
-        style = {"color": colour, "linewidth": 1.4, "marker": "o", "markersize": 5.0}
-        for stretch in stretches(drawn):
-            axes.plot(*zip(*stretch, strict=True), **style)
-        said = _with_unit(value or 0.0, other["unit"], 6)
-        axes.plot([], [], **style, label=f"{_words(document, other, 40)} {said}")
-        own = _at(over["now"], drawn) if value == other["now"] else own
-    if own is not None:
-        axes.plot([over["now"]], [own], **_NOW)
-    _moments(axes, [(value, point) for value, _, point in every])
-    _levels(axes, swept)
-    _bare(axes, every)
-    axes.set_xlabel(_name(document, over))
-    axes.set_ylabel(f"factor of safety ({METHODS[method]})")
-    few = f"{counted(len(lines), 'value')} of {_words(document, other, 40)} {'carry' if len(lines) > 1 else 'carries'}"
-    what = f"factor of safety over {_words(document, over, 40)}\n{few} no contours: drawn as lines"
-    _finish(figure, axes, document, what)
 
 
 #: A number in words, its two ends as they are shown, the points there, and the swing by each method.

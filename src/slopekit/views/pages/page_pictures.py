@@ -15,7 +15,6 @@ from slopekit.views.plots import draw, offers
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
 _OF_RESULT = (
     "scene", "elevation", "stereonet", "tractions", "mechanism", "factors", "ravelling",
-    "reduction",
 )  # fmt: skip
 _SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
@@ -25,23 +24,17 @@ _PATH = re.compile(r'(?<= d=")[^"]+|(?<=[ "]x=")[^"]+|(?<=[ "]y=")[^"]+')
 _DIGITS = re.compile(r"-?\d+\.\d{3,}")
 
 
-def still_pictures(
-    document: Mapping[str, Any], but: frozenset[str] = frozenset()
-) -> tuple[list[dict[str, Any]], list[str]]:
+def still_pictures(document: Mapping[str, Any]) -> tuple[list[dict[str, Any]], list[str]]:
     """The pictures that can be drawn of a document, and sentences on those that cannot, with the code of each.
 
     A picture has its word `what`, its `caption`, itself as a data URI, `uri`, and whether it `is_chart`, not a scene.
-
-    Parameters
-    ----------
-    but : words of pictures that another part of the page shows
     """
     offered = offers(document)
     is_result = "fos" in document and "study" not in document
     names = [what for what in _OF_RESULT if what in offered] if is_result else list(offered)
     if document.get("assembly") is not None:
         names = _of_many(names, document["assembly"])
-    asked = [(what, offered[what], "") for what in names if what not in but]
+    asked = [(what, offered[what], "") for what in names]
     if document.get("kind") == "kinematic":  # a net for each test: four in one have no legible letter on a phone
         asked = [(what, f"{test} {'sliding' if test in ('planar', 'wedge') else 'toppling'}", test)
                  for what, _, _ in asked for test in NETS_OF]  # fmt: skip

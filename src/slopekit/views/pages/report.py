@@ -15,7 +15,6 @@ from slopekit.core.records import dataclass
 from slopekit.core.whole_files import whole_file
 from slopekit.exchange.documents import by_case, checked_document
 from slopekit.kinds import words_named
-from slopekit.views.pages import page_together as together
 from slopekit.views.pages import report_tables as tables
 from slopekit.views.pages.page_pictures import still_pictures
 from slopekit.views.pages.report_inputs import InputTable, input_tables, value_text, words
@@ -101,12 +100,10 @@ def report_of(
     require_jinja(called[0])
     said = _project(several, project or {})
     notices, missing, articles = list[Notice](), list[str](), list[dict[str, Any]]()
-    views, verified, drawn = list[str](), set[str](), dict[str, str]()
-    for k, (document, name, sheet) in enumerate(
-        zip(several, called, together.sheets_once(several, short), strict=True), 1
-    ):
+    views, verified = list[str](), set[str]()
+    for k, (document, name) in enumerate(zip(several, called, strict=True), 1):
         own: list[Notice] = []
-        context = _article(document, name, sheet)
+        context = _article(document, name, document.get("sheet"))
         if not context["is_study"]:
             if view := _view(document, own):
                 views.append(view)
@@ -114,30 +111,17 @@ def report_of(
             if str(document["kind"]) in verified:  # the rows of a kind stand once
                 context["verification"] = None
             verified.add(str(document["kind"]))
-        again = _elsewhere(document, drawn, short[k - 1])
-        pictures, left = (
-            still_pictures(document, frozenset(again)) if with_pictures else ([], ["all of them: left out as asked"])
-        )
-        if any(picture["what"] == "histogram" for picture in pictures):  # what is drawn is not listed too
-            context["sections"] = [one for one in context["sections"] if one[0] != "HISTOGRAM"]
+        pictures, left = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
         context["notices"] += [(one.code, one.message) for one in own]
-        articles.append(context | {"pictures": pictures, "missing": left, "again": again, "anchor": f"part-{k}",
-                                   "name": short[k - 1]})  # fmt: skip
+        articles.append(context | {"pictures": pictures, "missing": left, "anchor": f"part-{k}", "name": short[k - 1]})
         notices += own
         missing += left
     is_one = len(several) == 1
-    shared = [] if is_one else together.shared_notices([own["notices"] for own in articles], short)
-    everywhere = {one for _, some in shared for one in some}
-    for own_article in articles:
-        own_article["notices"] = together.folded([one for one in own_article["notices"] if one not in everywhere])
     html = _rendered({
         "title": said.get("name") if not is_one and said.get("name") else articles[0]["title"],
         "project": [(PROJECT[key], said[key]) for key in PROJECT if key in said],
         "articles": articles, "own_version": __version__,
         "views": [text.replace("<", "\\u003c") for text in views],
-        "shared": [(whose, together.folded(some)) for whose, some in shared],
-        "inputs_table": None if is_one else _inputs_that_differ(several, short),
-        "one_design": together.same_design(several), "of_cases": len(given) == 1 and not is_one,
     })  # fmt: skip
     seen = tuple(picture["what"] for article in articles for picture in article["pictures"])
     return Report(html, seen, tuple(missing), tuple(notices))
@@ -158,26 +142,6 @@ def _with_cases(
         for k, (document, case) in enumerate(zip(several, case_of, strict=True), 1)
     ]
     return several, called, short
-
-
-def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[str]) -> InputTable | None:
-    try:
-        return together.inputs_table(documents, names)
-    except MISREAD as error:
-        if not is_of_document(error):
-            raise
-        message = f"their inputs cannot be compared ({type(error).__name__}: {error})"
-        advice = "Was one changed, or written by another version? Make it again."
-        raise DesignError([Fault("E340", message, ", ".join(names), advice)]) from error
-
-
-def _elsewhere(document: Mapping[str, Any], drawn: dict[str, str], name: str) -> dict[str, str]:
-    """Pictures that an earlier part shows of the same design, and which part: its planes are the same ones."""
-    sha = document.get("input_sha256")
-    if not sha or document.get("kind") in ("kinematic", "combos"):
-        return {}
-    first = drawn.setdefault(str(sha), name)
-    return {} if first == name else {"stereonet": first}
 
 
 def _short_name(document: Mapping[str, Any]) -> str:
@@ -300,7 +264,7 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
 def _without_schedule(sheet: Mapping[str, Any], label: str, inputs: Mapping[str, Any]) -> list[Any]:
     """The entries of a label; bolts that a schedule lists are counted."""
     entries = _entries(sheet, label)
-    return together.without_bolts(entries, inputs["bolts"]) if label == "LOADS" and "BOLTS" in sheet else entries
+    return tables.without_bolts(entries, inputs["bolts"]) if label == "LOADS" and "BOLTS" in sheet else entries
 
 
 def _entries(sheet: Mapping[str, Any], label: str) -> list[Any]:

@@ -3,8 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from slopekit.core.orientation import millimetre
-from slopekit.core.sheet import Verbatim, head_of
+from slopekit.core.orientation import Line, millimetre
+from slopekit.core.sheet import Verbatim, counted, head_of
+from slopekit.design.parts import Bolt
+from slopekit.kinds.words import bolt_text, more_of
 from slopekit.views.pages.report_inputs import InputTable
 
 Document = Mapping[str, Any]
@@ -41,6 +43,24 @@ def _cell(shown: str, value: Any) -> str:
     if len(shown.partition(".")[2]) <= _DECIMALS:
         return shown
     return f"{value:.5g}" if abs(value) < _LARGE else millimetre(value)
+
+
+def without_bolts(entries: Sequence[Any], bolts: Sequence[Document]) -> list[Any]:
+    """Entries on loads, the bolts that a schedule lists counted in place of written out."""
+    listed = {bolt_text(_bolt(one)) for one in bolts}
+    kept = [one for one in entries if one not in listed]
+    rest = more_of(len(bolts) - (len(entries) - len(kept)), "bolt")
+    return [*(one for one in kept if one != rest), f"{counted(len(bolts), 'bolt')}, in the schedule"]
+
+
+def _bolt(one: Document) -> Bolt:
+    """A bolt of the inputs."""
+    head = one["head_m"]
+    return Bolt(one["force_kn"], Line(**one["toward"]), one["acts"], head and (head[0], head[1], head[2]),
+                one["length_m"], one["block"])  # fmt: skip
+
+
+# -- inputs ------------------------------------------------------------------------------------------------------------
 
 
 def check_tables(document: Document) -> Iterator[InputTable]:

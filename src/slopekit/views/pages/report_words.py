@@ -8,9 +8,6 @@ from slopekit.core.sheet import factor_text
 from slopekit.kinds.sheets.many_blocks import path_in_words
 from slopekit.result import JUDGED
 
-_SAME = 0.05  # percent
-_MANY = 1000.0  # percent: as many times as large from there on
-
 
 def factor(value: Any) -> str:
     """A factor of safety, or none."""
@@ -91,37 +88,24 @@ def _what_governs(document: Mapping[str, Any], fos: Mapping[str, Any]) -> str:
 
 
 def meaning(document: Mapping[str, Any]) -> list[str]:
-    """The check of the two methods: what was compared, how it came out, which number to use."""
-    status, agree, fos = document["status"], document["agree"], document["fos"]
-    within = f"{float(document['inputs'].get('agree_within', 0.01)) * 100:g} %"
-    sentences = []
-    if status == "not_converged":
+    """The check of the two methods in sentences: how it came out, and which number to use."""
+    difference = document["difference"]
+    if document["status"] == "not_converged":
         return ["The analysis did not converge: there is no number to use."]
+    sentences = []
     if document["moments_govern"]:
-        sentences.append(_moments(document))
-    if agree is None:
-        sentences.append(_alone(document))
-    elif document["difference"] is None:
-        same = (
-            "Neither method finds a factor of safety."
-            if status == "topples"
-            else ("Both methods give no factor of safety, for the same reason.")
-        )
-        sentences.append(
-            same if agree
-            else "One method gives a factor of safety, the other none: neither is to be used before that is explained."
-        )  # fmt: skip
+        alone, limit = factor(document["fos"]["highest"]), document["fos"]["limit"]
+        use = "with them there is no factor of safety" if limit is None else "the limit is the number to use"
+        sentences.append(f"Moments govern: {use}. Forces alone give {alone}, and the closed form balances forces only.")
+    if document["agree"] is None:
+        sentences.append("Nothing independent was compared: no closed form covers this design.")
+    elif not document["agree"]:
+        sentences.append("The two methods disagree: neither number is to be used before that is explained.")
+    elif difference is None:
+        sentences.append("Neither method finds a factor of safety, by the same status.")
     else:
-        percent = document["difference"] * 100.0
-        shown = "less than 0.0001 %" if percent < 1e-4 else f"{percent:.2g} %"
-        sentences.append(
-            f"PRE-IE and the closed form differ by {shown} (allowed: {within}). They share no code, so agreement "
-            "speaks for the arithmetic; it says nothing of strengths, water and planes." if agree
-            else f"PRE-IE and the closed form differ by {shown}, more than the {within} allowed: neither number is to "
-            "be used before that is explained."
-        )  # fmt: skip
-    if fos["static_bound"] is not None and fos["limit"]:
-        sentences.append(_bound((fos["static_bound"] / fos["limit"] - 1.0) * 100.0))
+        within = float(document["inputs"].get("agree_within", 0.01)) * 100.0
+        sentences.append(f"PRE-IE and the closed form differ by {difference * 100.0:.2g} % (allowed: {within:g} %).")
     return sentences
 
 
@@ -137,46 +121,3 @@ def force_notes(document: Mapping[str, Any]) -> list[str]:
         lost = "moments lower the limit below resisting / driving" if has_limit else "with moments there is no limit"
         notes.append(f"Forces alone: {lost}.")
     return notes
-
-
-def _moments(document: Mapping[str, Any]) -> str:
-    limit, alone = document["fos"]["limit"], factor(document["fos"]["highest"])
-    if limit is None:
-        return (
-            f"Moments govern: with them there is no factor of safety, forces alone give {alone}. The closed form "
-            "balances forces only and does not see this: its factor is not to be used. The comparison that follows is "
-            "on its own assumptions."
-        )
-    return (
-        f"Moments govern: with them the limit is {factor(limit)}, forces alone give {alone}. The closed form balances "
-        "forces only and does not see this; the limit is the number to use. The comparison that follows is on the "
-        "closed form's own assumptions."
-    )
-
-
-def _alone(document: Mapping[str, Any]) -> str:
-    """What a result rests on where nothing was compared."""
-    fos, said = document["fos"], "Nothing independent was compared: no closed form covers this design."
-    if fos["limit"] is None:
-        return f"{said} There is no number; what is said of the slope rests on PRE-IE alone."
-    rests = ["its balance of forces"] if document["balance"] is not None else []
-    rests += ["its bound"] if fos["static_bound"] is not None else []
-    on = f" ({' and '.join(rests)})" if rests else ""
-    return f"{said} The number rests on PRE-IE alone{on}; slopekit check looks closer."
-
-
-def _bound(percent: float) -> str:
-    """Where the static bound lies, in percent above the limit."""
-    if abs(percent) < _SAME:
-        return "The upper bound is practically the same as the limit."
-    if percent < 0.0:
-        return (
-            f"The upper bound lies {-percent:.2g} % below the limit, which an upper bound cannot: neither is known "
-            "better than that."
-        )
-    lies = (
-        f"lies {percent:.1f} % above the limit"
-        if percent < _MANY
-        else f"is {percent / 100.0 + 1.0:.3g} times the limit"
-    )
-    return f"The upper bound (associated flow) {lies}: it lets joints dilate, and is unsafe as an answer."

@@ -1,0 +1,67 @@
+"""The blocks of a scene as they are written to files of other programs: bodies, states, line of intersection."""
+
+import numpy as np
+
+from slopekit.block_scene import BlockScene
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenBlock:
+    """A block to write: its index in the scene, its name and its surface."""
+
+    index: int
+    name: str
+    vertices: Floats
+    triangles: Ints
+
+    @property
+    def middle(self) -> Floats:
+        """The middle (3,) of its bounds, m."""
+        middle: Floats = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0
+        return middle
+
+    @property
+    def local(self) -> Floats:
+        """Its vertices from its own middle, m."""
+        return self.vertices - self.middle
+
+    @property
+    def volume(self) -> float:
+        """m³, about its own middle."""
+        return volume_of(self.vertices, self.triangles)
+
+    @property
+    def outline(self) -> Floats:
+        """The near end (k, 3) of a block drawn out of a section: `prism` lists it first."""
+        return self.vertices[: len(self.vertices) // 2]
+
+
+def bodies_of(scene: BlockScene) -> tuple[WrittenBlock, ...]:
+    """Every block of a scene with its surface."""
+    shapes = scene.shapes
+    return tuple(WrittenBlock(k, name, *shapes.solids.of(k)) for k, name in enumerate(shapes.names))
+
+
+def state_of(scene: BlockScene, body: WrittenBlock) -> int:
+    """Whether a block is bedrock, 0, stands, 1, or moves in a mechanism, 2."""
+    return 0 if scene.shapes.fixed[body.index] else 2 if scene.order[body.index] else 1
+
+
+def volume_of(vertices: Floats, triangles: Ints) -> float:
+    """The volume (m³) that a closed surface encloses."""
+    a, b, c = ((vertices - vertices.mean(axis=0))[triangles[:, k]] for k in range(3))
+    return float(np.einsum("ti,ti->", a, np.cross(b, c))) / 6.0
+
+
+def line_of_intersection(scene: BlockScene) -> Floats | None:
+    """The two ends (2, 3) of the line of intersection of a wedge: the corners that its joints share; else None."""
+    contacts = scene.shapes.contacts
+    if len(scene.shapes.names) != 1 or not 2 <= len(contacts) <= 3:
+        return None
+    first, second = (contacts.corners[contacts.first[k] : contacts.first[k + 1]] for k in range(2))
+    size = float(np.ptp(contacts.corners, axis=0).max())
+    near = np.sqrt(((first[:, None] - second[None]) ** 2).sum(axis=2)) <= 1e-9 * size + 1e-8
+    shared = first[near.any(axis=1)]
+    return shared if len(shared) == 2 else None
