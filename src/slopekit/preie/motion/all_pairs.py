@@ -91,22 +91,22 @@ class _Trials(Protocol):
 class _OfOneBlock:
     """One block, from the largest factor at which some pair has been seen to stick.
 
-    The least factor at which all pairs have been seen to fail lies on the way to every larger one: that fails too.
+    The least factor at which it was lost, or all pairs failed, lies on the way to every larger one: that fails too.
     """
 
     def __init__(self, model: Model, stiffness: JointStiffness) -> None:
         self.model, self.stiffness = model, stiffness
         self.standing: Equilibrium | None = None
-        self.all_failed = math.inf
+        self.failed = math.inf
 
     def at(self, factor: float) -> tuple[int, bool]:
         """On the way there no pair may stick: that ends it."""
         count = len(self.model.control_area)
-        if factor >= self.all_failed:
+        if factor >= self.failed:
             return count, True
         state = equilibrium(self.model, factor, self.stiffness, self.standing, until_all_failed=True)
         if not state.stands or state.failed_pairs == count:
-            self.all_failed = state.factor if state.stands else factor
+            self.failed = state.factor
             return count, True
         self.standing = state
         return state.failed_pairs, False
