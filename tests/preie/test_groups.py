@@ -39,16 +39,18 @@ def test_a_range_is_that_of_the_motion_that_is_asked_about(monkeypatch) -> None:
     """The limit may be that of an earlier search, where cohesion breaks in between: the last group has another."""
     asked, span = [], groups.Groups.span
 
-    def watched(own, motion):
-        asked.append((own, motion, span(own, motion)))
-        return asked[-1][-1]
+    def watched(own, motion, top):
+        asked.append((own, motion, span(own, motion, None)))
+        return span(own, motion, top)
 
     monkeypatch.setattr(groups.Groups, "span", watched)
     limit = key_part().limit
     (own, motion, (low, high)) = asked[0]
     np.testing.assert_array_equal(motion, limit.velocity)
-    assert (min(low, limit.factor), high) == pytest.approx((limit.lowest, limit.highest), rel=1e-9)
-    assert span(own, motion[::-1]) is None
+    assert (min(low, limit.factor), min(high, limit.static_bound)) == pytest.approx(
+        (limit.lowest, limit.highest), rel=1e-9
+    )
+    assert span(own, motion[::-1], None) is None
 
 
 def test_a_rest_that_is_not_near_enough_is_a_peak(monkeypatch) -> None:

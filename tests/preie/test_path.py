@@ -490,8 +490,8 @@ def test_the_range_is_that_of_the_part_that_fails_first_alone(number, monkeypatc
     """Not of other components, nor with node pairs that are too coarse for its twist."""
     ranges, whole = [], blocks.mechanism_range
 
-    def watched(model, velocity, factor, *others):
-        low, high = whole(model, velocity, factor, *others)
+    def watched(model, velocity, factor, bond, forces, top):
+        low, high = whole(model, velocity, factor, bond, forces)
         ranges.append((low / factor, high / factor))
         return low, high
 

@@ -77,7 +77,7 @@ def pulled_at_middle(design, case):
 
 
 def notices_of(found) -> dict[str, str]:
-    return {notice.code: notice.message for case in found.cases for notice in case.said}
+    return {notice.code: notice.message for case in found.cases for notice in case.all_notices}
 
 
 # -- put back --------------------------------------------------------------------------------------------------------

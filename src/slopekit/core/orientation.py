@@ -96,7 +96,10 @@ def normals(dip_deg: Floats, dip_direction_deg: Floats) -> Floats:
     """
     dip, direction = np.radians(dip_deg), np.radians(dip_direction_deg)
     sine = np.sin(dip)
-    return np.stack([sine * np.sin(direction), sine * np.cos(direction), np.cos(dip)], axis=-1)
+    east = sine * np.sin(direction)
+    upward = np.empty((*east.shape, 3))  # np.stack takes as long as all the rest
+    upward[..., 0], upward[..., 1], upward[..., 2] = east, sine * np.cos(direction), np.cos(dip)
+    return upward
 
 
 def line_of(vector: Floats) -> Line:

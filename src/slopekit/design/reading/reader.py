@@ -150,16 +150,11 @@ class Reader:
         owner : the user's name for it, for messages: spacing of S1
         only : attributes, where not all
         """
-        wanted = tuple(only)
-        shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
-        attributes = {}
-        for name, field in fields_of(record).items():
-            if field.measures == "group" or field.of is not None or field.shape.each or (wanted and name not in wanted):
-                continue
-            if not field.is_attribute or field.many == "names" or shared.get(name) is field:
-                continue
-            attributes[name] = self.field(field, _below(holder or self.root, field.path), owner)
-        return attributes
+        wanted, holder = tuple(only), holder or self.root
+        return {
+            name: self.field(field, _below(holder, field.path), owner)
+            for name, field in _plain_fields(record) if not wanted or name in wanted
+        }  # fmt: skip
 
     def field(self, field: Field, node: Node | None, owner: str = "") -> Any:
         """The value of one field where `node` gives it, else its default."""
@@ -322,6 +317,17 @@ class Reader:
         for group in ("joints.", "strength.", "sets."):
             names |= {path.removeprefix(group): own for path, own in names.items() if path.startswith(group)}
         return names
+
+
+@cache
+def _plain_fields(record: Any) -> tuple[tuple[str, Field], ...]:
+    """The fields of a record itself that are read by their kind alone, by attribute."""
+    shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
+    return tuple(
+        (name, field) for name, field in fields_of(record).items()
+        if field.measures != "group" and field.of is None and not field.shape.each and field.is_attribute
+        and field.many != "names" and shared.get(name) is not field
+    )  # fmt: skip
 
 
 @cache

@@ -188,7 +188,7 @@ def solve(design: Design, made: Cut, clock: Clock) -> FoundLimit:
         if design.analysis.criterion == "all-pairs" and limit.factor:
             from slopekit.preie.motion.all_pairs import all_pairs_failed
 
-            pairs = all_pairs_failed(model, stiffness)
+            pairs = all_pairs_failed(model, stiffness, bound=bound)
     with clock("series"):
         series = tuple(series_of(model, design.analysis.factors, stiffness, bound, made.axes))
     return replace(found, bound=bound, at_rest=at_rest, pairs=pairs, series=series, lowest=lowest)

@@ -167,12 +167,13 @@ def _span(model: AssemblyModel, limit: BlocksLimit, proposal: Proposal | None) -
     """Return the range of the mechanism of a limit; None where it takes too long."""
     assert limit.factor is not None
     if limit.group and proposal is not None:
-        return proposal.span(limit.velocity)
+        return proposal.span(limit.velocity, limit.static_bound)
     if model.unknowns == 6 and len(model.load) > _RANGED:
         return None
     model, unit = _in_unit_strength(model)
     forces = limit.normal_force, limit.friction
-    span = mechanism_range(model, limit.velocity.ravel(), limit.factor / unit, limit.bond, forces)
+    top = None if limit.static_bound is None else limit.static_bound / unit
+    span = mechanism_range(model, limit.velocity.ravel(), limit.factor / unit, limit.bond, forces, top)
     return None if span is None else (_times(span[0], unit), _times(span[1], unit))
 
 

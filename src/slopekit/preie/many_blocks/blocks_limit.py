@@ -75,5 +75,5 @@ class Proposal(Protocol):
     def limit(self, top: float) -> PathLimit | None:
         """The limit of all blocks, at most `top`; None where the way leads nowhere."""
 
-    def span(self, motion: Floats) -> Span | None:
-        """The range of the mechanism that it found last, where that has this motion (n, u)."""
+    def span(self, motion: Floats, top: float | None) -> Span | None:
+        """The range of the mechanism that it found last, where that has this motion (n, u), looked for up to `top`."""

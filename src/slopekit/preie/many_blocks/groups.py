@@ -44,12 +44,13 @@ class Groups:
         self.sliders, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
         self.found: Solution | None = None
 
-    def span(self, motion: Floats) -> Span | None:
+    def span(self, motion: Floats, top: float | None) -> Span | None:
         """Return the range of the group's mechanism: what is held beside it can carry any force.
 
         Parameters
         ----------
         motion : (n, 6) of the limit that is asked about; None where the group that was found last moves otherwise
+        top : a factor that none exceeds
         """
         if self.found is None:
             return None
@@ -57,7 +58,8 @@ class Groups:
         assert limit.parameter is not None
         if not np.array_equal(self._of_all(self.found).motion, motion.ravel()):
             return None
-        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, limit.bond, (limit.normal, limit.friction))
+        forces = limit.normal, limit.friction
+        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, limit.bond, forces, top)
 
     def limit(self, top: float) -> PathLimit | None:
         """Return the limit of all blocks, at most `top`; None where groups lead nowhere."""

@@ -16,7 +16,7 @@ from slopekit.core.records import dataclass
 from slopekit.preie.motion.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.system.contact import JointStiffness
 from slopekit.preie.system.model import Model
-from slopekit.preie.tolerances import FARTHEST
+from slopekit.preie.tolerances import EQUILIBRIUM, FARTHEST
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.motion.settlement import Settlement
@@ -43,7 +43,7 @@ class AllPairsFailed:
 
 def all_pairs_failed(
     model: "Model | AssemblyModel", stiffness: JointStiffness, limit: float | None = None, growth: float = 1.5,
-    relative: float = 1e-5,
+    relative: float = 1e-5, bound: float | None = None,
 ) -> AllPairsFailed:  # fmt: skip
     """Bracket and bisect the factor at which the first block fails (Figure 9 of the paper; Dawson et al. 1999).
 
@@ -52,8 +52,9 @@ def all_pairs_failed(
     limit : the factor above which nothing stands; None: the search starts at 1
     growth : its iteration coefficient m > 1
     relative : width of the final bracket in parts of the factor
+    bound : of one block, its static bound, above which it is not tried
     """
-    trials: _Trials = _OfOneBlock(model, stiffness) if isinstance(model, Model) else _OfBlocks(model, stiffness)
+    trials: _Trials = _OfOneBlock(model, stiffness, bound) if isinstance(model, Model) else _OfBlocks(model, stiffness)
     history: list[tuple[float, int]] = []
 
     def failed(factor: float) -> bool:
@@ -89,17 +90,24 @@ class _Trials(Protocol):
 
 
 class _OfOneBlock:
-    """One block, from the largest factor at which some pair has been seen to stick."""
+    """One block, from the largest factor at which some pair has been seen to stick.
 
-    def __init__(self, model: Model, stiffness: JointStiffness) -> None:
+    The least factor at which it was lost, or all pairs failed, lies on the way to every larger one: that fails too.
+    """
+
+    def __init__(self, model: Model, stiffness: JointStiffness, bound: float | None) -> None:
         self.model, self.stiffness = model, stiffness
         self.standing: Equilibrium | None = None
+        self.failed = math.inf if bound is None else bound * (1.0 + EQUILIBRIUM)
 
     def at(self, factor: float) -> tuple[int, bool]:
         """On the way there no pair may stick: that ends it."""
         count = len(self.model.control_area)
+        if factor >= self.failed:
+            return count, True
         state = equilibrium(self.model, factor, self.stiffness, self.standing, until_all_failed=True)
         if not state.stands or state.failed_pairs == count:
+            self.failed = state.factor
             return count, True
         self.standing = state
         return state.failed_pairs, False

@@ -30,7 +30,7 @@ class Equilibrium:
     Attributes
     ----------
     stands : whether forces and moments balance
-    factor : the strength reduction factor
+    factor : the strength reduction factor; where they do not stand that at which they are lost on the way to it
     displacement : (u,) m and radians, of the block's centroid
     forces : (n, 3) kN at the node pairs; modes : (n,) ContactMode
     residual : largest unbalanced generalised force in parts of the load
@@ -113,7 +113,7 @@ def equilibrium(
         else:
             stride = min(stride, remaining) / 3.0
             if stride < SHORTEST_STRIDE:
-                return replace(trial, factor=factor)
+                return trial
     return state if remaining > 0.0 else replace(state, factor=factor)
 
 

@@ -46,6 +46,7 @@ from slopekit.strength.mohr_coulomb import line
 
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
+_BESIDE, _WIDER = 0.5 * NEAR, 16.0  # of the end of a range: where it is looked for beside Newton's step, and further on
 _HELD = 120  # unknowns up to which normal forces that hold all blocks are looked for: a dense problem
 
 
@@ -140,31 +141,31 @@ def _falls_off(model: AssemblyModel) -> bool:
 
 
 def mechanism_range(
-    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats, forces: tuple[Floats, Floats]
-) -> tuple[float | None, float | None] | None:
+    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats, forces: tuple[Floats, Floats],
+    top: float | None = None,
+) -> tuple[float | None, float | None] | None:  # fmt: skip
     """The lowest and highest factor of a mechanism under any admissible forces; None where it has none itself.
 
     Parameters
     ----------
     velocity : (N,); bond : (m,) 0 where a pair has lost its cohesion; forces : normal (m,) and friction (g, t) there
+    top : a factor that none exceeds, None where there is none
 
     Returns
     -------
-    (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
+    (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor, or `top`.
     """
     say("range of the mechanism")
     away = Distance(model, _cleaned(model, velocity, forces, factor), bond, 1.0 / factor)
     if away.at(1.0 / factor).distance > EACH_BALANCED:
         return None
-    ends = []
-    for way in (1.0, -1.0):  # λ up: the lowest factor
-        ends.append(_end(away, 1.0 / factor, way))
-    high, low = ends
+    high = _end(away, 1.0 / factor, 1.0, math.inf)  # λ up: the lowest factor
+    low = _end(away, 1.0 / factor, -1.0, 0.0 if top is None else 1.0 / top)
     return (1.0 / high if high else None), (1.0 / low if low else None)
 
 
-def _end(away: Distance, inside: float, way: float) -> float | None:
-    """The λ at which the forces leave the mechanism, above (`way` 1) or below; None where they do not."""
+def _end(away: Distance, inside: float, way: float, last: float) -> float | None:
+    """The λ at which the forces leave the mechanism, above (`way` 1) or below; None where not before the `last`."""
     outside, stride = inside, 1.02
     while True:
         outside *= stride**way
@@ -172,21 +173,23 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
         if far.distance > SOLVED:
             break
         inside = outside
+        if (inside - last) * way > 0.0:
+            return None
         if not 1.0 / WIDEST_RANGE < outside * stride**way / inside < WIDEST_RANGE or stride > WIDEST_RANGE:
             return None
         stride = stride * stride
-    while abs(outside / inside - 1.0) > NEAR:
+    margin = _BESIDE
+    while True:
         trial = outside - far.distance / far.slope if far.slope * way > 0.0 else inside
-        if abs(trial / outside - 1.0) < NEAR:
-            return trial
-        if not min(inside, outside) < trial < max(inside, outside):
-            trial = math.sqrt(inside * outside)
+        if min(abs(trial / outside - 1.0), abs(outside / inside - 1.0)) < NEAR:
+            return trial if inside * way < trial * way < outside * way else inside
+        if not min(inside, outside) < trial < max(inside, outside):  # Newton came out just inside: look beside it
+            trial, margin = inside * min(1.0 + margin, math.sqrt((outside / inside) ** way)) ** way, margin * _WIDER
         there = away.at(trial)
         if there.distance > SOLVED:
-            outside, far = trial, there
+            outside, far, margin = trial, there, _BESIDE
         else:
             inside = trial
-    return inside
 
 
 def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Floats], factor: float) -> Floats:

@@ -11,7 +11,7 @@ loads: the static bound.
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -82,46 +82,46 @@ class Distance:
         direction = np.where(slips[:, None], slip / np.maximum(size, TINY)[:, None], 0.0)
         cohesion = model.by_group(model.cohesion * bond)
         cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt may pull
-        gather = sparse.csr_matrix((np.ones(pairs), (model.group_of_pair, np.arange(pairs))), shape=(groups, pairs))
-        pressed = sparse.diags(model.tan_friction) @ gather  # μ ΣN
-        along = sparse.csr_matrix(
-            (direction.ravel(), (np.arange(groups * tangents), np.repeat(np.arange(groups), tangents))),
-            shape=(groups * tangents, groups),
-        )
         own = np.sqrt((model.load * model.load).sum(axis=1))
         lightest = LIGHTEST * float(own.max())
         # each block balances in parts of its own load, each contact counts by that of the lighter block
         self.parts = 1.0 / np.repeat(np.maximum(own, lightest), model.unknowns)
         lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
-        weight = np.maximum(lighter[model.group_contact], lightest)[:, None]
-        statics = (sparse.diags(self.parts) @ model.statics).tocsc()
-        of_normal, of_slip = statics[:, :pairs], statics[:, pairs:]
-        carried, stick = of_slip @ along, sparse.diags((~slips).astype(float))
-
-        def rows(balance: list[Any], room: list[Any], bounds: Any) -> Any:
-            """Balance; N = 0 where it opens; N and s from below; and the cones (room, T), friction by friction."""
-            heads, width = sparse.hstack(room), groups * tangents
-            tails = sparse.hstack([sparse.csr_matrix((width, pairs)), bounds * -sparse.eye(width),
-                                   sparse.csr_matrix((width, 1))])  # fmt: skip
-            order = np.concatenate(
-                [np.arange(groups)[:, None], groups + np.arange(width).reshape(groups, tangents)], axis=1
-            )
-            eye = bounds * sparse.eye(pairs + width + 1, format="csr")
-            friction = sparse.vstack([heads, tails]).tocsr()[order.ravel()]
-            parts = [sparse.hstack(balance), eye[np.flatnonzero(opens)], -eye[:pairs], -eye[-1:], friction]
-            return sparse.vstack(parts).tocsc()
-
-        none, column = sparse.csr_matrix((groups, groups * tangents)), sparse.csr_matrix((len(self.parts), 1))
-        empty = sparse.csr_matrix((groups, pairs))
-        self.still = rows([of_normal, of_slip, column], [empty, none, -weight], 1.0)
-        self.grows = rows([-carried @ pressed, 0.0 * of_slip, column], [-stick @ pressed, none, 0.0 * weight], 0.0)
-        self.grows.eliminate_zeros()
-        both = self.still + 1j * self.grows  # entries of either, summed for a λ without SciPy's sparse sums
-        self.matrix, self.of_still, self.of_grows = both.real, both.data.real.copy(), both.data.imag.copy()
+        weight = np.maximum(lighter[model.group_contact], lightest)
+        statics = model.statics.tocoo()
+        balance = self.parts[statics.row] * statics.data
+        sheared = statics.col >= pairs
+        component = statics.col[sheared] - pairs
+        along = balance[sheared] * direction.ravel()[component]
+        carried = sparse.csc_matrix((along, (statics.row[sheared], component // tangents)), (len(self.parts), groups))
+        by_pair = carried[:, model.group_of_pair].tocoo()
+        friction_of_pair = model.tan_friction[model.group_of_pair]
+        # rows: balance; N = 0 where it opens; N and s from below; and the cones (room, T), friction by friction
+        shut, width, every = int(opens.sum()), groups * tangents, np.arange(pairs)
+        lower = len(self.parts) + shut
+        heads_at = lower + pairs + 1 + np.arange(groups) * (1 + tangents)
+        tails_at = (heads_at[:, None] + np.arange(1, 1 + tangents)).ravel()
+        room = (~slips[model.group_of_pair]) * friction_of_pair
+        entries = [
+            (statics.row, statics.col, balance + 0j),
+            (by_pair.row, by_pair.col, -1j * (by_pair.data * friction_of_pair[by_pair.col])),
+            (len(self.parts) + np.arange(shut), np.flatnonzero(opens), np.full(shut, 1.0 + 0j)),
+            (lower + every, every, np.full(pairs, -1.0 + 0j)),
+            ([lower + pairs], [pairs + width], [-1.0 + 0j]),
+            (heads_at, np.full(groups, pairs + width), -weight + 0j),
+            (heads_at[model.group_of_pair], every, -1j * room),
+            (tails_at, pairs + np.arange(width), np.full(width, -1.0 + 0j)),
+        ]
+        at_row, at_column, values = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        # entries of what stays and, imaginary, of what grows with λ: summed for a λ without SciPy's sparse sums
+        both = sparse.csc_matrix((values, (at_row, at_column)), (lower + pairs + 1 + len(heads_at) * (1 + tangents),
+                                                                 pairs + width + 1))  # fmt: skip
+        both.eliminate_zeros()
+        self.matrix, self.grows = both.real, both.imag
+        self.of_still, self.of_grows = both.data.real.copy(), both.data.imag.copy()
         self.cost = sparse.csc_matrix((both.shape[1], both.shape[1]))
-        shut = int(opens.sum())
         heads = np.zeros((groups, 1 + tangents))
-        heads[:, 0] = stick @ cohesion
+        heads[:, 0] = ~slips * cohesion
         middle = carried @ cohesion - self.parts * model.mean_pulls
         load, at_zero = self.parts * model.load.ravel(), np.zeros(shut + pairs)
         self.right = np.concatenate([-load, at_zero, [-least], np.zeros(heads.size)])
