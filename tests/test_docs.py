@@ -29,7 +29,7 @@ from typing import Any
 import pytest
 
 from benchmarks.key_reference import PAGE, written
-from slopekit.cli import app, main, progress
+from slopekit.cli import app, main
 from slopekit.core.explanations import explanations
 from slopekit.design.fields import structure_of
 from slopekit.design.registry import KINDS as KINDS_OF_DESIGN
@@ -264,7 +264,6 @@ def without(design: str, keys: list[str]) -> str:
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_page(path, tmp_path, monkeypatch) -> None:
     monkeypatch.delenv("SLOPEKIT_DEBUG", raising=False)
-    monkeypatch.setattr(progress, "_LINE_S", 3600.0)  # how slow a machine is does not stand on a page
     for folder in ("templates", "examples"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     page = Page(path)
