@@ -14,7 +14,7 @@ import numpy as np
 from slopekit.core.orientation import Plane
 from slopekit.design.common import Pair
 from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Name, Variable
-from slopekit.studies.prob.sampling import METHODS, draw, planned
+from slopekit.studies.prob.sampling import METHODS, samples
 
 _REPEATS = 5
 
@@ -68,8 +68,7 @@ CASES: Mapping[str, tuple[tuple[Variable, ...], tuple[Pair, ...]]] = {
 
 def cost(case: str, method: str, n: int) -> float:
     """Seconds a sample, the least of several runs."""
-    plan = planned(*CASES[case], n, 1, method)
-    return min(_seconds(lambda: draw(plan)) for _ in range(_REPEATS)) / plan.n
+    return min(_seconds(lambda: samples(*CASES[case], n, 1, method)) for _ in range(_REPEATS)) / n
 
 
 def yardstick() -> float:

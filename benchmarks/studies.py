@@ -22,7 +22,7 @@ import numpy as np
 from slopekit.design.reading.files import load
 from slopekit.studies.points import evaluation
 from slopekit.studies.prob import prob
-from slopekit.studies.prob.sampling import METHODS, draw, planned, samples
+from slopekit.studies.prob.sampling import METHODS, samples
 from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
 
@@ -70,11 +70,11 @@ def sampling_rows(n: int = 200_000) -> list[str]:
     for correlation in (False, True):
         design = load(scattering(correlation))
         for method in METHODS:
-            plan = planned(design.variables, design.correlation, n, 1, method)
-            drawn = samples(design.variables, design.correlation, n, 1, method)
+            draw = partial(samples, design.variables, design.correlation, n, 1, method)
+            drawn = draw()
             fast = vectorised(design, drawn.values, drawn.settings)
             assert fast is not None
-            drawing, judging = best(partial(draw, plan)), best(partial(fast, drawn.values))
+            drawing, judging = best(draw), best(partial(fast, drawn.values))
             name = method + (", 3 correlations" if correlation else "")
             rows.append(f"| {name} | {drawing / n * 1e9:.0f} | {judging / n * 1e9:.0f} | {drawing / judging:.2f} |")
     return rows

@@ -1,7 +1,6 @@
 """Samples: marginals, tails, ranks, orientations, replicates; the same numbers in pieces of any size."""
 
 import math
-import pickle
 from dataclasses import replace
 
 import mpmath
@@ -18,7 +17,7 @@ from slopekit.design.reading.files import with_values
 from slopekit.design.scatter.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.studies.marginals import checked_limits, marginal, tails
 from slopekit.studies.prob import sampling, sources
-from slopekit.studies.prob.sampling import METHODS, draw, planned, samples
+from slopekit.studies.prob.sampling import METHODS, ends_of_blocks, samples
 from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
 
 
@@ -188,7 +187,7 @@ def test_full_correlation_gives_the_same_numbers(method) -> None:
 def test_correlations_that_contradict_each_other() -> None:
     pairs = [("normal", "log", 0.9), ("log", "cut", 0.9), ("normal", "cut", -0.9)]
     with pytest.raises(DesignError) as caught:
-        planned(_all(), pairs, 10, 1)
+        samples(_all(), pairs, 10, 1)
     assert caught.value.codes == ("E183",)
 
 
@@ -348,17 +347,17 @@ PAIRS = [("normal", "log", 0.5), ("J1.plane.dip", "cut", -0.4)]
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_pieces_and_pickling_change_no_sample(method, monkeypatch) -> None:
+def test_pieces_change_no_sample(method, monkeypatch) -> None:
     monkeypatch.setattr(sampling, "BLOCK", 256)
-    plan = planned(MIXED, PAIRS, 5000, 11, method)
-    whole = draw(plan)
-    assert whole.values.shape == (plan.n, 9)
+    whole = samples(MIXED, PAIRS, 5000, 11, method)
+    assert whole.values.shape == (5000, 9)
     assert whole.values.flags.f_contiguous
     assert not whole.values.flags.writeable
-    assert np.unique(whole.replicate).tolist() == list(range(plan.replicates))
+    replicates = 1 if method == "monte-carlo" else len(ends_of_blocks(5000, method)) - 1
+    assert np.unique(whole.replicate).tolist() == list(range(replicates))
     monkeypatch.setattr(sources, "_PIECE", 64)
     monkeypatch.setattr(sampling, "_PIECE", 48)
-    assert (draw(pickle.loads(pickle.dumps(plan))).values == whole.values).all()
+    assert (samples(MIXED, PAIRS, 5000, 11, method).values == whole.values).all()
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -380,16 +379,14 @@ def test_a_longer_run_begins_with_a_shorter_one() -> None:
 def test_replicates(n) -> None:
     """Sixteen or more where there are samples enough."""
     for method in METHODS:
-        plan = planned([Variable("x", KINDS["normal"])], (), n, 1, method)
-        sizes = np.diff([0, *(plan.bounds(block)[1] for block in range(plan.blocks))])
-        assert sizes.sum() == plan.n == n
+        ends = ends_of_blocks(n, method)
+        sizes = np.diff(ends)
+        assert (ends[0], ends[-1]) == (0, n)
+        assert 0 < sizes.min() <= sizes.max() <= 8192
         if method == "monte-carlo":
-            assert (plan.n, plan.replicates) == (n, 1)
             continue
-        assert plan.blocks == plan.replicates <= 32767
-        assert plan.replicates >= (16 if n >= 128 else 1)
-        assert sizes.max() - sizes.min() == int(n % plan.replicates > 0)
-        assert sizes.max() <= 8192
+        assert (16 if n >= 128 else 1) <= len(sizes) <= 32767
+        assert sizes.max() - sizes.min() == int(n % len(sizes) > 0)
 
 
 @pytest.mark.parametrize("n", [16 * 64, 16 * 63])
@@ -409,9 +406,9 @@ def test_latin_hypercube_has_one_sample_in_each_stratum(n) -> None:
 def test_latin_hypercube_fills_each_stratum_evenly() -> None:
     """Where in its stratum a sample lies is uniform; the middle stratum of an odd number included."""
     drawn = samples([Variable("x", dist("uniform", min=0, max=7))], (), 16 * 1000, 3, "latin-hypercube")
-    one = planned([Variable("x", dist("uniform", min=0, max=7))], (), 7, 1, "latin-hypercube")
-    assert one.replicates == 1
-    values = np.array([samples(one.variables, (), 7, seed, "latin-hypercube").values for seed in range(800)]).ravel()
+    assert ends_of_blocks(7, "latin-hypercube") == [0, 7]
+    one = [Variable("x", dist("uniform", min=0, max=7))]
+    values = np.array([samples(one, (), 7, seed, "latin-hypercube").values for seed in range(800)]).ravel()
     for stratum in range(7):
         inside = values[np.floor(values) == stratum] - stratum
         assert len(inside) == 800
@@ -453,7 +450,7 @@ def test_numbers_that_cannot_be() -> None:
 
     def codes(*arguments):
         with pytest.raises(DesignError) as caught:
-            planned(*arguments)
+            samples(*arguments)
         return caught.value.codes
 
     assert codes(one, (), 0, -1) == ("E307", "E307")

@@ -36,7 +36,6 @@ class WedgeSizes:
     trace1_m, trace2_m : of J1 and J2 on the face, from the toe to the crest
     upper_trace1_m, upper_trace2_m : of J1 and J2 on the upper slope, from the crest back
     line_m : length of the line of intersection
-    area1_m2, area2_m2, face_area_m2, upper_area_m2 : of its four faces
     """
 
     volume_m3: Floats
@@ -48,10 +47,6 @@ class WedgeSizes:
     upper_trace1_m: Floats
     upper_trace2_m: Floats
     line_m: Floats
-    area1_m2: Floats
-    area2_m2: Floats
-    face_area_m2: Floats
-    upper_area_m2: Floats
 
     @property
     def longest1_m(self) -> Floats:
@@ -66,11 +61,13 @@ class WedgeSizes:
         return longest_m
 
     def scaled(self, by: ArrayLike) -> "WedgeSizes":
-        """The same wedges with all lengths times a factor, one or (n,): areas by its square, volumes by its cube."""
+        """The same wedges with all lengths times a factor, one or (n,), the volumes by its cube."""
         one = np.asarray(by, dtype=np.float64)
-        powers = {"_m3": 3, "_m2": 2}
         return WedgeSizes(
-            *(getattr(self, field.name) * one ** powers.get(field.name[-3:], 1) for field in fields(WedgeSizes))
+            *(
+                getattr(self, field.name) * one ** (3 if field.name.endswith("_m3") else 1)
+                for field in fields(WedgeSizes)
+            )
         )
 
 
@@ -115,16 +112,13 @@ def wedge_sizes(
         first, second, back = (
             times(way, offset / climb) for way, climb in zip((*traces, line), climbs, strict=True)
         )  # fmt: skip
-        spans = cross(first, back), cross(second, back)
         heights = [np.zeros(count), *(point[2] + np.zeros(count) for point in (first, second, back))]
         across = _across(edge)
         behind = less(back, first)
         sizes = WedgeSizes(*(np.array(values + np.zeros(count)) for values in (
-            abs(dot(first, spans[1])) / 6.0, np.maximum.reduce(heights) - np.minimum.reduce(heights),
+            abs(dot(first, cross(second, back))) / 6.0, np.maximum.reduce(heights) - np.minimum.reduce(heights),
             length(less(first, second)), abs(behind[0] * across[0] + behind[1] * across[1]), length(first),
-            length(second), length(behind), length(less(back, second)), length(back), length(spans[0]) / 2.0,
-            length(spans[1]) / 2.0, length(cross(first, second)) / 2.0,
-            length(cross(less(first, back), less(second, back))) / 2.0,
+            length(second), length(behind), length(less(back, second)), length(back),
         )))  # fmt: skip
         cuts = _cuts(face, line, traces, climbs, offset, edge) & np.ones(count, dtype=bool)
     for field in fields(WedgeSizes):

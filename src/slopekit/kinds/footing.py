@@ -16,14 +16,13 @@ from slopekit.design.fields import Field, count, declare, group, number
 from slopekit.design.parts import Action, Stiffness, Strength
 from slopekit.design.reading.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
-from slopekit.geometry.pressure import resultant
 from slopekit.geometry.sections.section import J1, PlaneSection, footing_section, line_pairs
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.single_block.one_block import DILATES, kind_of_one_block, other_strengths
 from slopekit.kinds.single_block.one_block_limit import Cut, Interface
 from slopekit.kinds.single_block.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
-from slopekit.kinds.water import outward_normal
+from slopekit.kinds.water import thrusts
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.result import Result, Words
@@ -164,7 +163,9 @@ def cut(design: FootingDesign) -> Cut:
     """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
-    pushes = {"footing": push} | _water(design, section)
+    plane, (toe, heel) = section.block.faces[J1], design.ends_kpa
+    uplift = thrusts({J1: plane}, {J1: [(plane, toe + (heel - toe) * plane[:, 0] / section.bottom[0])]})
+    pushes = {"footing": push} | uplift
     acting = block_loads(section.block, design.rock.unit_weight_kn_m3, np.zeros(3), pushes=pushes)
     bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
@@ -175,17 +176,6 @@ def cut(design: FootingDesign) -> Cut:
         [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
         {J1: NAME} if design.uplift_kn else {},
     )  # fmt: skip
-
-
-def _water(design: FootingDesign, section: PlaneSection) -> dict[str, PointForce]:
-    """Uplift on the plane: linear between its ends."""
-    toe, heel = design.ends_kpa
-    if not toe + heel > 0.0:
-        return {}
-    plane = section.block.faces[J1]
-    pressures = toe + (heel - toe) * plane[:, 0] / section.bottom[0]
-    thrust, at = resultant([(plane, pressures)], plane)
-    return {f"water {J1}": PointForce(-thrust * outward_normal(plane), at)}
 
 
 def closed_form(design: FootingDesign) -> ClosedForm:

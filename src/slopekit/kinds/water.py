@@ -5,7 +5,7 @@ water), falling from the crack in which it stands, or hydrostatic below a table 
 where they act, a closed form the mean pressure of each joint and the sum of the rest as a force: moments are beyond it.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -105,12 +105,8 @@ def pushes(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
     GeometryError
         E207 the crack is not so deep, E456 the table lies above the ground, or a joint or the crack ends in the rock.
     """
-    loads: dict[str, PointForce] = {}
     faces = slope.block.faces
-    for face, pieces in _pressures(design, slope):
-        thrust, at = resultant(pieces, faces[face])
-        if thrust:
-            loads[f"water {face}"] = PointForce(-thrust * outward_normal(faces[face]), at)
+    loads = thrusts(faces, _pressures(design, slope))
     upper = faces.get(slope.free[1])
     if design.surcharge_kpa and upper is not None:
         a, b, c = upper[:1], upper[1:-1], upper[2:]
@@ -120,7 +116,17 @@ def pushes(design: SlopeDesign, slope: LocalSlope) -> dict[str, PointForce]:
     return loads
 
 
-def _pressures(design: SlopeDesign, slope: LocalSlope) -> Iterator[tuple[int, Pieces]]:
+def thrusts(faces: Mapping[int, Floats], by_face: Mapping[int, Pieces]) -> dict[str, PointForce]:
+    """What pressures on faces of a block do to it, by the names that loads have for water: `water 0`."""
+    loads: dict[str, PointForce] = {}
+    for face, pieces in by_face.items():
+        thrust, at = resultant(pieces, faces[face])
+        if thrust:
+            loads[f"water {face}"] = PointForce(-thrust * outward_normal(faces[face]), at)
+    return loads
+
+
+def _pressures(design: SlopeDesign, slope: LocalSlope) -> Mapping[int, Pieces]:
     """The pressures on the faces of the block that are wet."""
     water, faces = design.water, slope.block.faces
     by_face: Mapping[int, Pieces] = {}
@@ -136,7 +142,7 @@ def _pressures(design: SlopeDesign, slope: LocalSlope) -> Iterator[tuple[int, Pi
     if water.crack_fill is not None and slope.crack in faces:
         in_crack = {slope.crack: slope.full(slope)[slope.crack]}
         by_face = {**by_face, **_scaled(in_crack, water.crack_fill)}
-    return iter(by_face.items())
+    return by_face
 
 
 def _scaled(full: Mapping[int, Pieces], part: float) -> dict[int, Pieces]:

@@ -1,7 +1,7 @@
 """What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import make_dataclass, replace
 from typing import Any, ClassVar
 
 from slopekit.core.orientation import number
@@ -32,13 +32,8 @@ def water_by(*pressures: Field) -> Any:
         declare("fill", "ratio", 0.0, 1.0, is_refused=True),
         *pressures,
     )
-    keys = type("WaterOfBlocks", (_Keys,), {"ALSO": also})
+    keys = make_dataclass("WaterOfBlocks", (), namespace={"ALSO": also})
     return group("water", keys, default=Water(), forms=(Leaf(example="dry"),))
-
-
-@dataclass(frozen=True, slots=True)
-class _Keys:
-    """Keys that are read into attributes of another record."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

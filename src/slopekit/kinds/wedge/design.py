@@ -225,25 +225,21 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     """
     joints = joints_of(reader, 2)
     own = reader.fields(WedgeDesign, only=("face", "upper", "height_m"))
-    basal_node = reader.at("basal")
-    if basal_node is not None and basal_node.value is None:
-        basal_node = None
+    nodes = {key: node for key in ("basal", "crack") if (node := reader.at(key)) is not None and node.value is not None}
+    basal_node, crack_node = nodes.get("basal"), nodes.get("crack")
     basal, under = _basal(reader, basal_node, [joint.name for joint in joints])
     strengths = strengths_of(reader, [*joints, *under]) if joints else _without_joints(reader, len(under))
-    crack_node = reader.at("crack")
-    crack = None if crack_node is None or crack_node.value is None else _crack(reader, crack_node)
-    depth = None if crack_node is None or crack_node.value is None else _depth_of_water(reader, crack_node)
-    has_crack = crack_node is not None and crack_node.value is not None
+    crack = None if crack_node is None else _crack(reader, crack_node)
+    depth = None if crack_node is None else _depth_of_water(reader, crack_node)
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
     ground, table = read_ground_water(reader)
-    also = [name for name, is_there in (("basal", basal_node is not None), ("crack", has_crack)) if is_there]
-    water = _water(reader, crack_node, [*names, *also], table, basal_node is not None)
+    water = _water(reader, crack_node, [*names, *nodes], table, basal_node is not None)
     own |= reader.fields(WedgeDesign, only=("refine", "origin_m"))
     common = read_common(reader)
     sound = tuple(one or Strength(0.0, 0.0) for one in strengths)
     design: WedgeDesign = reader.made(
         WedgeDesign, own, common, ground, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
-        crack_water_m=depth, water=water, basal=basal, limits=_limits(reader, names, also), strengths=sound,
+        crack_water_m=depth, water=water, basal=basal, limits=_limits(reader, names, tuple(nodes)), strengths=sound,
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
         return design

@@ -1,11 +1,11 @@
 """Samples of what scatters in a design: Monte Carlo or Latin hypercube, correlated by a Gaussian copula.
 
-A plan says what is drawn: blocks, each with random numbers of its own.
+They are drawn in blocks, each with random numbers of its own.
 """
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import field
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
+from itertools import pairwise
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -65,47 +65,17 @@ class Samples:
         return by_path
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """What is drawn: n samples in independent blocks, each with random numbers of its own.
-
-    Attributes
-    ----------
-    n : how many samples are drawn
-    replicates : how many independent replicates: the scatter between them gives confidence limits. Monte Carlo: 1
-    """
-
-    variables: tuple[Variable, ...]
-    correlation: tuple[Pair, ...]
-    method: Method
-    seed: int
-    n: int
-    replicates: int
-    _source: sources.Source = field(compare=False, repr=False)
-    _marginals: tuple[Marginal, ...] = field(compare=False, repr=False)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of the columns."""
-        return tuple(name for variable in self.variables for name in variable.columns)
-
-    @property
-    def blocks(self) -> int:
-        """How many parts are drawn each by itself: the replicates, or Monte Carlo's blocks of 8192 samples."""
-        return -(-self.n // BLOCK) if self.method == "monte-carlo" else self.replicates
-
-    def bounds(self, block: int) -> tuple[int, int]:
-        """The first sample of a block, and the first after it."""
-        if self.method == "monte-carlo":
-            return block * BLOCK, min((block + 1) * BLOCK, self.n)
-        size, larger = divmod(self.n, self.replicates)
-        return block * size + min(block, larger), (block + 1) * size + min(block + 1, larger)
-
-
-def planned(
+def samples(
     variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: Method = "monte-carlo"
-) -> Plan:
-    """How samples are drawn.
+) -> Samples:
+    """All samples of what scatters.
+
+    The same seed gives the same numbers. With Monte Carlo a longer run begins with the samples of a shorter one.
+
+    >>> friction = Variable("strength.weak.phi", Distribution("normal", {"mean": 20.0, "sd": 2.0}, "angle"))
+    >>> drawn = samples([friction], (), 10000, 1)
+    >>> drawn.values.shape, round(float(drawn.values.mean()), 1), round(float(drawn.values.std()), 1)
+    ((10000, 1), 20.0, 2.0)
 
     Parameters
     ----------
@@ -127,38 +97,31 @@ def planned(
     faults += contradictions(pairs, [f"{a}/{b}" for a, b, _ in pairs], "")
     if faults:
         raise DesignError(faults)
-    marginals = tuple(one for variable in made for one in _marginals(variable))
+    marginals = [one for variable in made for one in _marginals(variable)]
     source = sources.source(method, coordinates, pairs, seed)
-    return Plan(made, pairs, method, seed, n, _replicates(n, method), source, marginals)
-
-
-def samples(
-    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: Method = "monte-carlo"
-) -> Samples:
-    """All samples of a plan; the parameters and errors of `planned`.
-
-    The same seed gives the same numbers. With Monte Carlo a longer run begins with the samples of a shorter one.
-
-    >>> friction = Variable("strength.weak.phi", Distribution("normal", {"mean": 20.0, "sd": 2.0}, "angle"))
-    >>> drawn = samples([friction], (), 10000, 1)
-    >>> drawn.values.shape, round(float(drawn.values.mean()), 1), round(float(drawn.values.std()), 1)
-    ((10000, 1), 20.0, 2.0)
-    """
-    return draw(planned(variables, correlation, n, seed, method))
-
-
-def draw(plan: Plan) -> Samples:
-    """The samples of a plan."""
-    columns, replicate = np.empty((len(plan.names), plan.n)), np.zeros(plan.n, dtype=np.int16)
-    for block in range(plan.blocks):
-        start, stop = plan.bounds(block)
-        size = BLOCK if plan.method == "monte-carlo" else stop - start
+    names = tuple(name for variable in made for name in variable.columns)
+    columns, replicate = np.empty((len(names), n)), np.zeros(n, dtype=np.int16)
+    for block, (start, stop) in enumerate(pairwise(ends_of_blocks(n, method))):
         # a block of Monte Carlo is drawn whole: a longer run begins with a shorter one
-        _fill(columns[:, start:stop], plan, plan._source(block, size), stop - start)
-        replicate[start:stop] = 0 if plan.method == "monte-carlo" else block
+        column = source(block, BLOCK if method == "monte-carlo" else stop - start)
+        _fill(columns[:, start:stop], made, (column(k, own)[: stop - start] for k, own in enumerate(marginals)))
+        replicate[start:stop] = 0 if method == "monte-carlo" else block
     columns.setflags(write=False)
     replicate.setflags(write=False)
-    return Samples(plan.variables, plan.names, columns.T, replicate)
+    return Samples(made, names, columns.T, replicate)
+
+
+def ends_of_blocks(n: int, method: Method) -> list[int]:
+    """The ends of the blocks that are drawn each by itself, from 0: Monte Carlo's 8192 samples, or replicates.
+
+    >>> ends_of_blocks(20000, "monte-carlo"), ends_of_blocks(100, "latin-hypercube")[-3:]
+    ([0, 8192, 16384, 20000], [84, 92, 100])
+    """
+    if method == "monte-carlo":
+        return [*range(0, n, BLOCK), n]
+    replicates = max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
+    size, larger = divmod(n, replicates)
+    return [block * size + min(block, larger) for block in range(replicates + 1)]
 
 
 # -- small things -----------------------------------------------------------------------------------------------------
@@ -172,17 +135,6 @@ def _faults_of_numbers(n: int, seed: int) -> list[Fault]:
     return faults
 
 
-def _replicates(n: int, method: Method) -> int:
-    """In how many replicates samples are drawn.
-
-    >>> _replicates(20000, "latin-hypercube"), _replicates(100, "latin-hypercube"), _replicates(20000, "monte-carlo")
-    (16, 12, 1)
-    """
-    if method == "monte-carlo":
-        return 1
-    return max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
-
-
 def _marginals(variable: Variable) -> Sequence[Marginal]:
     """Of the coordinates of a variable."""
     own = variable.distribution
@@ -193,11 +145,10 @@ def _marginals(variable: Variable) -> Sequence[Marginal]:
     return [marginal(angle) for angle in (own.steep, own.direction) if isinstance(angle, Distribution)]
 
 
-def _fill(columns: Floats, plan: Plan, column: sources.Column, count: int) -> None:
-    """Columns (k, count) of the first samples of a piece."""
-    drawn = (column(k, own)[:count] for k, own in enumerate(plan._marginals))
-    k = 0
-    for variable in plan.variables:
+def _fill(columns: Floats, variables: Iterable[Variable], drawn: Iterator[Floats]) -> None:
+    """Columns (k, count) of a block, from what is drawn of each coordinate."""
+    count, k = columns.shape[1], 0
+    for variable in variables:
         own = variable.distribution
         if isinstance(own, Distribution):
             columns[k] = next(drawn)
