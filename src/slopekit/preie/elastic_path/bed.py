@@ -95,7 +95,8 @@ class Bed:
         self._one_each = self.groups == self.contacts
         self._kernels, self._law = self._pattern.kernels, None
         if self._kernels is not None:
-            given = self.area, self.spring, self.cohesion, self.friction, self.bolted, held
+            self._bonds = self.cohesion.copy()  # what of it acts at the displacement that is looked at
+            given = self.area, self.spring, self._bonds, self.friction, self.bolted, held
             self._law = self._kernels.law(self._pattern.contacts, *given)
         every = np.ones(self.pairs, dtype=bool)
         sticking = self.spring[:, None, None] * np.eye(self.tangents)
@@ -177,7 +178,8 @@ class Bed:
         other.cells, other.bond = None, pressed.share[self.group_of_pair]
         other.cohesion = self._summed(self.model.cohesion * other.bond)
         if self._kernels is not None:
-            given = self.area, self.spring, other.cohesion, self.friction, self.bolted, self.held
+            other._bonds = other.cohesion.copy()
+            given = self.area, self.spring, other._bonds, self.friction, self.bolted, self.held
             other._law = self._kernels.law(self._pattern.contacts, *given)
         return other
 
@@ -239,9 +241,14 @@ class Bed:
         self.evaluations += 1
         reduction, load = self.drive.at(parameter)
         if self._kernels is not None and modes is None and not self.dilates and self.slid is None:
+            pressed = self.pressed_share(at, reduction)
+            if self.strengths.curved:
+                return self._by_laws(pressed, at, reduction, load)
+            if pressed is not None:
+                np.multiply(self.cohesion, pressed.share, out=self._bonds)
             there = self._compiled_forces(at, reduction, load, None)
-            is_plain = not self.strengths.curved and self.cells is None
-            return there if is_plain else self._by_laws(there, at, reduction, load)
+            there.pressed = pressed
+            return there
         relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         if self.slid is not None:
@@ -297,9 +304,9 @@ class Bed:
             SPRING_ROUNDING * (pressed + longest),
         )  # fmt: skip
 
-    def _by_laws(self, there: BedForces, at: Floats, reduction: float, load: Floats) -> BedForces:
-        """The same with the strengths of curved laws at its normal forces, and of cohesion where it is pressed."""
-        pressed = self.pressed_share(at, reduction)
+    def _by_laws(self, pressed: PressedShare | None, at: Floats, reduction: float, load: Floats) -> BedForces:
+        """The forces with the strengths of curved laws at the normal forces there, and of cohesion where it acts."""
+        there = self._compiled_forces(at, reduction, load, None)
         strength = self.strengths.at(there.normal, self._cohesion_of(pressed))
         if self.bolted is not None:  # slack ones have none
             strength = np.where(self.bolted, there.strength, strength)
@@ -397,16 +404,22 @@ class Bed:
 
     def _coupled(self, there: BedForces, reduction: float) -> Floats:
         """How friction that slips follows the normal forces: a stiffness (k, u, u) that is taken away."""
-        slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
+        slipping = self._along(there.direction)
         pressing = self._pressing * there.touching[:, None]
         dragged = self.strengths.rows(reduction * self.strengths.slopes(there.normal), pressing)
         dragged[~there.slips] = 0.0
         return self._by_contact(slipping[:, :, None] * dragged[:, None, :])
 
+    def _along(self, direction: Floats) -> Floats:
+        """The motions of contacts (g, u) that slip along unit directions (g, t) is the slip of."""
+        if self.tangents == 1:  # as the product, in a tenth of its time
+            return self._transposed[:, :, 0] * direction
+        return np.asarray(np.matmul(self._transposed, direction[:, :, None])[:, :, 0], dtype=np.float64)
+
     def _shared(self, there: BedForces, reduction: float) -> Floats:
         """How friction that slips follows the pressed share of its contact: a stiffness (k, u, u)."""
         assert there.pressed is not None
-        slipping = np.matmul(self._transposed, there.direction[:, :, None])[:, :, 0]  # (g, u)
+        slipping = self._along(there.direction)
         slipping *= np.where(there.slips, reduction * self.cohesion, 0.0)[:, None]
         return self._by_contact(slipping[:, :, None] * there.pressed.slopes[:, None, :])
 
