@@ -793,9 +793,10 @@ typedef struct {
 
 typedef struct {
     Kept kept;
-    whole u, contacts, points[2];     /* points of a line and of a triangle */
+    whole u, blocks, contacts, points[2]; /* points of a line and of a triangle */
     const double *at[2], *shares[2];  /* their barycentric coordinates (q, 2) and (q, 3), and their shares (q) */
-    const whole *first;               /* corner of each contact, (k + 1) */
+    const whole *contact;             /* first contact of each block, (blocks + 1) */
+    const whole *first;               /* first corner of each contact, (k + 1) */
     const double *rows, *plane, *law; /* (k, 9, u) by 1, ξ and η; corners (2); area per area, cohesion, tan φ (k, 3) */
     double spring, least;             /* k_t / k_n; slips of this size and below have no direction */
     double *gaps, *corners;           /* of one contact: room for all of it, and for its part */
@@ -809,10 +810,10 @@ typedef struct {
 
 static const char POLYGONS[] = "slopekit.polygons";
 
-/* polygons(u, spring, least, first, rows, plane, law, points of a line, shares, points of a triangle, shares) */
+/* polygons(u, spring, least, contact, first, rows, plane, law, points of a line, shares, points of a triangle, shares) */
 static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
-    if (!enough(n, 11)) return NULL;
+    if (!enough(n, 12)) return NULL;
     Polygons *p = calloc(1, sizeof *p);
     if (!p) return PyErr_NoMemory();
     Kept *kept = &p->kept;
@@ -822,14 +823,15 @@ static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
         PyErr_SetString(PyExc_ValueError, "a block has up to six unknowns");
         failed = 1;
     }
-    p->first = WHOLES(a[3], -1);
-    whole k = p->contacts = failed ? 0 : kept->views[0].len / 8 - 1, most = 0;
-    p->rows = FLOATS(a[4], k * 9 * p->u), p->plane = FLOATS(a[5], failed ? 0 : p->first[k] * 2);
-    p->law = FLOATS(a[6], k * 3);
+    p->contact = WHOLES(a[3], -1);
+    p->blocks = failed ? 0 : kept->views[0].len / 8 - 1;
+    whole k = p->contacts = failed ? 0 : p->contact[p->blocks], most = 0;
+    p->first = WHOLES(a[4], k + 1), p->rows = FLOATS(a[5], k * 9 * p->u);
+    p->plane = FLOATS(a[6], failed ? 0 : p->first[k] * 2), p->law = FLOATS(a[7], k * 3);
     for (int i = 0; i < 2; i++) {
-        p->shares[i] = FLOATS(a[8 + 2 * i], -1);
+        p->shares[i] = FLOATS(a[9 + 2 * i], -1);
         p->points[i] = failed ? 0 : kept->views[kept->arrays - 1].len / 8;
-        p->at[i] = FLOATS(a[7 + 2 * i], p->points[i] * (2 + i));
+        p->at[i] = FLOATS(a[8 + 2 * i], p->points[i] * (2 + i));
     }
     for (whole i = 0; !failed && i < k; i++)
         if (p->first[i + 1] - p->first[i] > most) most = p->first[i + 1] - p->first[i];
@@ -989,21 +991,13 @@ static void add_fan(const Polygons *p, const double *c, whole count, const doubl
     }
 }
 
-/* pressed(polygons, opening, slip, reduction, running, sticks, out, by_opening, by_slip, by_reduction): adds to them */
-static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
+/* Adds what the contacts of one block carry to the sums, and its slopes. */
+static void add_block(Polygons *p, whole block, const double *opening, const double *slip, double reduction,
+                      int running, int sticks, double *out, double *by_opening, double *by_slip, double *by_reduction)
 {
     static const int SECOND[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    if (!enough(n, 10)) return NULL;
-    Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
-    if (!p) return NULL;
     const whole u = p->u;
-    Kept here = {0}, *kept = &here;
-    double reduction = PyFloat_AsDouble(a[3]);
-    int running = PyObject_IsTrue(a[4]), sticks = PyObject_IsTrue(a[5]), failed = PyErr_Occurred() != NULL;
-    const double *opening = FLOATS(a[1], u), *slip = FLOATS(a[2], u);
-    double *out = OUT(a[6], u), *by_opening = OUT(a[7], u * u), *by_slip = OUT(a[8], u * u);
-    double *by_reduction = OUT(a[9], u);
-    for (whole k = 0; !failed && k < p->contacts; k++) {
+    for (whole k = p->contact[block]; k < p->contact[block + 1]; k++) {
         const double *rows = p->rows + k * 9 * u, *across = rows + 3 * u, *plane = p->plane + 2 * p->first[k];
         const double *law = p->law + 3 * k;
         double field[3][3], gap[3];
@@ -1050,6 +1044,31 @@ static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
             }
         }
     }
+}
+
+/* pressed(polygons, blocks, opening, slip, reduction, running, sticks, out, by_opening, by_slip, by_reduction): adds to
+   them, a row for each of these blocks */
+static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 11)) return NULL;
+    Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
+    if (!p) return NULL;
+    const whole u = p->u;
+    Kept here = {0}, *kept = &here;
+    int running = PyObject_IsTrue(a[5]), sticks = PyObject_IsTrue(a[6]), failed = PyErr_Occurred() != NULL;
+    const whole *blocks = WHOLES(a[1], -1);
+    whole count = failed ? 0 : kept->views[0].len / 8;
+    const double *opening = FLOATS(a[2], count * u), *slip = FLOATS(a[3], count * u), *reduction = FLOATS(a[4], count);
+    double *out = OUT(a[7], count * u), *by_opening = OUT(a[8], count * u * u), *by_slip = OUT(a[9], count * u * u);
+    double *by_reduction = OUT(a[10], count * u);
+    for (whole r = 0; !failed && r < count; r++)
+        if (blocks[r] < 0 || blocks[r] >= p->blocks) {
+            PyErr_SetString(PyExc_ValueError, "there is no such block");
+            failed = 1;
+        }
+    for (whole r = 0; !failed && r < count; r++)
+        add_block(p, blocks[r], opening + r * u, slip + r * u, reduction[r], running, sticks, out + r * u,
+                  by_opening + r * u * u, by_slip + r * u * u, by_reduction + r * u);
     released(kept);
     return failed ? NULL : Py_NewRef(Py_None);
 }

@@ -20,7 +20,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.preie.one_block.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
+from slopekit.preie.one_block.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced, beds_of
 from slopekit.preie.solvers.linear import split_space
 from slopekit.preie.solvers.newton import balanced
 from slopekit.preie.tolerances import (
@@ -148,7 +148,7 @@ class _Path:
 
     def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed, self.split = bed, split
-        self.springs = BedSprings(bed, split)
+        self.springs = BedSprings(beds_of([bed]), split)
         self.points = self.work = 0
 
     def forces(
@@ -156,11 +156,11 @@ class _Path:
     ) -> Unbalanced:
         """The unbalanced forces, counted."""
         self.work += 1
-        return self.springs.unbalanced(opening, slip, reduction, running, sticks)
+        return of_one(self.springs, opening, slip, reduction, running, sticks)
 
     def start(self, reduction: float) -> tuple[Floats, float] | None:
         """The block at rest where a first point slips; else at a λ of this size or the least multiple with a rest."""
-        begin, most = self.springs.bonded, reduction * _HARDEST
+        begin, most = self.springs.bonded[0], reduction * _HARDEST
         stuck = self._stuck(reduction)
         if stuck is not None:
             first = self.springs.first_slip(stuck)
@@ -177,7 +177,7 @@ class _Path:
 
     def _rest(self, u: Floats, reduction: float, slow: float = 0.0) -> Floats | None:
         """Newton's method at one λ; `slow` parts of the bonded stiffness hold the block back to u."""
-        drag, small = slow * self.springs.stiffness, SETTLED * max(1.0, reduction)
+        drag, small = slow * self.springs.stiffness[0], SETTLED * max(1.0, reduction)
 
         def forces(at: Floats) -> tuple[Floats, Unbalanced]:
             there = self.forces(at, at, reduction, False)
@@ -191,7 +191,7 @@ class _Path:
 
         Full steps: each takes a third of a pressed part that is too large, however little of it the load leaves.
         """
-        u, small = self.springs.bonded, SETTLED * max(1.0, reduction)
+        u, small = self.springs.bonded[0], SETTLED * max(1.0, reduction)
         for _ in range(_MOST_STUCK):
             at = self.forces(u, u, reduction, False, sticks=True)
             if float(np.abs(at.out).max()) <= small:
@@ -204,7 +204,7 @@ class _Path:
 
     def _flow(self, u: Floats, reduction: float) -> Floats | None:
         """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
-        slow, pushed, far = 1.0, math.inf, _FLOWS * max(self.springs.first, math.sqrt(float(u @ u)))
+        slow, pushed, far = 1.0, math.inf, _FLOWS * max(self.springs.first[0], math.sqrt(float(u @ u)))
         for _ in range(_MOST_FLOW):
             if self.work > _MOST_WORK:
                 return None
@@ -215,7 +215,7 @@ class _Path:
                     return None
                 continue
             moved = at_rest - u
-            push = slow * float(np.abs(self.springs.stiffness @ moved).max())
+            push = slow * float(np.abs(self.springs.stiffness[0] @ moved).max())
             u, slow = at_rest, slow * 0.2
             # where what drives the block grows as it goes there is no rest near
             rest = self._rest(u, reduction) if push < _CALMER * pushed else None
@@ -424,7 +424,7 @@ class _Path:
         """The state that the path settles to, by Newton's method; None where there is none as near as that in λ."""
         motion = _motion(point)
         closed = []
-        for rows in self.springs.rows:
+        for rows in map(self.bed.corner_rows, range(len(self.bed.corners))):
             if (rows[:, 0] @ point.u).min() < 0.0:
                 closed.append(rows[:, 0])
         free, rest = split_space(np.concatenate(closed)) if closed else (np.eye(len(motion)), None)
@@ -463,9 +463,9 @@ class _Path:
         if abs(reduction / math.exp(point.log_reduction) - 1.0) > near:
             return None
         velocity, slip = v / math.sqrt(float(v @ v)), v
-        change = self._change(lambda springs: springs.unbalanced(w, slip, reduction, True), matrix)
+        change = self._change(lambda springs: of_one(springs, w, slip, reduction, True), matrix)
         return CrackedBase(
-            1.0 / reduction, "", True, False, w, velocity, self.springs.carried(w, v, reduction, True),
+            1.0 / reduction, "", True, False, w, velocity, self.springs.carried(self.bed, w, v, reduction, True),
             change / reduction, size, self.points,
         )  # fmt: skip
 
@@ -478,20 +478,25 @@ class _Path:
         matrix[:count, :count] = (at.by_opening + at.by_slip) * scale
         matrix[:count, count] = at.by_reduction * reduction
         matrix[count] = point.tangent
-        change = self._change(lambda springs: springs.unbalanced(u, u, reduction, False), matrix)
+        change = self._change(lambda springs: of_one(springs, u, u, reduction, False), matrix)
         velocity = _motion(point)
         return CrackedBase(
-            1.0 / reduction, "", creeps, creeps, u, velocity, self.springs.carried(u, u, reduction, False), change,
+            1.0 / reduction, "", creeps, creeps, u, velocity, self.springs.carried(self.bed, u, u, reduction, False), change,
             float(np.abs(at.out).max()), self.points,
         )  # fmt: skip
 
     def _change(self, forces: Callable[[BedSprings], Unbalanced], matrix: Floats) -> float:
         """What the last unknown moves by when triangles are split once more, to first order."""
-        finer = forces(BedSprings(self.bed, self.split + 1)).out
+        finer = forces(BedSprings(beds_of([self.bed]), self.split + 1)).out
         try:
             return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
         except np.linalg.LinAlgError:
             return math.inf
+
+
+def of_one(springs: BedSprings, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False) -> Unbalanced:
+    one = springs.unbalanced(np.zeros(1, dtype=np.int64), opening[None], slip[None], np.array([reduction]), running, sticks)
+    return Unbalanced(one.out[0], one.by_opening[0], one.by_slip[0], one.by_reduction[0])
 
 
 def _within(before: _PathPoint, after: _PathPoint, most: float) -> float:
