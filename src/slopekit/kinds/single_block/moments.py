@@ -17,7 +17,7 @@ from slopekit.preie.one_block.cracked import CrackedBase
 from slopekit.preie.one_block.flat_limit import FlatLimit, flat_limit, forces_limit
 from slopekit.preie.one_block.limit import LimitAnalysis, governed
 from slopekit.preie.one_block.passes import Limit, Outcome
-from slopekit.preie.one_block.polygon_bed import PolygonBed
+from slopekit.preie.one_block.polygon_bed import PointForces, PolygonBed
 from slopekit.preie.system.model import Model
 
 
@@ -59,12 +59,14 @@ def moment_limit(scene: ContactModel) -> MomentLimit:
     if bed is None or state is None:
         return MomentLimit(scene, LimitAnalysis(forces, forces, forces, False), factors, {})
     if state.factor is None:
-        outcome = Outcome.NO_REST if state.is_unstable else Outcome.NOT_CONVERGED
-        limit = Limit(outcome, None, np.zeros(model.unknowns), 0.0 * forces.normal_force, forces.bond, 0, 0.0)
-        return MomentLimit(scene, LimitAnalysis(limit, forces, limit, state.is_unstable), factors, {})
-    on_bed, limit = _on_bed_points(model, bedding, bed, state)
+        limit = Limit(Outcome.NO_REST, None, np.zeros(model.unknowns), 0.0 * forces.normal_force, forces.bond, 0, 0.0)
+        return MomentLimit(scene, LimitAnalysis(limit, forces, limit, True), factors, {})
+    carried = state.forces(bed)
+    on_bed, limit = _on_bed_points(model, bedding, bed, state, carried)
     analysis = governed(on_bed.model, replace(forces_limit(on_bed.model), factor=forces.factor), limit)
-    return MomentLimit(on_bed, replace(analysis, model=_curved(on_bed.model)), factors, _openings(bed, state, scene))
+    return MomentLimit(
+        on_bed, replace(analysis, model=_curved(on_bed.model)), factors, _openings(bed, state, carried, scene)
+    )
 
 
 def _curved(model: Model) -> Model | None:
@@ -72,12 +74,10 @@ def _curved(model: Model) -> Model | None:
 
 
 def _on_bed_points(
-    model: Model, bedding: Bedding, bed: PolygonBed, state: CrackedBase
+    model: Model, bedding: Bedding, bed: PolygonBed, state: CrackedBase, forces: PointForces
 ) -> tuple[ContactModel, Limit]:  # fmt: skip
     """Return the points of the bed as node pairs, with the model on them, and the limit there."""
-    forces, velocity = state.forces, state.velocity
-    assert forces is not None
-    assert velocity is not None
+    velocity = state.velocity
     keys, count = bed.keys[forces.contact], len(forces.area)
     pairs = NodePairs(
         points=frozen(forces.points * model.length_scale + bedding.centroid),
@@ -108,11 +108,11 @@ def _on_bed_points(
     return ContactModel(pairs, on_points, bedding), limit
 
 
-def _openings(bed: PolygonBed, state: CrackedBase, scene: ContactModel) -> dict[int, ContactOpening]:
+def _openings(
+    bed: PolygonBed, state: CrackedBase, forces: PointForces, scene: ContactModel
+) -> dict[int, ContactOpening]:
     """Return by interface what is pressed, its force and where that acts, and the corner that opens most."""
-    forces, opening, model = state.forces, state.opening, scene.model
-    assert forces is not None
-    assert opening is not None
+    opening, model = state.opening, scene.model
     assert scene.bedding is not None
     openings, centroid = dict[int, ContactOpening](), scene.bedding.centroid
     for k, key in enumerate(bed.keys.tolist()):

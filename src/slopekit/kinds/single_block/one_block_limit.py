@@ -69,7 +69,7 @@ def find_limit(
 def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
     """Return the scene with the lines of curved laws at the tractions of the limit on the bed."""
     model, state = scene.model, factors.state
-    if model.lines is None or state is None or state.opening is None:
+    if model.lines is None or state is None or state.factor is None:
         return scene
     from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
 

@@ -14,6 +14,7 @@ Four stages, each for the rows that the one before did not settle:
 4. Its least λ on finer ones: on a turn of the path, at a running state, or where a path that creeps is left.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from enum import IntEnum
 
@@ -21,20 +22,23 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
-from slopekit.preie.one_block.bed_path import COARSE, FAR, BedPath, Path, PathEnd, Roots, lengths, solve_rows, solved
-from slopekit.preie.one_block.polygon_bed import Beds, BedSprings
-from slopekit.preie.tolerances import (
-    EQUILIBRIUM,
-    FINER_PRESSED,
-    NO_FORCE,
-    PARALLEL,
-    POLISHED,
-    ROUNDING,
-    SETTLED,
+from slopekit.preie.one_block.bed_path import (
+    COARSE,
+    FAR,
+    BedPath,
+    Path,
+    PathEnd,
+    lengths,
+    solve_rows,
+    solved,
+    tangents,
 )
+from slopekit.preie.one_block.polygon_bed import Beds, BedSprings
+from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, SETTLED, TINY
 
 #: Splits of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`.
 SPLITS = (3, 4)
+_FLAT = 1e-3  # of ln λ: a path that ends so far above its least value may run at that
 _SETTLES = 5.0  # times its slope: λ of a path that runs is as near to that of the running state
 _FAR_OUT = 1e5  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
 _DEEP = 0.95  # of F by forces: below it paths may turn before they come down to the running state (4 of 328 wedges)
@@ -50,7 +54,6 @@ class BedStatus(IntEnum):
     RESTS = 2  # λ turns while the block is still at rest: its pressed part shrinks too fast from there
     CREEPS = 3  # it runs about an edge; the limit is that at `FAR` elastic displacements
     NO_REST = 4  # it rests at no strength
-    LOST = 5  # no step led on: the least λ found so far
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +81,7 @@ class BedLimits:
     displacement : (n, u) elastic; velocity : (n, u) unit motion
     early : (n,) the least λ within `EARLY` elastic displacements, not a number where the path was not followed
     change : (n,) what splitting the triangles once more does to λ, in parts of it (first order)
-    residual : (n,) unbalanced force in parts of the load; steps : (n,) along the path
+    split : (n,) how often triangles were split; steps : (n,) along the path
     """
 
     status: Ints
@@ -87,26 +90,40 @@ class BedLimits:
     velocity: Floats
     early: Floats
     change: Floats
-    residual: Floats
+    split: Ints
     steps: Ints
 
     @classmethod
     def none(cls, count: int, unknowns: int) -> "BedLimits":
         """Return records of blocks that nothing is known of."""
-        nan, zero = np.full(count, np.nan), np.zeros(count)
         return cls(
-            np.full(count, BedStatus.NO_REST, dtype=np.int64), nan, np.zeros((count, unknowns)),
-            np.zeros((count, unknowns)), nan.copy(), zero, zero.copy(), np.zeros(count, dtype=np.int64),
-        )  # fmt: skip
+            status=np.full(count, BedStatus.NO_REST, dtype=np.int64),
+            reduction=np.full(count, np.nan),
+            displacement=np.zeros((count, unknowns)),
+            velocity=np.zeros((count, unknowns)),
+            early=np.full(count, np.nan),
+            change=np.zeros(count),
+            split=np.full(count, SPLITS[0]),
+            steps=np.zeros(count, dtype=np.int64),
+        )
 
 
 def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> BedLimits:
-    """Return the limits of some blocks on their beds."""
+    """Return the limits of some blocks on their beds.
+
+    Parameters
+    ----------
+    splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
+    """
     found = BedLimits.none(*beds.load.shape)
     coarse = BedPath(BedSprings(beds, COARSE))
     finer = [BedPath(BedSprings(beds, split)) for split in splits]
-    left, ends = _slide_or_run(coarse.springs, finer[0].springs, slides, found)
-    _along_paths(coarse, finer, left, slides.reduction[left], ends, found)
+    ends = np.full(len(beds.load), np.inf)
+    if not beds.laws:
+        _slide_or_run(coarse.springs, finer, slides, found, ends)
+    left = np.flatnonzero(found.status == BedStatus.NO_REST)
+    if len(left):
+        _along_paths(coarse, finer, left, slides.reduction[left], ends[left], found)
     return found
 
 
@@ -121,75 +138,67 @@ class _Bases:
     rest: Floats
 
 
-def _bases(beds: Beds, blocks: Ints, closed: Bools) -> tuple[_Bases, Ints]:
-    """Return bases (n, u, u) of the motions of blocks, those that close the closed contacts (m,) first, and how many.
+def _slide_or_run(
+    coarse: BedSprings, finer: Sequence[BedPath], slides: Slides, found: BedLimits, ends: Floats
+) -> None:  # fmt: skip
+    """Settle the blocks that slide on all of their contacts, and those whose path ends at a running state.
 
-    The singular vectors of the openings of each contact by 1, ξ and η.
+    Notes in `ends` ln λ of the running states to which the paths of others rise.
     """
+    beds = coarse.beds
+    every = np.logical_and.reduceat(slides.touching, beds.contact[:-1])
+    blocks = np.flatnonzero(every & (slides.reduction > 0.0))
+    for rows, bases in _alike(beds, blocks, slides.touching):
+        _slide(coarse, finer, blocks[rows], bases, slides, found, ends)
+
+
+def _alike(beds: Beds, blocks: Ints, closed: Bools) -> Iterator[tuple[Ints, _Bases]]:
+    """Yield blocks (their places) with as many motions that keep the closed contacts (m,) closed, and these motions.
+
+    Blocks that nothing closed holds, or that have no such motion, are left out.
+    """
+    if not len(blocks):
+        return
     unknowns = beds.rows.shape[2]
     opening = beds.rows[:, :3] * closed[:, None, None]
-    most = int(np.diff(beds.contact).max())
+    most = max(int(np.diff(beds.contact).max()), unknowns // 3)
     each = beds.contact[blocks, None] + np.arange(most)
     inside = each < beds.contact[blocks + 1, None]
-    stacked = opening[np.where(inside, each, 0)] * inside[:, :, None, None]
-    _, sizes, basis = np.linalg.svd(stacked.reshape(len(blocks), -1, unknowns), full_matrices=True)
-    padded = np.zeros((len(blocks), unknowns))
-    padded[:, : sizes.shape[1]] = sizes
-    rank = (padded > PARALLEL * padded[:, :1]).sum(axis=1)
-    return _Bases(basis.transpose(0, 2, 1), basis), rank
-
-
-def _slide_or_run(coarse: BedSprings, fine: BedSprings, slides: Slides, found: BedLimits) -> tuple[Ints, Floats]:
-    """Settle the blocks whose path ends at a slide or a running state; return the others, with ln λ of their ends."""
-    beds = coarse.beds
-    count = len(beds.load)
-    ends = np.full(count, np.inf)
-    if beds.laws:
-        return np.arange(count), ends
-    slips = slides.touching | False
-    every = np.logical_and.reduceat(slips, beds.contact[:-1])
-    blocks = np.flatnonzero(every & (slides.reduction > 0.0))
-    basis, rank = _bases(beds, blocks, slides.touching)
-    for size in np.unique(rank):
+    stacked = (opening[np.where(inside, each, 0)] * inside[:, :, None, None]).reshape(len(blocks), -1, unknowns)
+    _, sizes, basis = np.linalg.svd(stacked, full_matrices=False)
+    rank = (sizes > PARALLEL * sizes[:, :1]).sum(axis=1)
+    for size in range(1, unknowns):
         rows = np.flatnonzero(rank == size)
-        if size == beds.load.shape[1]:
-            continue
-        bases = _Bases(basis.free[rows][:, :, size:], basis.free[rows][:, :, :size])
-        _run(coarse if size == beds.load.shape[1] - 1 else fine, blocks[rows], bases, slides, found, ends)
-    settled = found.status < BedStatus.NO_REST
-    left = np.flatnonzero(~settled)
-    return left, ends[left]
+        if len(rows):
+            yield rows, _Bases(basis[rows, size:].transpose(0, 2, 1), basis[rows, :size].transpose(0, 2, 1))
 
 
-def _run(
-    springs: BedSprings, blocks: Ints, bases: _Bases, slides: Slides, found: BedLimits, ends: Floats
+def _slide(
+    coarse: BedSprings, finer: Sequence[BedPath], blocks: Ints, bases: _Bases, slides: Slides, found: BedLimits,
+    ends: Floats,
 ) -> None:  # fmt: skip
-    """Settle blocks that slide or run with as many free motions each."""
-    beds = springs.beds
+    """Settle blocks with as many free motions each that slide, or run."""
     reduction, velocity = slides.reduction[blocks], slides.velocity[blocks]
-    along = (bases.free.transpose(0, 2, 1) @ velocity[:, :, None])[:, :, 0]
-    elastic, off, is_pressed = _pressed_slides(springs, blocks, bases, reduction, velocity)
-    slides_whole = is_pressed & (off < np.sqrt(SETTLED))
-    whole = blocks[slides_whole]
+    elastic, off, is_pressed = _pressed_slides(coarse, blocks, bases, reduction, velocity)
+    whole = is_pressed & (off < SETTLED)
     displacement = (bases.rest @ elastic[:, :, None])[:, :, 0]
-    _record(found, whole, BedStatus.PRESSED, reduction[slides_whole], displacement[slides_whole], velocity[slides_whole])
-    found.residual[whole] = off[slides_whole]
-    rows = np.flatnonzero(~slides_whole)
+    _record(found, blocks[whole], BedStatus.PRESSED, reduction[whole], displacement[whole], velocity[whole])
+    rows = np.flatnonzero(~whole)
     if not len(rows):
         return
     some = _Bases(bases.free[rows], bases.rest[rows])
-    runs, w, v, lam = running(springs, blocks[rows], some, along[rows], elastic[rows], reduction[rows])
-    closed = _all_closed(beds, blocks[rows], w)
-    good = runs.settled & closed & (lam > 0.0)
-    rises = _rises(springs, blocks[rows], some, runs, w, v, lam)
-    never = lam <= reduction[rows] * (1.0 + POLISHED**2)  # the bed allows no less than the forces do
-    ends[blocks[rows[good]]] = np.log(lam[good])
-    good &= (~rises & (lam < reduction[rows] / _DEEP)) | never
-    _record(found, blocks[rows[good]], BedStatus.RUNS, lam[good], w[good], v[good])
+    runs = _running(coarse, finer, blocks[rows], some, (velocity[rows], displacement[rows], reduction[rows]), found)
+    good = runs.settled & _all_closed(coarse.beds, blocks[rows], runs.displacement) & (runs.reduction > 0.0)
+    ends[blocks[rows[good]]] = np.log(runs.reduction[good])
+    # the bed allows no less than the forces do, or the path comes down to this state
+    never = runs.reduction <= reduction[rows] * (1.0 + SETTLED)
+    good &= never | (~runs.rises & (runs.reduction < reduction[rows] / _DEEP))
+    done = blocks[rows[good]]
+    _record(found, done, BedStatus.RUNS, runs.reduction[good], runs.displacement[good], runs.velocity[good])
 
 
 def _record(
-    found: BedLimits, blocks: Ints, status: BedStatus, reduction: Floats, displacement: Floats, velocity: Floats
+    found: BedLimits, blocks: Ints, status: BedStatus | Ints, reduction: Floats, displacement: Floats, velocity: Floats
 ) -> None:  # fmt: skip
     found.status[blocks], found.reduction[blocks] = status, reduction
     found.displacement[blocks] = displacement
@@ -203,7 +212,7 @@ def _pressed_slides(
 
     Returns
     -------
-    elastic displacements (n, e) by the motions that press, what is left out of balance (n,), and whether no corner opens
+    elastic displacements (n, e) by the motions that press, what is out of balance (n,), and whether no corner opens
     """
     beds = springs.beds
     which = np.concatenate([np.arange(beds.contact[k], beds.contact[k + 1]) for k in blocks]) if len(blocks) else blocks
@@ -251,57 +260,92 @@ def _all_closed(beds: Beds, blocks: Ints, opening: Floats) -> Bools:
     return pressed
 
 
-def running(
-    springs: BedSprings, blocks: Ints, bases: _Bases, along: Floats, elastic: Floats, reduction: Floats
-) -> tuple[Roots, Floats, Floats, Floats]:
-    """Balance the forces of blocks that run, by Newton's method.
+@dataclass(frozen=True, slots=True)
+class _Running:
+    """Running states of n blocks: which were found, w (n, u), v (n, u), λ (n,), whether paths rise to it far out."""
+
+    settled: Bools
+    displacement: Floats
+    velocity: Floats
+    reduction: Floats
+    rises: Bools
+
+
+def _running(
+    coarse: BedSprings, finer: Sequence[BedPath], blocks: Ints, bases: _Bases, start: tuple[Floats, Floats, Floats],
+    found: BedLimits,
+) -> _Running:  # fmt: skip
+    """Find the running states of blocks with as many free motions each.
+
+    Where there is one, all of a contact slips one way, and the coarsest triangles are exact.
 
     Parameters
     ----------
-    bases : with as many free motions each; along (n, d), elastic (n, u - d), reduction (n,) : where to start
-
-    Returns
-    -------
-    what Newton's method found, displacements w (n, u), motions v (n, u), λ (n,)
+    start : motions and displacements (n, u), λ (n,)
     """
-    free, size = bases.free.shape[2], springs.beds.load.shape[1]
-    start = np.concatenate([along / lengths(along)[:, None], elastic, reduction[:, None]], axis=1)
+    if bases.free.shape[2] == 1:
+        return _run(coarse, blocks, bases, start)[0]
+    state, change = _run(finer[0].springs, blocks, bases, start, finer[0].springs.finer())
+    found.change[blocks] = change
+    rows = np.flatnonzero(state.settled & (change > FINER_PRESSED))
+    if len(finer) == 1 or not len(rows):
+        return state
+    springs, some = finer[1].springs, _Bases(bases.free[rows], bases.rest[rows])
+    again = state.velocity[rows], state.displacement[rows], state.reduction[rows]
+    better, change = _run(springs, blocks[rows], some, again, springs.finer())
+    good = rows[better.settled]
+    for name in ("displacement", "velocity", "reduction", "rises"):
+        getattr(state, name)[good] = getattr(better, name)[better.settled]
+    found.change[blocks[good]], found.split[blocks[good]] = change[better.settled], springs.split
+    return state
+
+
+def _run(
+    springs: BedSprings, blocks: Ints, bases: _Bases, start: tuple[Floats, Floats, Floats],
+    finer: BedSprings | None = None,
+) -> tuple[_Running, Floats]:  # fmt: skip
+    """Balance the forces of blocks that run, by Newton's method; and say what finer triangles would change."""
+    count, (free, size) = len(blocks), (bases.free.shape[2], springs.beds.load.shape[1])
+    along = (bases.free.transpose(0, 2, 1) @ start[0][:, :, None])[:, :, 0]
+    elastic = (bases.rest.transpose(0, 2, 1) @ start[1][:, :, None])[:, :, 0]
+    first = np.concatenate([along / np.maximum(lengths(along), TINY)[:, None], elastic, start[2][:, None]], axis=1)
+
+    def motions(rows: Ints, x: Floats) -> tuple[Floats, Floats]:
+        return (bases.free[rows] @ x[:, :free, None])[:, :, 0], (bases.rest[rows] @ x[:, free:size, None])[:, :, 0]
 
     def equations(rows: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
-        moves, presses = bases.free[rows], bases.rest[rows]
-        v, w = (moves @ x[:, :free, None])[:, :, 0], (presses @ x[:, free:size, None])[:, :, 0]
+        v, w = motions(rows, x)
         at = springs.unbalanced(blocks[rows], w, v, x[:, -1], running=True)
         slopes = np.zeros((len(x), size + 1, size + 1))
-        slopes[:, :size, :free] = at.by_slip @ moves
-        slopes[:, :size, free:size] = at.by_opening @ presses
+        slopes[:, :size, :free] = at.by_slip @ bases.free[rows]
+        slopes[:, :size, free:size] = at.by_opening @ bases.rest[rows]
         slopes[:, :size, size] = at.by_reduction
         slopes[:, size, :free] = x[:, :free]
         off = 0.5 * (np.einsum("nk,nk->n", x[:, :free], x[:, :free]) - 1.0)
-        small = 100.0 * ROUNDING * np.maximum(1.0, np.abs(x[:, -1]))
-        return np.concatenate([at.out, off[:, None]], axis=1), slopes, small
+        return np.concatenate([at.out, off[:, None]], axis=1), slopes, NO_FORCE * np.maximum(1.0, np.abs(x[:, -1]))
 
-    found = solve_rows(equations, start, _MOST_RUNNING, damped=True)
-    v = (bases.free @ found.x[:, :free, None])[:, :, 0]
-    w = (bases.rest @ found.x[:, free:size, None])[:, :, 0]
-    return found, w, v, found.x[:, -1]
+    found = solve_rows(equations, first, _MOST_RUNNING, damped=True)
+    v, w = motions(np.arange(count), found.x)
+    reduction = found.x[:, -1]
 
+    def change_by(out: Floats) -> Floats:
+        change: Floats = solved(found.slopes, -np.concatenate([out, np.zeros((count, 1))], axis=1))[:, -1]
+        return change
 
-def _rises(
-    springs: BedSprings, blocks: Ints, bases: _Bases, runs: Roots, w: Floats, v: Floats, reduction: Floats
-) -> Bools:
-    """Return for which blocks λ rises to that of the running state far out: a < 0 in λ(R) = λ_T + a / R."""
     far = _FAR_OUT * np.maximum(springs.first[blocks], lengths(w))
-    out = springs.unbalanced(blocks, w, far[:, None] * v + w, reduction, running=True).out
-    change = solved(runs.slopes, -np.concatenate([out, np.zeros((len(out), 1))], axis=1))
-    rises: Bools = ~(change[:, -1] * far > 0.0)
-    return rises
+    at_far = springs.unbalanced(blocks, w, far[:, None] * v + w, reduction, running=True)
+    change = np.zeros(count)
+    if finer is not None:
+        out = finer.unbalanced(blocks, w, v, reduction, running=True).out
+        change = np.abs(change_by(out) / np.maximum(np.abs(reduction), TINY))
+    return _Running(found.settled, w, v, reduction, ~(change_by(at_far.out) > 0.0)), change
 
 
 # -- stages 3 and 4 ----------------------------------------------------------------------------------------------
 
 
 def _along_paths(
-    coarse: BedPath, finer: list[BedPath], blocks: Ints, guess: Floats, ends: Floats, found: BedLimits
+    coarse: BedPath, finer: Sequence[BedPath], blocks: Ints, guess: Floats, ends: Floats, found: BedLimits
 ) -> None:  # fmt: skip
     """Follow the paths of blocks to their least λ."""
     u, reduction = coarse.start(blocks, guess)
@@ -311,53 +355,56 @@ def _along_paths(
         return
     path = _followed(coarse, finer[0], blocks, u, reduction, ends)
     found.early[blocks], found.steps[blocks] = np.exp(path.early), path.steps
-    unknowns = u.shape[1]
-    lowest, heading, curvature = path.lowest.copy(), path.heading.copy(), path.curvature
-    tangent = path.end.tangent.copy()
-    status = np.where(path.turns, BedStatus.RESTS, np.where(path.outcome == PathEnd.FAR, BedStatus.CREEPS, BedStatus.LOST))
-    runs = np.flatnonzero((path.outcome == PathEnd.FAR) & ~path.turns)
-    settled = _settled_runs(finer[0].springs, blocks[runs], path, runs, found)
-    status[runs[settled]] = BedStatus.RUNS
-    for number, fine in enumerate(finer):
-        rows = np.flatnonzero(status == BedStatus.RESTS)
-        if number:
-            rows = rows[found.change[blocks[rows]] > FINER_PRESSED]
-        at, tan, known = fine.settle(blocks[rows], lowest[rows], heading[rows], curvature[rows])
-        lowest[rows[known]], tangent[rows[known]] = at[known], tan[known]
-        status[rows[~known]] = np.where(number, status[rows[~known]], BedStatus.LOST)
-        creeps = np.flatnonzero(status == BedStatus.CREEPS)
-        if number:
-            creeps = creeps[found.change[blocks[creeps]] > FINER_PRESSED]
-        _land(fine, blocks, creeps, lowest, tangent)
-        rows = np.concatenate([rows, creeps])
-        if not len(rows):
-            break
-        finest = BedSprings(fine.springs.beds, SPLITS[0] + number + 1)
-        _changes(fine.springs, finest, blocks[rows], lowest[rows], tangent[rows], found)
-    rows = np.flatnonzero(status != BedStatus.RUNS)
-    motion = tangent[:, :-1] + (lengths(tangent[:, :-1]) == 0.0)[:, None] * lowest[:, :unknowns]
-    for each in (BedStatus.RESTS, BedStatus.CREEPS, BedStatus.LOST):
-        those = rows[status[rows] == each]
-        _record(found, blocks[those], each, np.exp(lowest[those, -1]), lowest[those, :-1], motion[those])
+    lowest, tangent = path.lowest.copy(), path.end.tangent.copy()
+    turns = np.flatnonzero(path.turns)
+    for fine in finer:
+        at, along, known = fine.settle(blocks[turns], lowest[turns], path.heading[turns], path.curvature[turns])
+        lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
+        turns = _too_coarse(fine.springs, blocks, turns, lowest, tangent, found)
+    ends_at = np.where(path.outcome == PathEnd.FAR, path.end.log_reduction, lowest[:, -1])
+    may_run = np.flatnonzero((path.outcome != PathEnd.TURNED) & (ends_at - lowest[:, -1] < _FLAT))
+    runs = may_run[_settled_runs(coarse.springs, finer, blocks[may_run], path, lowest, may_run, found)]
+    creeps = np.setdiff1d(np.flatnonzero((path.outcome == PathEnd.FAR) & ~path.turns), runs)
+    rows = creeps
+    for fine in finer:
+        _land(fine, blocks, rows, lengths(u), lowest, tangent)
+        rows = _too_coarse(fine.springs, blocks, rows, lowest, tangent, found)
+    status = np.full(len(blocks), BedStatus.RESTS)
+    status[creeps] = BedStatus.CREEPS
+    motion = np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, lowest[:, :-1], tangent[:, :-1])
+    rows = np.setdiff1d(np.arange(len(blocks)), runs)
+    _record(found, blocks[rows], status[rows], np.exp(lowest[rows, -1]), lowest[rows, :-1], motion[rows])
+
+
+def _too_coarse(
+    springs: BedSprings, blocks: Ints, rows: Ints, points: Floats, tangent: Floats, found: BedLimits
+) -> Ints:  # fmt: skip
+    """Note what finer triangles would change at points of some paths; return those where that matters."""
+    if not len(rows):
+        return rows
+    found.split[blocks[rows]] = springs.split
+    found.change[blocks[rows]] = _changes(springs, blocks[rows], points[rows], tangent[rows])
+    return rows[found.change[blocks[rows]] > FINER_PRESSED]
 
 
 def _followed(
     coarse: BedPath, fine: BedPath, blocks: Ints, u: Floats, reduction: Floats, ends: Floats
 ) -> Path:  # fmt: skip
     """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs."""
-    path = coarse.follow(blocks, u, reduction, ends)
+    elastic = lengths(u)
+    path = coarse.follow(blocks, u, reduction, elastic, ends)
     lost = np.flatnonzero(path.outcome == PathEnd.CORNER)
     if len(lost):
-        path = _joined(path, lost, fine.follow(blocks[lost], u[lost], reduction[lost], ends[lost]))
+        path = _joined(path, lost, fine.follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost]))
     lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
     for _ in range(_MOST_LOWERED):
         at = path.lowest[lost]
-        rest, lower = coarse.lower(blocks[lost], at[:, :-1], at[:, -1])
+        rest, lower = coarse.lower(blocks[lost], at[:, :-1], at[:, -1], elastic[lost])
         goes_on = np.isfinite(lower)
         lost, rest, lower = lost[goes_on], rest[goes_on], lower[goes_on]
         if not len(lost):
             break
-        onward = coarse.follow(blocks[lost], rest, lower, ends[lost])
+        onward = coarse.follow(blocks[lost], rest, lower, elastic[lost], ends[lost])
         path = _joined(path, lost, onward)
         lost = lost[onward.outcome >= PathEnd.BACK]
     return path
@@ -381,58 +428,56 @@ def _joined(path: Path, rows: Ints, onward: Path) -> Path:
     return replace(path, end=type(path.end)(*end), early=early, steps=steps, **fields)
 
 
-def _settled_runs(springs: BedSprings, blocks: Ints, path: Path, rows: Ints, found: BedLimits) -> Bools:
-    """Find the running states that paths settle to; return which of them were found."""
-    beds, end, settled = springs.beds, path.end, np.zeros(len(rows), dtype=bool)
-    if not len(rows):
-        return settled
-    u, motion = end.displacement[rows], end.tangent[rows, :-1]
+def _settled_runs(
+    coarse: BedSprings, finer: Sequence[BedPath], blocks: Ints, path: Path, lowest: Floats, rows: Ints,
+    found: BedLimits,
+) -> Bools:
+    """Find the running states that paths settle to; return for which of them there is one."""
+    beds, settled = coarse.beds, np.zeros(len(rows), dtype=bool)
+    is_far, least = path.outcome[rows] == PathEnd.FAR, np.exp(lowest[rows, -1])
+    u = np.where(is_far[:, None], path.end.displacement[rows], lowest[rows, :-1])
+    # at a corner all sticks until all runs: as it was displaced it goes on
+    tangent = path.end.tangent[rows]
+    motion = np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, u, tangent[:, :-1])
+    slope = np.where(is_far & ~path.turns[rows], np.abs(tangent[:, -1]), 0.0)
     closest = np.minimum.reduceat(_corner_gaps(beds, blocks, u), beds.corner[:-1])
-    basis, rank = _bases(beds, blocks, closest < 0.0)
-    reduction, slope = np.exp(end.log_reduction[rows]), np.abs(end.tangent[rows, -1])
-    unknowns = u.shape[1]
-    for size in np.unique(rank):
-        those = np.flatnonzero(rank == size)
-        if size in (0, unknowns):
-            continue
-        bases = _Bases(basis.free[those][:, :, size:], basis.free[those][:, :, :size])
-        along = (bases.free.transpose(0, 2, 1) @ motion[those, :, None])[:, :, 0]
-        elastic = (bases.rest.transpose(0, 2, 1) @ u[those, :, None])[:, :, 0]
-        runs, w, v, lam = running(springs, blocks[those], bases, along, elastic, reduction[those])
-        near = POLISHED + _SETTLES * slope[those]
-        good = runs.settled & (np.abs(lam / reduction[those] - 1.0) <= near)
-        settled[those[good]] = True
-        _record(found, blocks[those[good]], BedStatus.RUNS, lam[good], w[good], v[good])
+    for those, bases in _alike(beds, blocks, closest < 0.0):
+        nearest, _ = _run(coarse, blocks[those], bases, (motion[those], u[those], least[those]))
+        near = np.abs(nearest.reduction / least[those] - 1.0) <= POLISHED + _SETTLES * slope[those]
+        near &= nearest.settled
+        those, bases = those[near], _Bases(bases.free[near], bases.rest[near])
+        start = nearest.velocity[near], nearest.displacement[near], nearest.reduction[near]
+        runs = _running(coarse, finer, blocks[those], bases, start, found)
+        good = runs.settled
+        settled[those[good]], done = True, blocks[those[good]]
+        _record(found, done, BedStatus.RUNS, runs.reduction[good], runs.displacement[good], runs.velocity[good])
     return settled
 
 
-def _land(fine: BedPath, blocks: Ints, rows: Ints, lowest: Floats, tangent: Floats) -> None:
+def _land(
+    fine: BedPath, blocks: Ints, rows: Ints, elastic: Floats, lowest: Floats, tangent: Floats
+) -> None:  # fmt: skip
     """Move points of paths that creep to `FAR` elastic displacements, on finer triangles."""
     if not len(rows):
         return
-    u, goal = lowest[rows, :-1], FAR * fine.springs.first[blocks[rows]]
+    u, goal = lowest[rows, :-1], FAR * elastic[rows]
     way = u / lengths(u)[:, None]
     planes = np.concatenate([way, np.zeros((len(rows), 1))], axis=1)
     start = np.concatenate([way, lowest[rows, -1:]], axis=1)
-    from slopekit.preie.one_block.bed_path import tangents
-
     found = fine.on_planes(blocks[rows], planes, np.ones(len(rows)), goal, start)
     good = rows[found.settled]
     lowest[good, :-1] = found.x[found.settled, :-1] * goal[found.settled, None]
     lowest[good, -1], tangent[good] = found.x[found.settled, -1], tangents(found)[found.settled]
 
 
-def _changes(
-    springs: BedSprings, finer: BedSprings, blocks: Ints, points: Floats, tangent: Floats, found: BedLimits
-) -> None:
-    """Note what finer triangles would do to λ, to first order, and what is out of balance."""
-    u, reduction = points[:, :-1], np.exp(points[:, -1])
+def _changes(springs: BedSprings, blocks: Ints, points: Floats, tangent: Floats) -> Floats:
+    """Return what finer triangles would do to ln λ (n,) at points u and ln λ (n, u + 1) of paths, to first order."""
+    u, reduction, size = points[:, :-1], np.exp(points[:, -1]), lengths(points[:, :-1])
     at = springs.unbalanced(blocks, u, u, reduction)
-    size = lengths(u)
     slopes = np.empty((len(blocks), u.shape[1] + 1, u.shape[1] + 1))
     slopes[:, :-1, :-1] = (at.by_opening + at.by_slip) * size[:, None, None]
     slopes[:, :-1, -1] = at.by_reduction * reduction[:, None]
     slopes[:, -1] = tangent
-    out = finer.unbalanced(blocks, u, u, reduction).out
-    found.change[blocks] = np.abs(solved(slopes, np.concatenate([out, np.zeros((len(out), 1))], axis=1))[:, -1])
-    found.residual[blocks] = np.abs(at.out).max(axis=1)
+    out = springs.finer().unbalanced(blocks, u, u, reduction).out
+    change: Floats = np.abs(solved(slopes, np.concatenate([out, np.zeros((len(out), 1))], axis=1))[:, -1])
+    return change

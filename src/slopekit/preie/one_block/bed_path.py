@@ -21,7 +21,8 @@ from slopekit.preie.tolerances import LEVEL, PATH_ENDS, POLISHED, SETTLED, TINY
 
 #: Split of the triangles along the path: its turns are found there, and settled on finer ones.
 COARSE = 1
-#: Elastic displacements after which a block runs, and to which one that creeps is followed.
+#: Elastic displacements after which a block runs, and to which one that creeps is followed. One is the size of the
+#: displacement in which a block rests as a first point slips.
 FAR = 1e4
 #: Elastic displacements: a block that comes to rest again within them has not failed.
 SNAP = 10.0
@@ -40,7 +41,9 @@ _SHORTEST = 0.05  # part of a damped step
 _FARTHEST = 3.0  # of x in one step of Newton's method
 _WEAKER = 0.97  # of λ at the first slip
 _STRONGER = (1.0, 2.0, 8.0, 32.0)  # times the strength of the first slip at which a block is looked for at rest
-_STRONG, _STRONGEST = 4.0, 4096.0  # times the strength that forces in balance need: what does not rest then, never does
+_STRONG = 4.0  # times the strength that forces in balance need: blocks that do not stick start there
+#: So many times the strength that forces in balance need is the most that is tried.
+STRONGEST = 4096.0
 _CALMER, _FLOWS, _STIFFEST, _MOST_FLOW = 0.7, 30.0, 1e3, 40  # of viscous flow
 _MARCH = (0.05, 2e-3, 1e-4)  # parts of λ: less strength alone, where the path has a corner
 _MOST_POLISH = 14  # points to the least λ on a turn of the path
@@ -238,7 +241,7 @@ class BedPath:
         count, springs = len(blocks), self.springs
         stuck = self.rests(blocks, springs.bonded[blocks], reduction, sticks=True)
         u = np.where(stuck.settled[:, None], stuck.x, springs.bonded[blocks])
-        slips = np.clip(_WEAKER * springs.first_slip(blocks, u), TINY, _STRONGEST * reduction)
+        slips = np.clip(_WEAKER * springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
         first = np.where(stuck.settled, slips, _STRONG * reduction)
         at, rows = np.full(count, np.nan), np.arange(count)
         for stronger in _STRONGER:
@@ -246,13 +249,13 @@ class BedPath:
             done = rows[found.settled]
             u[done], at[done] = found.x[found.settled], stronger * first[done]
             rows = rows[~found.settled]
-        for stronger in (1.0, _STRONGEST / _STRONG):
+        for stronger in (1.0, STRONGEST / _STRONG):
             rest, settled = self.flow(blocks[rows], u[rows], stronger * first[rows])
             u[rows[settled]], at[rows[settled]] = rest[settled], stronger * first[rows[settled]]
             rows = rows[~settled]
         return u, at
 
-    def lower(self, blocks: Ints, u: Floats, log_reduction: Floats) -> tuple[Floats, Floats]:
+    def lower(self, blocks: Ints, u: Floats, log_reduction: Floats, elastic: Floats) -> tuple[Floats, Floats]:
         """Lower λ alone from a rest at a corner of the path; returns rests (n, u) and λ, not a number without one.
 
         A rest more than `SNAP` elastic displacements away is none.
@@ -265,18 +268,18 @@ class BedPath:
             found, settled = self.flow(blocks[rows], u[rows], here)
             rest[rows[settled]], at[rows[settled]] = found[settled], here[settled]
             rows = rows[~settled]
-        at[lengths(rest - u) > SNAP * self.springs.first[blocks]] = np.nan
+        at[lengths(rest - u) > SNAP * elastic] = np.nan
         return rest, at
 
-    def follow(self, blocks: Ints, u: Floats, reduction: Floats, ends: Floats) -> Path:
+    def follow(self, blocks: Ints, u: Floats, reduction: Floats, elastic: Floats, ends: Floats) -> Path:
         """Follow the paths from states of rest, each until its block runs or λ has turned for good.
 
         Parameters
         ----------
-        u : (n, u); reduction : (n,)
+        u : (n, u); reduction : (n,); elastic : (n,) size of an elastic displacement
         ends : (n,) ln λ to which a path is known to rise in the end: it is left once λ turned up; infinite: not known
         """
-        count, first = len(blocks), self.springs.first[blocks]
+        count = len(blocks)
         u, log_reduction, scale = u.copy(), np.log(reduction), lengths(u)
         goal = np.concatenate([u / scale[:, None], log_reduction[:, None]], axis=1)
         down = np.zeros_like(goal)
@@ -285,7 +288,7 @@ class BedPath:
         tangent = tangents(begun)
         lowest = np.concatenate([u, log_reduction[:, None]], axis=1)
         turns, heading, curvature = np.zeros(count, dtype=bool), tangent[:, :-1].copy(), np.ones(count)
-        early = np.where(scale <= EARLY * first, log_reduction, np.inf)
+        early = np.where(scale <= EARLY * elastic, log_reduction, np.inf)
         length, steps = np.full(count, _FIRST), np.zeros(count, dtype=np.int64)
         outcome = np.where(begun.settled, -1, PathEnd.CORNER)
         rows = np.flatnonzero(begun.settled)
@@ -303,7 +306,7 @@ class BedPath:
             strays |= (before_slope * slope > 0.0) & (before_slope * change < 0.0) & (np.abs(change) > POLISHED)
             good = found.settled & ~(strays & (along > _CORNER))
             length[rows[~good]] = along[~good] / 4.0
-            outcome[rows[~good & (length[rows] < POLISHED)]] = PathEnd.CORNER
+            outcome[rows[~good & (length[rows] < PATH_ENDS)]] = PathEnd.CORNER
             at = rows[good]
             new = found.x[good, :-1] * here[good, None]
             far, ln_after = lengths(new), found.x[good, -1]
@@ -316,7 +319,7 @@ class BedPath:
             lowest[low, :-1], lowest[low, -1] = u[low] + part[lower, None] * way, least[lower]
             turns[low], heading[low] = fold[lower], way / np.maximum(lengths(way), TINY)[:, None]
             curvature[low] = ((slope - before_slope)[good] / along[good])[lower]
-            was, most = scale[at], EARLY * first[at]
+            was, most = scale[at], EARLY * elastic[at]
             inside = np.clip((most - was) / np.maximum(far - was, TINY), 0.0, 1.0)
             inside = np.where(far <= most, 1.0, inside)
             reached = goal[good, -1] + inside * (ln_after - goal[good, -1])
@@ -330,16 +333,17 @@ class BedPath:
             tangent[at] = renewed / lengths(renewed)[:, None]
             u[at], log_reduction[at], scale[at] = new, ln_after, far
             rise = ln_after - lowest[at, -1]
-            gone = lengths(new - lowest[at, :-1]) > SNAP * first[at]
+            gone = lengths(new - lowest[at, :-1]) > SNAP * elastic[at]
             turned = ((rise > _TURNED) & gone) | (turns[at] & (rise > 0.5 * (ends[at] - lowest[at, -1])))
             outcome[at[steps[at] >= _MOST_STEPS]] = PathEnd.CORNER
             outcome[at[rise > _BACK]] = PathEnd.BACK
             outcome[at[turned]] = PathEnd.TURNED
-            outcome[at[far > FAR * first[at]]] = PathEnd.FAR
+            outcome[at[far > FAR * elastic[at]]] = PathEnd.FAR
             rows = rows[outcome[rows] < 0]
-        return Path(
-            PathPoints(u, log_reduction, tangent), lowest, turns, heading, curvature, early, steps, outcome
-        )
+        level = (outcome == PathEnd.FAR) & (log_reduction - lowest[:, -1] < LEVEL)  # no turn, but rounding
+        turns[level] = False
+        lowest[level] = np.concatenate([u[level], log_reduction[level, None]], axis=1)
+        return Path(PathPoints(u, log_reduction, tangent), lowest, turns, heading, curvature, early, steps, outcome)
 
     def settle(
         self, blocks: Ints, lowest: Floats, heading: Floats, curvature: Floats

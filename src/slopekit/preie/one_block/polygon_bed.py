@@ -222,10 +222,14 @@ class BedSprings:
     """
 
     def __init__(self, beds: Beds, split: int) -> None:
-        self.beds = beds
+        self.beds, self.split = beds, split
         places, (shares,) = fan_rule(3, split)
         self.templates = {2: _line_template(split), 3: (places, shares)}
         self._kernels, self._polygons = self._compiled()
+
+    def finer(self) -> "BedSprings":
+        """Return the springs of the same beds, each triangle split once more."""
+        return BedSprings(self.beds, self.split + 1)
 
     def _compiled(self) -> tuple[Any, Any]:
         """The compiled kernels and these beds as they take them; None where NumPy does it."""
@@ -425,7 +429,9 @@ class BedSprings:
         gap, first, second = (moved[:, :, 0] + (moved[:, :, 1:] * beds.plane[:, None]).sum(axis=2)).T
         strength = beds.line[contact, 1] - beds.line[contact, 2] * gap
         if beds.laws:
-            strength = np.concatenate([flat.resistance(np.maximum(-flat.corners @ (flat.rows[:3] @ u[0]), 0.0)) for flat in self.flats])
+            strength = np.concatenate(
+                [flat.resistance(np.maximum(-flat.corners @ (flat.rows[:3] @ u[0]), 0.0)) for flat in self.flats]
+            )
         called = beds.shear_ratio * np.sqrt(first * first + second * second) * (gap < 0.0) / np.maximum(strength, TINY)
         most = np.maximum.reduceat(called, beds.corner[beds.contact[:-1]])[blocks]
         if beds.bolt_capacity.shape[1]:
@@ -433,9 +439,7 @@ class BedSprings:
             most = np.maximum(most, drawn / (BOLT_GIVE * self.first[blocks]))
         return most
 
-    def carried(
-        self, bed: PolygonBed, opening: Floats, slip: Floats, reduction: float, running: bool
-    ) -> "PointForces":
+    def carried(self, bed: PolygonBed, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
         """Return the forces of one block point by point: of the pressed part of each contact, then of its open part."""
         by_contact: list[tuple[Floats, ...]] = []
         for k, flat in enumerate(self.flats):
