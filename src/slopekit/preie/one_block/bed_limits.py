@@ -189,7 +189,8 @@ def _slide(
     some = _Bases(bases.free[rows], bases.rest[rows])
     runs = _running(coarse, finer, blocks[rows], some, (velocity[rows], displacement[rows], reduction[rows]), found)
     good = runs.settled & _all_closed(coarse.beds, blocks[rows], runs.displacement) & (runs.reduction > 0.0)
-    ends[blocks[rows[good]]] = np.log(runs.reduction[good])
+    rising = good & runs.rises
+    ends[blocks[rows[rising]]] = np.log(runs.reduction[rising])
     # the bed allows no less than the forces do, or the path comes down to this state
     never = runs.reduction <= reduction[rows] * (1.0 + SETTLED)
     good &= never | (~runs.rises & (runs.reduction < reduction[rows] / _DEEP))
