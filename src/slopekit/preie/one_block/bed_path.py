@@ -17,7 +17,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.preie.one_block.polygon_bed import BedSprings
-from slopekit.preie.tolerances import LEVEL, PATH_ENDS, POLISHED, SETTLED, TINY
+from slopekit.preie.tolerances import LEVEL, PATH_ENDS, POLISHED, ROUNDING, SETTLED, TINY
 
 #: Split of the triangles along the path: its turns are found there, and settled on finer ones.
 COARSE = 1
@@ -299,6 +299,7 @@ class BedPath:
             found = self.on_planes(blocks[rows], tan, np.einsum("nk,nk->n", tan, ahead), here, ahead)
             steps[rows] += 1
             after = tangents(found)
+            after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
             cosine, off = np.einsum("nk,nk->n", after, tan), lengths(found.x - ahead)
             before_slope, slope, change = tan[:, -1], after[:, -1], found.x[:, -1] - goal[:, -1]
             strays = (cosine < _TURNS) | (off > _STRAYS * along)
@@ -340,9 +341,6 @@ class BedPath:
             outcome[at[turned]] = PathEnd.TURNED
             outcome[at[far > FAR * elastic[at]]] = PathEnd.FAR
             rows = rows[outcome[rows] < 0]
-        level = (outcome == PathEnd.FAR) & (log_reduction - lowest[:, -1] < LEVEL)  # no turn, but rounding
-        turns[level] = False
-        lowest[level] = np.concatenate([u[level], log_reduction[level, None]], axis=1)
         return Path(PathPoints(u, log_reduction, tangent), lowest, turns, heading, curvature, early, steps, outcome)
 
     def settle(
