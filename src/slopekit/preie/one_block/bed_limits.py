@@ -28,13 +28,13 @@ from slopekit.preie.one_block.bed_path import (
     BedPath,
     Path,
     PathEnd,
+    damped_rows,
     lengths,
-    solve_rows,
     solved,
     tangents,
 )
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings
-from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, SETTLED, TINY
+from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, ROUGHLY_SETTLED, SETTLED, TINY
 
 #: Splits of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`.
 SPLITS = (3, 4)
@@ -116,7 +116,7 @@ def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> 
     splits : of the triangles on which limits are settled; the next where it changes one by more than `FINER_PRESSED`
     """
     found = BedLimits.none(*beds.load.shape)
-    coarse = BedPath(BedSprings(beds, COARSE))
+    coarse = BedPath(BedSprings(beds, COARSE), ROUGHLY_SETTLED)
     finer = [BedPath(BedSprings(beds, split)) for split in splits]
     ends = np.full(len(beds.load), np.inf)
     if not beds.laws:
@@ -325,7 +325,7 @@ def _run(
         off = 0.5 * (np.einsum("nk,nk->n", x[:, :free], x[:, :free]) - 1.0)
         return np.concatenate([at.out, off[:, None]], axis=1), slopes, NO_FORCE * np.maximum(1.0, np.abs(x[:, -1]))
 
-    found = solve_rows(equations, first, _MOST_RUNNING, damped=True)
+    found = damped_rows(equations, first, _MOST_RUNNING)
     v, w = motions(np.arange(count), found.x)
     reduction = found.x[:, -1]
 
@@ -358,9 +358,12 @@ def _along_paths(
     found.early[blocks], found.steps[blocks] = np.exp(path.early), path.steps
     lowest, tangent = path.lowest.copy(), path.end.tangent.copy()
     turns = np.flatnonzero(path.turns)
-    for fine in finer:
-        at, along, known = fine.settle(blocks[turns], lowest[turns], path.heading[turns], path.curvature[turns])
+    for fine in (coarse, *finer):
+        at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns], path.curvature[turns])
+        known = np.isfinite(at[:, -1])
         lowest[turns[known]], tangent[turns[known]] = at[known], along[known]
+        if fine is coarse:
+            continue
         turns = _too_coarse(fine.springs, blocks, turns, lowest, tangent, found)
     ends_at = np.where(path.outcome == PathEnd.FAR, path.end.log_reduction, lowest[:, -1])
     may_run = np.flatnonzero((path.outcome != PathEnd.TURNED) & (ends_at - lowest[:, -1] < _FLAT))
@@ -430,7 +433,12 @@ def _joined(path: Path, rows: Ints, onward: Path) -> Path:
 
 
 def _settled_runs(
-    coarse: BedSprings, finer: Sequence[BedPath], blocks: Ints, path: Path, lowest: Floats, rows: Ints,
+    coarse: BedSprings,
+    finer: Sequence[BedPath],
+    blocks: Ints,
+    path: Path,
+    lowest: Floats,
+    rows: Ints,
     found: BedLimits,
 ) -> Bools:
     """Find the running states that paths settle to; return for which of them there is one."""

@@ -10,6 +10,7 @@ stiffness, implicit steps, until they rest or run.
 
 import math
 from collections.abc import Callable
+from dataclasses import fields
 from enum import IntEnum
 
 import numpy as np
@@ -32,9 +33,9 @@ _TURNED, _BACK = math.log(1.2), math.log(20.0)  # ln λ so far above its least v
 _FIRST, _LONGEST = 0.1, 1.5  # steps along the path
 _TURNS, _STRAYS = 0.8, 0.5  # cosine of the angle that a step may turn by, and parts of it that it may leave the tangent
 _CORNER = 1e-3  # steps may turn by more where they are as short: points begin to slip
-_LONGER = ((0.9999, 3, 4.0), (0.98, 4, 2.0), (-1.0, 6, 1.0))  # cosine and Newton steps: so much longer is the next step
+_STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
 _MOST_STEPS = 150  # along one path
-_MOST_NEWTON = 12  # to one point of it
+_MOST_NEWTON, _PATIENCE = 12, 4  # to one point of it; after so many the residual must fall
 _MOST_STUCK = 150  # to where every point sticks
 _MOST_RESTS = 100  # to a rest at one strength
 _SHORTEST = 0.05  # part of a damped step
@@ -47,7 +48,7 @@ STRONGEST = 4096.0
 _CALMER, _FLOWS, _STIFFEST, _MOST_FLOW = 0.7, 30.0, 1e3, 40  # of viscous flow
 _MARCH = (0.05, 2e-3, 1e-4)  # parts of λ: less strength alone, where the path has a corner
 _MOST_POLISH = 14  # points to the least λ on a turn of the path
-_LEAST = 1e-10  # of ln λ: so near is the least value found
+_LEAST = 1e-8  # of ln λ: so near is the least value found
 
 Equations = Callable[[Ints, Floats], tuple[Floats, Floats, Floats]]
 
@@ -62,49 +63,69 @@ class Roots:
     evaluations: Ints
 
 
-def solve_rows(
-    equations: Equations, start: Floats, most: int, damped: bool = False, patience: int = 4, farthest: float = np.inf
-) -> Roots:  # fmt: skip
+def newton_rows(equations: Equations, start: Floats, most: int, patience: int, farthest: float) -> Roots:
     """Solve n small systems of equations by Newton's method, all at once.
 
     Parameters
     ----------
     equations : rows (m,) and their x (m, k) -> residual (m, k), slopes (m, k, k), and the size (m,) that is none
     start : (n, k)
-    damped : shorten a step that does not lower the residual; else such a row is given up after `patience` steps
-    farthest : a row whose step is longer is given up
+    patience : steps after which a row whose residual does not fall is given up; farthest : so is one that goes farther
     """
     count, unknowns = start.shape
-    x, base, step = start.copy(), start.copy(), np.zeros_like(start)
-    size, length, settled = np.full(count, np.inf), np.ones(count), np.zeros(count, dtype=bool)
-    slopes, used = np.zeros((count, unknowns, unknowns)), np.zeros(count, dtype=np.int64)
-    rows = np.arange(count)
-    for number in range(most):
-        residual, slope, small = equations(rows, x[rows])
-        used[rows] += 1
-        now = np.nan_to_num(np.abs(residual).max(axis=1), nan=np.inf)
+    roots = Roots(start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.full(count, most))
+    rows, x, last = np.arange(count), start, np.full(count, np.inf)
+    for number in range(most if count else 0):
+        residual, slopes, small = equations(rows, x)
+        now = np.abs(residual).max(axis=1)
         done = now <= small
-        settled[rows[done]], slopes[rows[done]] = True, slope[done]
-        good = np.isfinite(now) & ~done
-        if damped or number > patience:
-            good &= now < size[rows] * (1.0 - 0.1 * length[rows] * damped)
-        better = rows[good]
-        base[better], size[better], length[better] = x[better], now[good], 1.0
-        step[better] = -solved(slope[good], residual[good])
-        length[rows[~good]] *= 0.5 * damped
-        lost = length[rows] < _SHORTEST
-        lost[good] |= ~(np.abs(step[better]).max(axis=1, initial=0.0) < farthest)
-        rows = rows[~done & ~lost]
-        if not len(rows):
-            break
-        x[rows] = base[rows] + length[rows, None] * step[rows]
-    return Roots(x, settled, slopes, used)
+        if done.any():
+            settled = rows[done]
+            roots.settled[settled], roots.evaluations[settled] = True, number + 1
+            roots.x[settled], roots.slopes[settled] = x[done], slopes[done]
+        step = solved(slopes, residual)
+        goes_on = ~done & (now < (last if number > patience else np.inf)) & (np.abs(step).max(axis=1) < farthest)
+        if not goes_on.all():
+            rows, x, step, now = rows[goes_on], x[goes_on], step[goes_on], now[goes_on]
+            if not len(rows):
+                break
+        x, last = x - step, now
+    return roots
+
+
+def damped_rows(equations: Equations, start: Floats, most: int) -> Roots:
+    """Solve n small systems as `newton_rows`, each step halved until it lowers the residual."""
+    count, unknowns = start.shape
+    roots = Roots(start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.full(count, most))
+    rows, x, length = np.arange(count), start, np.ones(count)
+    base, step, size = start, np.zeros_like(start), np.full(count, np.inf)
+    for number in range(most if count else 0):
+        residual, slopes, small = equations(rows, x)
+        now = np.abs(residual).max(axis=1)
+        done = now <= small
+        if done.any():
+            settled = rows[done]
+            roots.settled[settled], roots.evaluations[settled] = True, number + 1
+            roots.x[settled], roots.slopes[settled] = x[done], slopes[done]
+        lower = now < size * (1.0 - 0.1 * length)
+        step = np.where(lower[:, None], solved(slopes, residual), step)
+        base, size, length = (
+            np.where(lower[:, None], x, base),
+            np.where(lower, now, size),
+            np.where(lower, 1.0, 0.5 * length),
+        )
+        goes_on = ~done & (length >= _SHORTEST) & np.isfinite(step).all(axis=1)
+        if not goes_on.all():
+            rows, base, step = rows[goes_on], base[goes_on], step[goes_on]
+            size, length = size[goes_on], length[goes_on]
+            if not len(rows):
+                break
+        x = base - length[:, None] * step
+    return roots
 
 
 def solved(matrices: Floats, vectors: Floats) -> Floats:
     """Return the solutions (n, k) of n systems; nothing useful, but finite numbers, of those that are singular."""
-    if not len(vectors):
-        return vectors
     try:
         return np.asarray(np.linalg.solve(matrices, vectors[:, :, None])[:, :, 0])
     except np.linalg.LinAlgError:
@@ -166,11 +187,39 @@ class Path:
     outcome: Ints
 
 
-class BedPath:
-    """The elastic paths of some blocks on one set of springs."""
+@dataclass(slots=True)
+class _Paths:
+    """Where some paths are: the last point, the length of the next step, and what `Path` has."""
 
-    def __init__(self, springs: BedSprings) -> None:
-        self.springs = springs
+    rows: Ints
+    u: Floats
+    ln: Floats
+    scale: Floats
+    tangent: Floats
+    length: Floats
+    lowest: Floats
+    turns: Bools
+    heading: Floats
+    curvature: Floats
+    early: Floats
+    steps: Ints
+    outcome: Ints
+
+    def of(self, places: Ints) -> "_Paths":
+        """Return some of them."""
+        return _Paths(*(getattr(self, field.name)[places] for field in fields(self)))
+
+    def put(self, some: "_Paths") -> None:
+        """Put some of them back, by their rows."""
+        for field in fields(self):
+            getattr(self, field.name)[some.rows] = getattr(some, field.name)
+
+
+class BedPath:
+    """The elastic paths of some blocks on one set of springs; `balanced` is the unbalanced force that is none."""
+
+    def __init__(self, springs: BedSprings, balanced: float = SETTLED) -> None:
+        self.springs, self.balanced = springs, balanced
 
     def on_planes(self, blocks: Ints, planes: Floats, offsets: Floats, scale: Floats, start: Floats) -> Roots:
         """Balance the forces where x = (u / scale, ln λ) lies on planes: normal (n, u + 1) times x is the offset."""
@@ -185,9 +234,9 @@ class BedPath:
             slopes[:, :-1, -1] = at.by_reduction * reduction[:, None]
             slopes[:, -1] = planes[rows]
             off = np.einsum("nk,nk->n", planes[rows], x) - offsets[rows]
-            return np.concatenate([at.out, off[:, None]], axis=1), slopes, SETTLED * np.maximum(1.0, reduction)
+            return np.concatenate([at.out, off[:, None]], axis=1), slopes, self.balanced * np.maximum(1.0, reduction)
 
-        return solve_rows(equations, start, _MOST_NEWTON, farthest=_FARTHEST)
+        return newton_rows(equations, start, _MOST_NEWTON, _PATIENCE, _FARTHEST)
 
     def rests(
         self, blocks: Ints, start: Floats, reduction: Floats, sticks: bool = False, drag: Floats | None = None
@@ -204,8 +253,8 @@ class BedPath:
             return out, slopes, SETTLED * np.maximum(1.0, reduction[rows])
 
         if sticks:  # full steps: each takes a third of a pressed part that is too large
-            return solve_rows(equations, start, _MOST_STUCK, patience=_MOST_STUCK)
-        return solve_rows(equations, start, _MOST_RESTS, damped=True)
+            return newton_rows(equations, start, _MOST_STUCK, _MOST_STUCK, np.inf)
+        return damped_rows(equations, start, _MOST_RESTS)
 
     def flow(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
         """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
@@ -279,73 +328,84 @@ class BedPath:
         u : (n, u); reduction : (n,); elastic : (n,) size of an elastic displacement
         ends : (n,) ln λ to which a path is known to rise in the end: it is left once λ turned up; infinite: not known
         """
-        count = len(blocks)
-        u, log_reduction, scale = u.copy(), np.log(reduction), lengths(u)
-        goal = np.concatenate([u / scale[:, None], log_reduction[:, None]], axis=1)
-        down = np.zeros_like(goal)
+        scale = lengths(u)
+        x = np.concatenate([u / scale[:, None], np.log(reduction)[:, None]], axis=1)
+        down = np.zeros_like(x)
         down[:, -1] = -1.0
-        begun = self.on_planes(blocks, down, -log_reduction, scale, goal)
-        tangent = tangents(begun)
-        lowest = np.concatenate([u, log_reduction[:, None]], axis=1)
-        turns, heading, curvature = np.zeros(count, dtype=bool), tangent[:, :-1].copy(), np.ones(count)
-        early = np.where(scale <= EARLY * elastic, log_reduction, np.inf)
-        length, steps = np.full(count, _FIRST), np.zeros(count, dtype=np.int64)
-        outcome = np.where(begun.settled, -1, PathEnd.CORNER)
-        rows = np.flatnonzero(begun.settled)
-        while len(rows):
-            along, tan, here = length[rows], tangent[rows], scale[rows]
-            goal = np.concatenate([u[rows] / here[:, None], log_reduction[rows, None]], axis=1)
-            ahead = goal + along[:, None] * tan
-            found = self.on_planes(blocks[rows], tan, np.einsum("nk,nk->n", tan, ahead), here, ahead)
-            steps[rows] += 1
-            after = tangents(found)
-            after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
-            cosine, off = np.einsum("nk,nk->n", after, tan), lengths(found.x - ahead)
-            before_slope, slope, change = tan[:, -1], after[:, -1], found.x[:, -1] - goal[:, -1]
-            strays = (cosine < _TURNS) | (off > _STRAYS * along)
-            # λ does between two points what its slopes at them cannot make: it turned on the way
-            strays |= (before_slope * slope > 0.0) & (before_slope * change < 0.0) & (np.abs(change) > POLISHED)
-            good = found.settled & ~(strays & (along > _CORNER))
-            length[rows[~good]] = along[~good] / 4.0
-            outcome[rows[~good & (length[rows] < PATH_ENDS)]] = PathEnd.CORNER
-            at = rows[good]
-            new = found.x[good, :-1] * here[good, None]
-            far, ln_after = lengths(new), found.x[good, -1]
-            fold = (before_slope[good] < 0.0) & (slope[good] >= 0.0)
-            part, least = cubic_least(along[good], goal[good, -1], before_slope[good], ln_after, slope[good])
-            part, least = np.where(fold, part, 1.0), np.where(fold, least, ln_after)
-            lower = least < lowest[at, -1] - _LEAST
-            low = at[lower]
-            way = new[lower] - u[low]
-            lowest[low, :-1], lowest[low, -1] = u[low] + part[lower, None] * way, least[lower]
-            turns[low], heading[low] = fold[lower], way / np.maximum(lengths(way), TINY)[:, None]
-            curvature[low] = ((slope - before_slope)[good] / along[good])[lower]
-            was, most = scale[at], EARLY * elastic[at]
-            inside = np.clip((most - was) / np.maximum(far - was, TINY), 0.0, 1.0)
-            inside = np.where(far <= most, 1.0, inside)
-            reached = goal[good, -1] + inside * (ln_after - goal[good, -1])
-            early[at] = np.minimum(early[at], np.where(was <= most, reached, np.inf))
-            longer = np.full(len(at), 0.6)
-            for least_cosine, most_used, times in reversed(_LONGER):
-                longer[(cosine[good] > least_cosine) & (found.evaluations[good] <= most_used)] = times
-            length[at] = np.minimum(along[good] * longer, _LONGEST)
-            renewed = after[good]
-            renewed[:, :-1] *= (here[good] / far)[:, None]
-            tangent[at] = renewed / lengths(renewed)[:, None]
-            u[at], log_reduction[at], scale[at] = new, ln_after, far
-            rise = ln_after - lowest[at, -1]
-            gone = lengths(new - lowest[at, :-1]) > SNAP * elastic[at]
-            turned = ((rise > _TURNED) & gone) | (turns[at] & (rise > 0.5 * (ends[at] - lowest[at, -1])))
-            outcome[at[steps[at] >= _MOST_STEPS]] = PathEnd.CORNER
-            outcome[at[rise > _BACK]] = PathEnd.BACK
-            outcome[at[turned]] = PathEnd.TURNED
-            outcome[at[far > FAR * elastic[at]]] = PathEnd.FAR
-            rows = rows[outcome[rows] < 0]
-        return Path(PathPoints(u, log_reduction, tangent), lowest, turns, heading, curvature, early, steps, outcome)
+        begun = self.on_planes(blocks, down, -x[:, -1], scale, x)
+        every = _Paths(
+            rows=np.arange(len(blocks)),
+            u=u.copy(),
+            ln=x[:, -1],
+            scale=scale,
+            tangent=tangents(begun),
+            length=np.full(len(blocks), _FIRST),
+            lowest=np.concatenate([u, x[:, -1:]], axis=1),
+            turns=np.zeros(len(blocks), dtype=bool),
+            heading=tangents(begun)[:, :-1],
+            curvature=np.ones(len(blocks)),
+            early=np.where(scale <= EARLY * elastic, x[:, -1], np.inf),
+            steps=np.zeros(len(blocks), dtype=np.int64),
+            outcome=np.where(begun.settled, -1, PathEnd.CORNER),
+        )
+        at = every.of(np.flatnonzero(begun.settled))
+        while len(at.rows):
+            self._step(blocks[at.rows], at, elastic[at.rows], ends[at.rows])
+            if (at.outcome >= 0).any():
+                every.put(at.of(np.flatnonzero(at.outcome >= 0)))
+                at = at.of(np.flatnonzero(at.outcome < 0))
+        return Path(
+            PathPoints(every.u, every.ln, every.tangent), every.lowest, every.turns, every.heading, every.curvature,
+            every.early, every.steps, every.outcome,
+        )  # fmt: skip
+
+    def _step(self, blocks: Ints, at: "_Paths", elastic: Floats, ends: Floats) -> None:
+        """Take one step along each path, or shorten it."""
+        along, tangent, here = at.length, at.tangent, at.scale
+        goal = np.concatenate([at.u / here[:, None], at.ln[:, None]], axis=1)
+        ahead = goal + along[:, None] * tangent
+        found = self.on_planes(blocks, tangent, np.einsum("nk,nk->n", tangent, ahead), here, ahead)
+        after = tangents(found)
+        after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
+        cosine, off = np.einsum("nk,nk->n", after, tangent), lengths(found.x - ahead)
+        before_slope, slope, ln = tangent[:, -1], after[:, -1], found.x[:, -1]
+        change = ln - at.ln
+        strays = (cosine < _TURNS) | (off > _STRAYS * along)
+        # λ does between two points what its slopes at them cannot make: it turned on the way
+        strays |= (before_slope * slope > 0.0) & (before_slope * change < 0.0) & (np.abs(change) > POLISHED)
+        good = found.settled & ~(strays & (along > _CORNER))
+        u = np.where(good[:, None], found.x[:, :-1] * here[:, None], at.u)
+        ln, scale = np.where(good, ln, at.ln), np.where(good, lengths(u), here)
+        fold = good & (before_slope < 0.0) & (slope >= 0.0)
+        part, least = cubic_least(along, at.ln, before_slope, ln, slope)
+        part, least = np.where(fold, part, 1.0), np.where(fold, least, ln)
+        lower = least < at.lowest[:, -1] - _LEAST
+        if lower.any():
+            way = (u - at.u)[lower]
+            at.lowest[lower] = np.concatenate([at.u[lower] + part[lower, None] * way, least[lower, None]], axis=1)
+            at.turns[lower], at.heading[lower] = fold[lower], way / np.maximum(lengths(way), TINY)[:, None]
+            at.curvature[lower] = ((slope - before_slope) / along)[lower]
+        inside = np.clip((EARLY * elastic - here) / np.maximum(scale - here, LEVEL * here), 0.0, 1.0)
+        reached = np.where(here <= EARLY * elastic, at.ln + inside * (ln - at.ln), np.inf)
+        at.early = np.minimum(at.early, reached)
+        longer = np.where((cosine > _STRAIGHTER) & (found.evaluations <= 3), 4.0, 1.0)
+        longer = np.maximum(longer, np.where((cosine > _STRAIGHT) & (found.evaluations <= 4), 2.0, 1.0))
+        longer = np.where(found.evaluations > 6, 0.6, longer)
+        at.length = np.where(good, np.minimum(along * longer, _LONGEST), along / 4.0)
+        after[:, :-1] *= (here / scale)[:, None]
+        at.tangent = np.where(good[:, None], after / np.maximum(lengths(after), TINY)[:, None], tangent)
+        at.u, at.ln, at.scale, at.steps = u, ln, scale, at.steps + 1
+        rise = ln - at.lowest[:, -1]
+        gone = lengths(u - at.lowest[:, :-1]) > SNAP * elastic
+        turned = ((rise > _TURNED) & gone) | (at.turns & (rise > 0.5 * (ends - at.lowest[:, -1])))
+        at.outcome[(at.steps >= _MOST_STEPS) | (at.length < PATH_ENDS)] = PathEnd.CORNER
+        at.outcome[rise > _BACK] = PathEnd.BACK
+        at.outcome[turned] = PathEnd.TURNED
+        at.outcome[scale > FAR * elastic] = PathEnd.FAR
 
     def settle(
         self, blocks: Ints, lowest: Floats, heading: Floats, curvature: Floats
-    ) -> tuple[Floats, Floats, Bools]:  # fmt: skip
+    ) -> tuple[Floats, Floats]:  # fmt: skip
         """Find the least λ on the turns of paths that were found with coarser triangles.
 
         Parameters
@@ -354,7 +414,7 @@ class BedPath:
 
         Returns
         -------
-        u and ln λ (n, u + 1), unit tangents (n, u + 1), and which of them were found
+        u and ln λ (n, u + 1), that infinite where no point was found, and unit tangents (n, u + 1)
         """
         count = len(blocks)
         scale = lengths(lowest[:, :-1])
@@ -402,7 +462,7 @@ class BedPath:
             if not len(rows):
                 break
         best[:, :-1] *= scale[:, None]
-        return best, tangent / lengths(tangent)[:, None], known
+        return best, tangent / lengths(tangent)[:, None]
 
 
 def tangents(roots: Roots) -> Floats:
