@@ -1073,6 +1073,146 @@ static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
     return failed ? NULL : Py_NewRef(Py_None);
 }
 
+/* What Newton's method needs of one block: unknowns u / scale and ln λ, which it seeks on a plane. */
+typedef struct {
+    whole u, block;
+    const double *load, *plane, *drag, *held; /* drag: NULL where nothing holds the block back to `held` */
+    double offset, scale;
+    int sticks;
+} Sought;
+
+/* Unbalanced forces and the distance from the plane, (u + 1), with their slopes (u + 1, u + 1); returns λ. */
+static double on_plane(Polygons *p, const Sought *s, const double *x, double *out, double *slopes)
+{
+    whole u = s->u, n = u + 1;
+    double at[6], by_opening[36] = {0.0}, by_slip[36] = {0.0}, by_reduction[6] = {0.0};
+    double reduction = exp(x[u] < 50.0 ? x[u] : 50.0);
+    for (whole i = 0; i < u; i++) at[i] = x[i] * s->scale, out[i] = s->load[i];
+    add_block(p, s->block, at, at, reduction, 0, s->sticks, out, by_opening, by_slip, by_reduction);
+    for (whole i = 0; i < u; i++) {
+        for (whole j = 0; j < u; j++) {
+            double slope = by_opening[i * u + j] + by_slip[i * u + j];
+            if (s->drag) slope -= s->drag[i * u + j], out[i] -= s->drag[i * u + j] * (at[j] - s->held[j]);
+            slopes[i * n + j] = slope * s->scale;
+        }
+        slopes[i * n + u] = by_reduction[i] * reduction;
+    }
+    memcpy(slopes + u * n, s->plane, n * sizeof(double));
+    out[u] = dot(s->plane, x, (int)n) - s->offset;
+    return reduction;
+}
+
+/* Solves a small system by elimination with pivots; 0 where it is singular. */
+static int eliminated(const double *from, const double *right, whole n, double *x)
+{
+    double a[7][7];
+    for (whole i = 0; i < n; i++) {
+        memcpy(a[i], from + i * n, n * sizeof(double));
+        x[i] = right[i];
+    }
+    for (whole k = 0; k < n; k++) {
+        whole best = k;
+        for (whole i = k + 1; i < n; i++)
+            if (fabs(a[i][k]) > fabs(a[best][k])) best = i;
+        if (!(fabs(a[best][k]) > 0.0) || !isfinite(a[best][k])) return 0;
+        for (whole j = k; j < n && best != k; j++) {
+            double kept = a[k][j];
+            a[k][j] = a[best][j], a[best][j] = kept;
+        }
+        double right_kept = x[k];
+        x[k] = x[best], x[best] = right_kept;
+        for (whole i = k + 1; i < n; i++) {
+            double part = a[i][k] / a[k][k];
+            for (whole j = k + 1; j < n; j++) a[i][j] -= part * a[k][j];
+            x[i] -= part * x[k];
+        }
+    }
+    for (whole k = n - 1; k >= 0; k--) {
+        for (whole j = k + 1; j < n; j++) x[k] -= a[k][j] * x[j];
+        x[k] /= a[k][k];
+    }
+    return 1;
+}
+
+/* Newton's method of one block from x, which becomes what it found: `newton_rows` and `damped_rows` of bed_path.py. */
+static int found_balance(Polygons *p, const Sought *s, double *x, double *slopes, whole most, whole patience,
+                         double farthest, double shortest, double balanced, whole *used)
+{
+    whole n = s->u + 1;
+    double out[7], step[7] = {0.0}, base[7], last = INFINITY, length = 1.0;
+    memcpy(base, x, n * sizeof(double));
+    for (*used = 1; *used <= most; *used += 1) {
+        double small = on_plane(p, s, x, out, slopes), now = 0.0, far = 0.0;
+        for (whole i = 0; i < n; i++)
+            if (!(fabs(out[i]) <= now)) now = fabs(out[i]);
+        if (now <= balanced * (small > 1.0 ? small : 1.0)) return 1;
+        if (shortest > 0.0) {
+            if (now < last * (1.0 - 0.1 * length)) {
+                if (!eliminated(slopes, out, n, step)) return 0;
+                memcpy(base, x, n * sizeof(double));
+                last = now, length = 1.0;
+            } else length *= 0.5;
+            if (length < shortest) return 0;
+        } else {
+            if (!(now < (*used - 1 > patience ? last : INFINITY)) || !eliminated(slopes, out, n, step)) return 0;
+            memcpy(base, x, n * sizeof(double));
+            last = now;
+        }
+        for (whole i = 0; i < n; i++) {
+            if (!(fabs(step[i]) <= far)) far = fabs(step[i]);
+            x[i] = base[i] - length * step[i];
+        }
+        if (!(far < farthest)) return 0;
+    }
+    *used = most;
+    return 0;
+}
+
+/* balanced(polygons, blocks, load, planes, offsets, scale, drag, held, sticks, (most, patience, farthest, shortest,
+   balanced), x, slopes, settled, used): x is where to start, and then what was found; drag and held may be empty */
+static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 14)) return NULL;
+    Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
+    if (!p) return NULL;
+    const whole u = p->u, k = u + 1;
+    Kept here = {0}, *kept = &here;
+    int sticks = PyObject_IsTrue(a[8]), failed = PyErr_Occurred() != NULL;
+    const whole *blocks = WHOLES(a[1], -1);
+    whole count = failed ? 0 : kept->views[0].len / 8, used;
+    const double *load = FLOATS(a[2], p->blocks * u), *planes = FLOATS(a[3], count * k), *offsets = FLOATS(a[4], count);
+    const double *scale = FLOATS(a[5], count), *drag = FLOATS(a[6], -1);
+    int dragged = !failed && kept->views[kept->arrays - 1].len > 0;
+    if (dragged && kept->views[kept->arrays - 1].len != count * u * u * 8) {
+        PyErr_SetString(PyExc_ValueError, "a drag of another size");
+        failed = 1;
+    }
+    const double *held = FLOATS(a[7], dragged ? count * u : -1);
+    const double *limits = FLOATS(a[9], 5);
+    double *x = OUT(a[10], count * k), *slopes = OUT(a[11], count * k * k);
+    char *settled = OUT_BOOLS(a[12], count);
+    whole *evaluations = (whole *)OUT(a[13], count);
+    for (whole r = 0; !failed && r < count; r++)
+        if (blocks[r] < 0 || blocks[r] >= p->blocks) {
+            PyErr_SetString(PyExc_ValueError, "there is no such block");
+            failed = 1;
+        }
+    for (whole r = 0; !failed && r < count; r++) {
+        const Sought sought = {
+            u, blocks[r], load + blocks[r] * u, planes + r * k, dragged ? drag + r * u * u : NULL,
+            dragged ? held + r * u : NULL, offsets[r], scale[r], sticks,
+        };
+        double at[7];
+        memcpy(at, x + r * k, k * sizeof(double));
+        settled[r] = (char)found_balance(p, &sought, at, slopes + r * k * k, (whole)limits[0], (whole)limits[1],
+                                         limits[2], limits[3], limits[4], &used);
+        evaluations[r] = used;
+        if (settled[r]) memcpy(x + r * k, at, k * sizeof(double));
+    }
+    released(kept);
+    return failed ? NULL : Py_NewRef(Py_None);
+}
+
 /* -- steps to the static bound of blocks in space (program.py, springs.py, cones.py): a cone for each node pair --------- */
 
 /* What one pair needs within a step: its state, Nesterov & Todd's scaling, and the springs. */
@@ -1416,6 +1556,7 @@ static PyObject *cone_middle(PyObject *self, PyObject *const *a, Py_ssize_t n)
 static PyMethodDef METHODS[] = {
     FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(couple), FAST(tangent), FAST(plan),
     FAST(longest_step), FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), FAST(polygons), FAST(pressed),
+    FAST(balanced),
     FAST(cone_residuals), FAST(cone_springs), FAST(cone_sources), FAST(cone_step), FAST(cone_targets), FAST(cone_middle),
     {"bind", bind, METH_O, NULL}, {NULL},
 };

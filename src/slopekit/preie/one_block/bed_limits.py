@@ -26,10 +26,11 @@ from slopekit.preie.one_block.bed_path import (
     COARSE,
     FAR,
     BedPath,
+    Newton,
     Path,
     PathEnd,
-    damped_rows,
     lengths,
+    solve_rows,
     solved,
     tangents,
 )
@@ -42,7 +43,7 @@ _FLAT = 1e-3  # of ln λ: a path that ends so far above its least value may run 
 _SETTLES = 5.0  # times its slope: λ of a path that runs is as near to that of the running state
 _FAR_OUT = 1e5  # elastic displacements: so far out along its motion it is asked whether a path comes down or up
 _DEEP = 0.95  # of F by forces: below it paths may turn before they come down to the running state (4 of 328 wedges)
-_MOST_RUNNING = 30  # steps of Newton's method to a running state
+_RUNNING = Newton(40, shortest=0.05)  # to a running state
 _MOST_LOWERED = 6  # times that a path goes on from a rest at less strength
 
 
@@ -325,7 +326,7 @@ def _run(
         off = 0.5 * (np.einsum("nk,nk->n", x[:, :free], x[:, :free]) - 1.0)
         return np.concatenate([at.out, off[:, None]], axis=1), slopes, NO_FORCE * np.maximum(1.0, np.abs(x[:, -1]))
 
-    found = damped_rows(equations, first, _MOST_RUNNING)
+    found = solve_rows(equations, first, _RUNNING)
     v, w = motions(np.arange(count), found.x)
     reduction = found.x[:, -1]
 

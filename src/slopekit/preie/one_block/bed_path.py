@@ -50,6 +50,8 @@ _MARCH = (0.05, 2e-3, 1e-4)  # parts of λ: less strength alone, where the path 
 _MOST_POLISH = 14  # points to the least λ on a turn of the path
 _LEAST = 1e-8  # of ln λ: so near is the least value found
 
+_NONE = np.zeros(0)
+
 Equations = Callable[[Ints, Floats], tuple[Floats, Floats, Floats]]
 
 
@@ -63,65 +65,84 @@ class Roots:
     evaluations: Ints
 
 
-def newton_rows(equations: Equations, start: Floats, most: int, patience: int, farthest: float) -> Roots:
+@dataclass(frozen=True, slots=True)
+class Newton:
+    """How far Newton's method goes: steps at most, steps after which the residual must fall, the size of a step.
+
+    With a `shortest` part of a step, each is halved until it lowers the residual.
+    """
+
+    most: int
+    patience: int = 0
+    farthest: float = np.inf
+    shortest: float = 0.0
+
+
+def solve_rows(equations: Equations, start: Floats, how: Newton) -> Roots:
     """Solve n small systems of equations by Newton's method, all at once.
 
     Parameters
     ----------
     equations : rows (m,) and their x (m, k) -> residual (m, k), slopes (m, k, k), and the size (m,) that is none
     start : (n, k)
-    patience : steps after which a row whose residual does not fall is given up; farthest : so is one that goes farther
     """
     count, unknowns = start.shape
-    roots = Roots(start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.full(count, most))
-    rows, x, last = np.arange(count), start, np.full(count, np.inf)
-    for number in range(most if count else 0):
-        residual, slopes, small = equations(rows, x)
-        now = np.abs(residual).max(axis=1)
-        done = now <= small
-        if done.any():
-            settled = rows[done]
-            roots.settled[settled], roots.evaluations[settled] = True, number + 1
-            roots.x[settled], roots.slopes[settled] = x[done], slopes[done]
-        step = solved(slopes, residual)
-        goes_on = ~done & (now < (last if number > patience else np.inf)) & (np.abs(step).max(axis=1) < farthest)
-        if not goes_on.all():
-            rows, x, step, now = rows[goes_on], x[goes_on], step[goes_on], now[goes_on]
-            if not len(rows):
-                break
-        x, last = x - step, now
-    return roots
-
-
-def damped_rows(equations: Equations, start: Floats, most: int) -> Roots:
-    """Solve n small systems as `newton_rows`, each step halved until it lowers the residual."""
-    count, unknowns = start.shape
-    roots = Roots(start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.full(count, most))
+    roots = Roots(start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.full(count, how.most))
     rows, x, length = np.arange(count), start, np.ones(count)
     base, step, size = start, np.zeros_like(start), np.full(count, np.inf)
-    for number in range(most if count else 0):
+    for number in range(how.most if count else 0):
         residual, slopes, small = equations(rows, x)
         now = np.abs(residual).max(axis=1)
         done = now <= small
-        if done.any():
-            settled = rows[done]
-            roots.settled[settled], roots.evaluations[settled] = True, number + 1
-            roots.x[settled], roots.slopes[settled] = x[done], slopes[done]
-        lower = now < size * (1.0 - 0.1 * length)
+        settled = rows[done]
+        roots.settled[settled], roots.evaluations[settled] = True, number + 1
+        roots.x[settled], roots.slopes[settled] = x[done], slopes[done]
+        if how.shortest:
+            lower = now < size * (1.0 - 0.1 * length)
+        else:
+            lower = now < (size if number > how.patience else np.inf)
         step = np.where(lower[:, None], solved(slopes, residual), step)
-        base, size, length = (
-            np.where(lower[:, None], x, base),
-            np.where(lower, now, size),
-            np.where(lower, 1.0, 0.5 * length),
-        )
-        goes_on = ~done & (length >= _SHORTEST) & np.isfinite(step).all(axis=1)
-        if not goes_on.all():
-            rows, base, step = rows[goes_on], base[goes_on], step[goes_on]
-            size, length = size[goes_on], length[goes_on]
-            if not len(rows):
-                break
+        base, size = np.where(lower[:, None], x, base), np.where(lower, now, size)
+        length = np.where(lower, 1.0, 0.5 * length if how.shortest else 0.0)
+        goes_on = ~done & (length > how.shortest) & (np.abs(step).max(axis=1) < how.farthest)
+        rows, base, step, size, length = (each[goes_on] for each in (rows, base, step, size, length))
+        if not len(rows):
+            break
         x = base - length[:, None] * step
     return roots
+
+
+@dataclass(frozen=True, slots=True)
+class _Sought:
+    """Balance of some blocks where x = (u / scale, ln λ) lies on planes; see `BedPath`."""
+
+    blocks: Ints
+    planes: Floats
+    offsets: Floats
+    scale: Floats
+    sticks: bool = False
+    drag: Floats | None = None
+    held: Floats | None = None
+
+    def equations(self, springs: BedSprings, balanced: float) -> Equations:
+        """Return the unbalanced forces and the distance from the planes, and their slopes, as `solve_rows` asks."""
+
+        def equations(rows: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
+            size, reduction = self.scale[rows], np.exp(np.minimum(x[:, -1], 50.0))
+            u = x[:, :-1] * size[:, None]
+            at = springs.unbalanced(self.blocks[rows], u, u, reduction, sticks=self.sticks)
+            out, by_displacement = at.out, at.by_opening + at.by_slip
+            if self.drag is not None and self.held is not None:
+                out = out - (self.drag[rows] @ (u - self.held[rows])[:, :, None])[:, :, 0]
+                by_displacement = by_displacement - self.drag[rows]
+            slopes = np.empty((len(x), x.shape[1], x.shape[1]))
+            slopes[:, :-1, :-1] = by_displacement * size[:, None, None]
+            slopes[:, :-1, -1] = at.by_reduction * reduction[:, None]
+            slopes[:, -1] = self.planes[rows]
+            off = np.einsum("nk,nk->n", self.planes[rows], x) - self.offsets[rows]
+            return np.concatenate([out, off[:, None]], axis=1), slopes, balanced * np.maximum(1.0, reduction)
+
+        return equations
 
 
 def solved(matrices: Floats, vectors: Floats) -> Floats:
@@ -223,38 +244,38 @@ class BedPath:
 
     def on_planes(self, blocks: Ints, planes: Floats, offsets: Floats, scale: Floats, start: Floats) -> Roots:
         """Balance the forces where x = (u / scale, ln λ) lies on planes: normal (n, u + 1) times x is the offset."""
-        springs = self.springs
-
-        def equations(rows: Ints, x: Floats) -> tuple[Floats, Floats, Floats]:
-            size, reduction = scale[rows], np.exp(np.minimum(x[:, -1], 50.0))
-            u = x[:, :-1] * size[:, None]
-            at = springs.unbalanced(blocks[rows], u, u, reduction)
-            slopes = np.empty((len(x), x.shape[1], x.shape[1]))
-            slopes[:, :-1, :-1] = (at.by_opening + at.by_slip) * size[:, None, None]
-            slopes[:, :-1, -1] = at.by_reduction * reduction[:, None]
-            slopes[:, -1] = planes[rows]
-            off = np.einsum("nk,nk->n", planes[rows], x) - offsets[rows]
-            return np.concatenate([at.out, off[:, None]], axis=1), slopes, self.balanced * np.maximum(1.0, reduction)
-
-        return newton_rows(equations, start, _MOST_NEWTON, _PATIENCE, _FARTHEST)
+        sought = _Sought(blocks=blocks, planes=planes, offsets=offsets, scale=scale)
+        return self._balanced(sought, start, Newton(_MOST_NEWTON, _PATIENCE, _FARTHEST))
 
     def rests(
         self, blocks: Ints, start: Floats, reduction: Floats, sticks: bool = False, drag: Floats | None = None
     ) -> Roots:
         """Balance the forces at fixed λ (n,); a drag (n, u, u) holds the blocks back to where they start."""
-        springs = self.springs
+        x = np.concatenate([start, np.log(reduction)[:, None]], axis=1)
+        planes = np.zeros_like(x)
+        planes[:, -1] = 1.0
+        sought = _Sought(blocks, planes, x[:, -1], np.ones(len(x)), sticks, drag, start)
+        # where all sticks full steps: each takes a third of a pressed part that is too large
+        how = Newton(_MOST_STUCK, _MOST_STUCK) if sticks else Newton(_MOST_RESTS, shortest=_SHORTEST)
+        return self._balanced(sought, x, how)
 
-        def equations(rows: Ints, u: Floats) -> tuple[Floats, Floats, Floats]:
-            at = springs.unbalanced(blocks[rows], u, u, reduction[rows], sticks=sticks)
-            out, slopes = at.out, at.by_opening + at.by_slip
-            if drag is not None:
-                out = out - (drag[rows] @ (u - start[rows])[:, :, None])[:, :, 0]
-                slopes = slopes - drag[rows]
-            return out, slopes, SETTLED * np.maximum(1.0, reduction[rows])
-
-        if sticks:  # full steps: each takes a third of a pressed part that is too large
-            return newton_rows(equations, start, _MOST_STUCK, _MOST_STUCK, np.inf)
-        return damped_rows(equations, start, _MOST_RESTS)
+    def _balanced(self, sought: "_Sought", start: Floats, how: "Newton") -> Roots:
+        """Balance the forces of some blocks by Newton's method."""
+        springs, beds, count = self.springs, self.springs.beds, len(start)
+        if springs.kernels is None or beds.bolt_capacity.shape[1]:
+            return solve_rows(sought.equations(springs, self.balanced), start, how)
+        unknowns = start.shape[1]
+        found = Roots(
+            start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.zeros(count, np.int64)
+        )
+        limits = np.array([how.most, how.patience, how.farthest, how.shortest, self.balanced])
+        drag, held = (_NONE, _NONE) if sought.drag is None else (sought.drag, sought.held)
+        springs.kernels.balanced(
+            springs.polygons, sought.blocks, beds.load, np.ascontiguousarray(sought.planes),
+            np.ascontiguousarray(sought.offsets), np.ascontiguousarray(sought.scale), np.ascontiguousarray(drag),
+            np.ascontiguousarray(held), sought.sticks, limits, found.x, found.slopes, found.settled, found.evaluations,
+        )  # fmt: skip
+        return found
 
     def flow(self, blocks: Ints, start: Floats, reduction: Floats) -> tuple[Floats, Bools]:
         """Let blocks move slowly at one λ (n,) each; return where (n, u) they come to rest, and which of them do."""
@@ -266,13 +287,13 @@ class BedPath:
             drag = slow[rows, None, None] * stiffness[rows]
             step = self.rests(blocks[rows], u[rows], reduction[rows], drag=drag)
             moves = rows[step.settled]
-            moved = step.x[step.settled] - u[moves]
+            moved = step.x[step.settled, :-1] - u[moves]
             push = slow[moves] * np.abs((stiffness[moves] @ moved[:, :, None])[:, :, 0]).max(axis=1, initial=0.0)
             u[moves] += moved
             slow[rows] *= np.where(step.settled, 0.2, 4.0)
             calmer = moves[push < _CALMER * pushed[moves]]  # driven by more and more there is no rest near
             rest = self.rests(blocks[calmer], u[calmer], reduction[calmer])
-            u[calmer[rest.settled]], rested[calmer[rest.settled]] = rest.x[rest.settled], True
+            u[calmer[rest.settled]], rested[calmer[rest.settled]] = rest.x[rest.settled, :-1], True
             pushed[moves] = push
             ends = rested[rows] | (slow[rows] > _STIFFEST) | (lengths(u[rows]) > far[rows])
             ends[step.settled] |= ~(np.abs(moved).max(axis=1, initial=0.0) > 0.0)
@@ -289,14 +310,14 @@ class BedPath:
         """
         count, springs = len(blocks), self.springs
         stuck = self.rests(blocks, springs.bonded[blocks], reduction, sticks=True)
-        u = np.where(stuck.settled[:, None], stuck.x, springs.bonded[blocks])
+        u = np.where(stuck.settled[:, None], stuck.x[:, :-1], springs.bonded[blocks])
         slips = np.clip(_WEAKER * springs.first_slip(blocks, u), TINY, STRONGEST * reduction)
         first = np.where(stuck.settled, slips, _STRONG * reduction)
         at, rows = np.full(count, np.nan), np.arange(count)
         for stronger in _STRONGER:
             found = self.rests(blocks[rows], u[rows], stronger * first[rows])
             done = rows[found.settled]
-            u[done], at[done] = found.x[found.settled], stronger * first[done]
+            u[done], at[done] = found.x[found.settled, :-1], stronger * first[done]
             rows = rows[~found.settled]
         for stronger in (1.0, STRONGEST / _STRONG):
             rest, settled = self.flow(blocks[rows], u[rows], stronger * first[rows])

@@ -87,7 +87,7 @@ def early_factor(bed: PolygonBed, base: CrackedBase) -> float | None:
         return base.early_factor
     path = BedPath(BedSprings(beds_of([bed]), COARSE))
     stuck = path.rests(_FIRST, path.springs.bonded, np.ones(1), sticks=True)
-    most, pressed = EARLY * lengths(stuck.x), lengths(base.opening[None])
+    most, pressed = EARLY * lengths(stuck.x[:, :-1]), lengths(base.opening[None])
     if not stuck.settled[0] or not most[0] > pressed[0]:
         return None
     along = np.sqrt(most * most - pressed * pressed)

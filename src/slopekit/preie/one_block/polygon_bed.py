@@ -223,9 +223,8 @@ class BedSprings:
 
     def __init__(self, beds: Beds, split: int) -> None:
         self.beds, self.split = beds, split
-        places, (shares,) = fan_rule(3, split)
-        self.templates = {2: _line_template(split), 3: (places, shares)}
-        self._kernels, self._polygons = self._compiled()
+        self.templates = {2: _line_template(split), 3: _triangle_template(split)}
+        self.kernels, self.polygons = self._compiled()
 
     def finer(self) -> "BedSprings":
         """Return the springs of the same beds, each triangle split once more."""
@@ -274,9 +273,9 @@ class BedSprings:
         slopes = (
             np.zeros((count, unknowns, unknowns)), np.zeros((count, unknowns, unknowns)), np.zeros((count, unknowns)),
         )  # fmt: skip
-        if self._kernels is not None:
+        if self.kernels is not None:
             at = np.ascontiguousarray(opening), np.ascontiguousarray(slip), np.ascontiguousarray(reduction)
-            self._kernels.pressed(self._polygons, blocks, *at, running, sticks, out, *slopes)
+            self.kernels.pressed(self.polygons, blocks, *at, running, sticks, out, *slopes)
         else:
             for row, block in enumerate(blocks.tolist()):
                 each = out[row], *(slope[row] for slope in slopes)
@@ -642,6 +641,13 @@ def _fan_moves(corners: Floats, cells: Floats, ends: list[int], ways: Floats) ->
         a, b = moves[m, :, 1] - moved, moves[m, :, 2] - moved
         grows[m] = a[:, 0] * other[:, 1] - a[:, 1] * other[:, 0] + one[:, 0] * b[:, 1] - one[:, 1] * b[:, 0]
     return moves, grows * math.copysign(0.5, double)
+
+
+@cache
+def _triangle_template(split: int) -> tuple[Floats, Floats]:
+    """Points (q, 3) and shares (q,) of a triangle that is split in four so often."""
+    places, (shares,) = fan_rule(3, split)
+    return places, shares
 
 
 @cache
