@@ -1169,7 +1169,8 @@ static int found_balance(Polygons *p, const Sought *s, double *x, double *slopes
 }
 
 /* balanced(polygons, blocks, load, planes, offsets, scale, drag, held, sticks, (most, patience, farthest, shortest,
-   balanced), x, slopes, settled, used): x is where to start, and then what was found; drag and held may be empty */
+   balanced), x, tangents, settled, used): x is where to start, and then what was found, with unit tangents across the
+   planes; drag and held may be empty */
 static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
 {
     if (!enough(n, 14)) return NULL;
@@ -1189,7 +1190,7 @@ static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
     }
     const double *held = FLOATS(a[7], dragged ? count * u : -1);
     const double *limits = FLOATS(a[9], 5);
-    double *x = OUT(a[10], count * k), *slopes = OUT(a[11], count * k * k);
+    double *x = OUT(a[10], count * k), *tangents = OUT(a[11], count * k), slopes[49];
     char *settled = OUT_BOOLS(a[12], count);
     whole *evaluations = (whole *)OUT(a[13], count);
     for (whole r = 0; !failed && r < count; r++)
@@ -1204,10 +1205,16 @@ static PyObject *balanced(PyObject *self, PyObject *const *a, Py_ssize_t n)
         };
         double at[7];
         memcpy(at, x + r * k, k * sizeof(double));
-        settled[r] = (char)found_balance(p, &sought, at, slopes + r * k * k, (whole)limits[0], (whole)limits[1],
+        settled[r] = (char)found_balance(p, &sought, at, slopes, (whole)limits[0], (whole)limits[1],
                                          limits[2], limits[3], limits[4], &used);
         evaluations[r] = used;
-        if (settled[r]) memcpy(x + r * k, at, k * sizeof(double));
+        if (!settled[r]) continue;
+        memcpy(x + r * k, at, k * sizeof(double));
+        double ahead[7] = {0.0}, *tangent = tangents + r * k;
+        ahead[u] = 1.0;
+        if (!eliminated(slopes, ahead, k, tangent)) memset(tangent, 0, k * sizeof(double));
+        double length = sqrt(dot(tangent, tangent, (int)k));
+        for (whole i = 0; i < k; i++) tangent[i] /= length > 1e-300 ? length : 1e-300;
     }
     released(kept);
     return failed ? NULL : Py_NewRef(Py_None);

@@ -32,7 +32,6 @@ from slopekit.preie.one_block.bed_path import (
     lengths,
     solve_rows,
     solved,
-    tangents,
 )
 from slopekit.preie.one_block.polygon_bed import Beds, BedSprings
 from slopekit.preie.tolerances import FINER_PRESSED, LEVEL, NO_FORCE, PARALLEL, POLISHED, ROUGHLY_SETTLED, SETTLED, TINY
@@ -477,7 +476,7 @@ def _land(
     found = fine.on_planes(blocks[rows], planes, np.ones(len(rows)), goal, start)
     good = rows[found.settled]
     lowest[good, :-1] = found.x[found.settled, :-1] * goal[found.settled, None]
-    lowest[good, -1], tangent[good] = found.x[found.settled, -1], tangents(found)[found.settled]
+    lowest[good, -1], tangent[good] = found.x[found.settled, -1], found.tangent[found.settled]
 
 
 def _changes(springs: BedSprings, blocks: Ints, points: Floats, tangent: Floats) -> Floats:

@@ -162,6 +162,22 @@ def lengths(vectors: Floats) -> Floats:
 
 
 @dataclass(frozen=True, slots=True)
+class Balance:
+    """States of n blocks whose forces balance.
+
+    Attributes
+    ----------
+    x : (n, u + 1) u / scale and ln λ; settled : (n,) which of them were found; evaluations : (n,) of the forces
+    tangent : (n, u + 1) unit tangents of the paths through them, the way their planes look
+    """
+
+    x: Floats
+    settled: Bools
+    tangent: Floats
+    evaluations: Ints
+
+
+@dataclass(frozen=True, slots=True)
 class PathPoints:
     """Points of the paths of n blocks.
 
@@ -242,14 +258,14 @@ class BedPath:
     def __init__(self, springs: BedSprings, balanced: float = SETTLED) -> None:
         self.springs, self.balanced = springs, balanced
 
-    def on_planes(self, blocks: Ints, planes: Floats, offsets: Floats, scale: Floats, start: Floats) -> Roots:
+    def on_planes(self, blocks: Ints, planes: Floats, offsets: Floats, scale: Floats, start: Floats) -> "Balance":
         """Balance the forces where x = (u / scale, ln λ) lies on planes: normal (n, u + 1) times x is the offset."""
         sought = _Sought(blocks=blocks, planes=planes, offsets=offsets, scale=scale)
         return self._balanced(sought, start, Newton(_MOST_NEWTON, _PATIENCE, _FARTHEST))
 
     def rests(
         self, blocks: Ints, start: Floats, reduction: Floats, sticks: bool = False, drag: Floats | None = None
-    ) -> Roots:
+    ) -> "Balance":
         """Balance the forces at fixed λ (n,); a drag (n, u, u) holds the blocks back to where they start."""
         x = np.concatenate([start, np.log(reduction)[:, None]], axis=1)
         planes = np.zeros_like(x)
@@ -259,21 +275,19 @@ class BedPath:
         how = Newton(_MOST_STUCK, _MOST_STUCK) if sticks else Newton(_MOST_RESTS, shortest=_SHORTEST)
         return self._balanced(sought, x, how)
 
-    def _balanced(self, sought: "_Sought", start: Floats, how: "Newton") -> Roots:
+    def _balanced(self, sought: "_Sought", start: Floats, how: "Newton") -> "Balance":
         """Balance the forces of some blocks by Newton's method."""
         springs, beds, count = self.springs, self.springs.beds, len(start)
         if springs.kernels is None or beds.bolt_capacity.shape[1]:
-            return solve_rows(sought.equations(springs, self.balanced), start, how)
-        unknowns = start.shape[1]
-        found = Roots(
-            start.copy(), np.zeros(count, bool), np.zeros((count, unknowns, unknowns)), np.zeros(count, np.int64)
-        )
+            roots = solve_rows(sought.equations(springs, self.balanced), start, how)
+            return Balance(roots.x, roots.settled, tangents(roots), roots.evaluations)
+        found = Balance(start.copy(), np.zeros(count, bool), np.zeros_like(start), np.zeros(count, np.int64))
         limits = np.array([how.most, how.patience, how.farthest, how.shortest, self.balanced])
         drag, held = (_NONE, _NONE) if sought.drag is None else (sought.drag, sought.held)
         springs.kernels.balanced(
             springs.polygons, sought.blocks, beds.load, np.ascontiguousarray(sought.planes),
             np.ascontiguousarray(sought.offsets), np.ascontiguousarray(sought.scale), np.ascontiguousarray(drag),
-            np.ascontiguousarray(held), sought.sticks, limits, found.x, found.slopes, found.settled, found.evaluations,
+            np.ascontiguousarray(held), sought.sticks, limits, found.x, found.tangent, found.settled, found.evaluations,
         )  # fmt: skip
         return found
 
@@ -359,11 +373,11 @@ class BedPath:
             u=u.copy(),
             ln=x[:, -1],
             scale=scale,
-            tangent=tangents(begun),
+            tangent=begun.tangent,
             length=np.full(len(blocks), _FIRST),
             lowest=np.concatenate([u, x[:, -1:]], axis=1),
             turns=np.zeros(len(blocks), dtype=bool),
-            heading=tangents(begun)[:, :-1],
+            heading=begun.tangent[:, :-1].copy(),
             curvature=np.ones(len(blocks)),
             early=np.where(scale <= EARLY * elastic, x[:, -1], np.inf),
             steps=np.zeros(len(blocks), dtype=np.int64),
@@ -386,7 +400,7 @@ class BedPath:
         goal = np.concatenate([at.u / here[:, None], at.ln[:, None]], axis=1)
         ahead = goal + along[:, None] * tangent
         found = self.on_planes(blocks, tangent, np.einsum("nk,nk->n", tangent, ahead), here, ahead)
-        after = tangents(found)
+        after = found.tangent
         after[np.abs(after[:, -1]) < ROUNDING, -1] = -ROUNDING  # level, not turned
         cosine, off = np.einsum("nk,nk->n", after, tangent), lengths(found.x - ahead)
         before_slope, slope, ln = tangent[:, -1], after[:, -1], found.x[:, -1]
@@ -454,7 +468,7 @@ class BedPath:
             ok = found.settled
             again = rows[~ok]  # half as far from where the last point was found
             at[again] = np.where(known[again], 0.5 * (at[again] + last[again, 0]), np.nan)
-            good, after = rows[ok], tangents(found)[ok]
+            good, after = rows[ok], found.tangent[ok]
             along = np.einsum("nk,nk->n", after, planes[good])
             after /= np.where(along == 0.0, 1.0, along)[:, None]
             slope, ln = after[:, -1], found.x[ok, -1]

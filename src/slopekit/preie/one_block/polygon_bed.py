@@ -224,21 +224,23 @@ class BedSprings:
     def __init__(self, beds: Beds, split: int) -> None:
         self.beds, self.split = beds, split
         self.templates = {2: _line_template(split), 3: _triangle_template(split)}
-        self.kernels, self.polygons = self._compiled()
 
     def finer(self) -> "BedSprings":
         """Return the springs of the same beds, each triangle split once more."""
         return BedSprings(self.beds, self.split + 1)
 
-    def _compiled(self) -> tuple[Any, Any]:
-        """The compiled kernels and these beds as they take them; None where NumPy does it."""
+    @cached_property
+    def kernels(self) -> Any:
+        """The compiled kernels; None where NumPy does their work."""
         from slopekit.preie.kernels import compiled  # not for a block whose base is whole
 
+        return None if any(self.beds.laws) else compiled(solvers=False)
+
+    @cached_property
+    def polygons(self) -> Any:
+        """The beds as the compiled kernels take them."""
         beds = self.beds
-        kernels = None if any(beds.laws) else compiled(solvers=False)
-        if kernels is None:
-            return None, None
-        return kernels, kernels.polygons(
+        return self.kernels.polygons(
             beds.load.shape[1], beds.shear_ratio, TINY, beds.contact, beds.corner, beds.rows, beds.plane, beds.line,
             *self.templates[2], *self.templates[3],
         )  # fmt: skip
