@@ -28,9 +28,10 @@ def cracked_limit(bed: PolygonBed, guess: float, split: int) -> CrackedBase:
     return cracked_base(bed, guessed(bed, guess), (split,))
 
 
-def unbalanced(springs: BedSprings, opening, slip, reduction: float, running: bool = False) -> Unbalanced:
+def unbalanced(springs: BedSprings, opening, slip, reduction: float, running=False, sticks=False) -> Unbalanced:
     """The forces on the one block on these springs."""
-    at = springs.unbalanced(np.zeros(1, dtype=np.int64), opening[None], slip[None], np.array([reduction]), running)
+    one = np.zeros(1, dtype=np.int64)
+    at = springs.unbalanced(one, opening[None], slip[None], np.array([reduction]), running, sticks)
     return Unbalanced(at.out[0], at.by_opening[0], at.by_slip[0], at.by_reduction[0])
 
 
