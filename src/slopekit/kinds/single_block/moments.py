@@ -77,10 +77,9 @@ def _on_bed_points(
     model: Model, bedding: Bedding, bed: PolygonBed, state: CrackedBase, forces: PointForces
 ) -> tuple[ContactModel, Limit]:  # fmt: skip
     """Return the points of the bed as node pairs, with the model on them, and the limit there."""
-    velocity = state.velocity
     keys, count = bed.keys[forces.contact], len(forces.area)
     pairs = NodePairs(
-        points=frozen(forces.points * model.length_scale + bedding.centroid),
+        points=frozen(forces.points * bed.length_scale + bedding.centroid),
         normals=frozen(bed.axes[forces.contact, 0]),
         control_areas=frozen(forces.area * model.area_scale),
         interface=keys,
@@ -92,8 +91,7 @@ def _on_bed_points(
         from slopekit.preie.system.strength_lines import drawn
 
         on_points = drawn(on_points, forces.normal)
-    moved = velocity.copy()
-    moved[model.translations :] *= on_points.length_scale / model.length_scale  # turns are per length of the model
+    moved = bed.in_units_of(on_points, state.velocity)
     limit = Limit(
         outcome=Outcome.SLIDES,
         factor=state.factor,
@@ -121,7 +119,7 @@ def _openings(
         total, pressed = float(push.sum()), float(area[forces.pressed[contact]].sum())
         gaps = bed.corner_rows(k)[:, 0] @ opening
         widest = int(np.argmax(gaps))
-        at = (push @ forces.points[contact]) / total * model.length_scale + centroid if total > 0.0 else None
-        corner = bed.corners[k][widest] * model.length_scale + centroid if gaps[widest] > 0.0 else None
+        at = (push @ forces.points[contact]) / total * bed.length_scale + centroid if total > 0.0 else None
+        corner = bed.corners[k][widest] * bed.length_scale + centroid if gaps[widest] > 0.0 else None
         openings[key] = ContactOpening(pressed / float(area.sum()), total * model.force_scale, at, corner)
     return openings

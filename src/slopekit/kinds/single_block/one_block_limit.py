@@ -68,12 +68,12 @@ def find_limit(
 
 def _drawn_at_limit(scene: ContactModel, factors: FlatLimit) -> ContactModel:
     """Return the scene with the lines of curved laws at the tractions of the limit on the bed."""
-    model, state = scene.model, factors.state
-    if model.lines is None or state is None or state.factor is None:
+    model, bed, state = scene.model, factors.bed, factors.state
+    if model.lines is None or bed is None or state is None or state.factor is None:
         return scene
     from slopekit.preie.system.strength_lines import drawn  # only curved laws pay for it
 
-    normal = model.control_area * (-model.normal_rows @ state.opening).clip(0.0)
+    normal = model.control_area * (-model.normal_rows @ bed.in_units_of(model, state.opening)).clip(0.0)
     return replace(scene, model=drawn(model, normal))
 
 

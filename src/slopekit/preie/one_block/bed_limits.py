@@ -62,7 +62,7 @@ class Slides:
 
     Attributes
     ----------
-    reduction : (n,) λ = 1/F; a guess of about the right size where nothing slides
+    reduction : (n,) λ = 1/F, or a guess of about the right size; a block is left alone where it is not a number
     velocity : (n, u) of unit length, without turning; touching : (m,) contacts that carry force
     """
 
@@ -121,7 +121,7 @@ def bed_limits(beds: Beds, slides: Slides, splits: tuple[int, ...] = SPLITS) -> 
     ends = np.full(len(beds.load), np.inf)
     if not beds.laws:
         _slide_or_run(coarse.springs, finer, slides, found, ends)
-    left = np.flatnonzero(found.status == BedStatus.NO_REST)
+    left = np.flatnonzero((found.status == BedStatus.NO_REST) & (slides.reduction > 0.0))
     if len(left):
         _along_paths(coarse, finer, left, slides.reduction[left], ends[left], found)
     return found
@@ -237,26 +237,26 @@ def _pressed_slides(
     return elastic, off, _widest(beds, blocks, opening) < NO_FORCE
 
 
-def _corner_gaps(beds: Beds, blocks: Ints, opening: Floats) -> Floats:
+def corner_gaps(beds: Beds, blocks: Ints, opening: Floats) -> Floats:
     """Return the gaps (q,) at all corners of the beds, with openings (n, u) of some of the blocks."""
     every = np.zeros_like(beds.load)
     every[blocks] = opening
     gaps = beds.gaps(np.repeat(np.arange(len(every)), np.diff(beds.contact)), every)
-    contact = np.repeat(np.arange(len(gaps)), np.diff(beds.corner))
+    contact = beds.contact_of_corners()
     at: Floats = gaps[contact, 0] + (gaps[contact, 1:] * beds.plane).sum(axis=1)
     return at
 
 
 def _widest(beds: Beds, blocks: Ints, opening: Floats) -> Floats:
     """Return the widest gap (n,) at a corner of each of some blocks; below zero where all of it is pressed."""
-    gaps = _corner_gaps(beds, blocks, opening)
+    gaps = corner_gaps(beds, blocks, opening)
     widest: Floats = np.maximum.reduceat(gaps, beds.corner[beds.contact[:-1]])[blocks]
     return widest
 
 
 def _all_closed(beds: Beds, blocks: Ints, opening: Floats) -> Bools:
     """Return which of some blocks press on a part of each of their contacts."""
-    closest = np.minimum.reduceat(_corner_gaps(beds, blocks, opening), beds.corner[:-1])
+    closest = np.minimum.reduceat(corner_gaps(beds, blocks, opening), beds.corner[:-1])
     pressed: Bools = np.maximum.reduceat(closest, beds.contact[:-1])[blocks] < 0.0
     return pressed
 
@@ -449,7 +449,7 @@ def _settled_runs(
     tangent = path.end.tangent[rows]
     motion = np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, u, tangent[:, :-1])
     slope = np.where(is_far & ~path.turns[rows], np.abs(tangent[:, -1]), 0.0)
-    closest = np.minimum.reduceat(_corner_gaps(beds, blocks, u), beds.corner[:-1])
+    closest = np.minimum.reduceat(corner_gaps(beds, blocks, u), beds.corner[:-1])
     for those, bases in _alike(beds, blocks, closest < 0.0):
         nearest, _ = _run(coarse, blocks[those], bases, (motion[those], u[those], least[those]))
         near = np.abs(nearest.reduction / least[those] - 1.0) <= POLISHED + _SETTLES * slope[those]

@@ -97,10 +97,8 @@ def solve_rows(equations: Equations, start: Floats, how: Newton) -> Roots:
         settled = rows[done]
         roots.settled[settled], roots.evaluations[settled] = True, number + 1
         roots.x[settled], roots.slopes[settled] = x[done], slopes[done]
-        if how.shortest:
-            lower = now < size * (1.0 - 0.1 * length)
-        else:
-            lower = now < (size if number > how.patience else np.inf)
+        most = size * (1.0 - 0.1 * length) if how.shortest else size
+        lower = now < (most if how.shortest or number > how.patience else np.inf)
         step = np.where(lower[:, None], solved(slopes, residual), step)
         base, size = np.where(lower[:, None], x, base), np.where(lower, now, size)
         length = np.where(lower, 1.0, 0.5 * length if how.shortest else 0.0)

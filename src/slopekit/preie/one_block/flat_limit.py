@@ -66,7 +66,7 @@ def flat_limit(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -
     slides = slides_of(model, bed, forces)
     state = cracked_base(bed, slides)
     if state.status is BedStatus.PRESSED and not model.dilates:
-        exact = _pressed_slide(model, forces, state)
+        exact = _pressed_slide(model, forces, bed.in_units_of(model, state.opening))
         return FlatLimit(exact, exact)
     return FlatLimit(forces, bed=bed, slides=slides, state=state)
 
@@ -80,14 +80,15 @@ def slides_of(model: Model, bed: PolygonBed, forces: Limit) -> Slides:
     return Slides(np.array([1.0 / forces.factor]), velocity[None], np.array(touching))
 
 
-def _pressed_slide(model: Model, forces: Limit, state: CrackedBase) -> Limit:
+def _pressed_slide(model: Model, forces: Limit, opening: Floats) -> Limit:
     """Return the slide of the forces alone with its moments balanced by linear pressures, on node pairs."""
     assert forces.factor is not None
-    normal = np.maximum(-model.control_area * (model.normal_rows @ state.opening), 0.0)
+    normal = np.maximum(-model.control_area * (model.normal_rows @ opening), 0.0)
     strength = line(model.cohesion, model.tan_friction, normal) / forces.factor
-    slip = model.relative(state.velocity)[:, 1:]
-    friction = -(strength / np.maximum(model.slip(state.velocity), TINY))[:, None] * slip
-    return replace(forces, velocity=state.velocity, normal_force=normal, bond=np.ones(len(normal)), friction=friction)
+    velocity = forces.velocity_of(model)
+    slip = model.relative(velocity)[:, 1:]
+    friction = -(strength / np.maximum(model.slip(velocity), TINY))[:, None] * slip
+    return replace(forces, velocity=velocity, normal_force=normal, bond=np.ones(len(normal)), friction=friction)
 
 
 def forces_limit(model: Model) -> Limit:

@@ -43,6 +43,7 @@ class PolygonBed:
     keys : (m,) interface of each contact
     load : (u,) P; bolt_rows : (b, u); bolt_capacity : (b,)
     columns : (u,) which of the six motions are unknowns
+    length_scale : m, root mean square distance of the corners from the centroid
     laws : of each contact, None where its strength is a line; empty where all are
     stress_scale : kPa of a traction of one
     shear_ratio : tangential to normal stiffness
@@ -58,9 +59,16 @@ class PolygonBed:
     bolt_rows: Floats
     bolt_capacity: Floats
     columns: Ints
+    length_scale: float = 1.0
     laws: "tuple[StrengthLaw | None, ...]" = ()
     stress_scale: float = 1.0
     shear_ratio: float = SHEAR_TO_NORMAL
+
+    def in_units_of(self, model: Model, motion: Floats) -> Floats:
+        """Return a motion (u,) of the bed in the units of a model: turns are per length of each."""
+        moved = motion.copy()
+        moved[model.translations :] *= model.length_scale / self.length_scale
+        return moved
 
     def corner_rows(self, k: int) -> Floats:
         """Motions (j, 3, u) of the corners of one contact per unknown: opening and two slips."""
@@ -100,6 +108,23 @@ class Beds:
         """Return by 1, ξ and η how far each contact (m,) is open, with openings (n, u) of the blocks; (m, 3)."""
         moved: Floats = (self.rows[:, :3] @ opening[block][:, :, None])[:, :, 0]
         return moved
+
+    def following(self) -> Ints:
+        """Return the corner (q,) that follows each corner on its contact."""
+        after = np.arange(1, len(self.plane) + 1)
+        after[self.corner[1:] - 1] = self.corner[:-1]
+        return after
+
+    def contact_of_corners(self) -> Ints:
+        """Return the contact (q,) of each corner."""
+        return np.repeat(np.arange(len(self.rows)), np.diff(self.corner))
+
+    def area(self) -> Floats:
+        """Return the control area (m,) of each contact of an area."""
+        here, there = self.plane, self.plane[self.following()]
+        double = np.add.reduceat(here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0], self.corner[:-1])
+        area: Floats = 0.5 * np.abs(double) * self.line[:, 0]
+        return area
 
 
 def beds_of(beds: Sequence[PolygonBed]) -> Beds:
@@ -377,25 +402,25 @@ class BedSprings:
     def whole(self) -> Floats:
         """Second moments of 1, ξ and η over the whole of each contact, (m, 3, 3)."""
         beds = self.beds
-        count, moments = np.diff(beds.corner), np.zeros((len(beds.rows), 3, 3))
-        contact = np.repeat(np.arange(len(count)), count)
-        after = np.arange(1, len(beds.plane) + 1)
-        after[beds.corner[1:] - 1] = beds.corner[:-1]
-        here, there = beds.plane, beds.plane[after]
-        size = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
-        corners = [np.ones((len(here), 3)), np.ones((len(here), 3)), np.ones((len(here), 3))]
-        corners[0][:, 1:], corners[1][:, 1:], corners[2][:, 1:] = 0.0, here, there
-        sums = sum(corners)
-        each = sums[:, :, None] * sums[:, None] + sum(at[:, :, None] * at[:, None] for at in corners)
-        is_line = count[contact] == 2  # twice its half, from corner to corner: Simpson's rule
-        size[is_line] = 0.0
-        ends = corners[1][:, :, None] * corners[1][:, None] + corners[2][:, :, None] * corners[2][:, None]
-        half = corners[1] + corners[2]
-        length = np.sqrt(((there - here) ** 2).sum(axis=1)) * is_line
-        np.add.at(moments, contact, (size / 24.0)[:, None, None] * each)
-        np.add.at(moments, contact, (length / 12.0)[:, None, None] * (ends + half[:, :, None] * half[:, None]))
-        sign = np.sign(moments[:, 0, 0])
-        return moments * (sign * beds.line[:, 0])[:, None, None]
+        here, there = (
+            np.concatenate([np.ones((len(at), 1)), at], axis=1) for at in (beds.plane, beds.plane[beds.following()])
+        )
+        middle = here + there
+        both = here[:, :, None] * here[:, None] + there[:, :, None] * there[:, None]
+        # a triangle with a corner at the origin, φ = (1, 0, 0) there
+        middle[:, 0] += 1.0
+        origin = np.zeros((3, 3))
+        origin[0, 0] = 1.0
+        each = middle[:, :, None] * middle[:, None] + both + origin
+        size = (here[:, 1] * there[:, 2] - here[:, 2] * there[:, 1]) / 24.0
+        middle[:, 0] -= 1.0
+        # a line, there and back: Simpson's rule
+        lines = (np.diff(beds.corner) == 2)[beds.contact_of_corners()]
+        line = (middle[:, :, None] * middle[:, None] + both) * (
+            np.sqrt(((there - here) ** 2).sum(axis=1)) / 12.0 * lines
+        )[:, None, None]
+        moments = np.add.reduceat(np.where(lines, 0.0, size)[:, None, None] * each + line, beds.corner[:-1])
+        return moments * (np.sign(moments[:, 0, 0]) * beds.line[:, 0])[:, None, None]
 
     @cached_property
     def stiffness(self) -> Floats:
@@ -424,7 +449,7 @@ class BedSprings:
         """Return λ (n,) at which a first corner of a pressed part, or a first bolt, yields if none did at more."""
         beds, every = self.beds, np.zeros((len(self.beds.load), u.shape[1]))
         every[blocks] = u
-        contact = np.repeat(np.arange(len(beds.rows)), np.diff(beds.corner))
+        contact = beds.contact_of_corners()
         block = np.repeat(np.arange(len(every)), np.diff(beds.contact))
         moved = (beds.rows @ every[block][:, :, None]).reshape(-1, 3, 3)[contact]
         gap, first, second = (moved[:, :, 0] + (moved[:, :, 1:] * beds.plane[:, None]).sum(axis=2)).T
@@ -517,6 +542,11 @@ class BedSprings:
         return (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
 
 
+def rms_length(arms: Floats) -> float:
+    """Return the root mean square length of arms (k, 3)."""
+    return math.sqrt(float((arms * arms).sum()) / len(arms))
+
+
 def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
     """The contacts of one block on bedrock as an elastic bed.
 
@@ -531,8 +561,10 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Po
     unknowns, in_section = model.unknowns, model.translations == 2
     columns = np.array([0, 2, 4])[:unknowns] if in_section else np.arange(unknowns)
     corners, axes, area = [], [], []
+    length = rms_length(np.concatenate([polygons[int(key)] for key in keys]) - centroid)
+    to_bed = np.where(np.arange(unknowns) < model.translations, 1.0, model.length_scale / length)
     for key, at in zip(keys, first, strict=True):
-        scaled = (np.asarray(polygons[int(key)]) - centroid) / model.length_scale
+        scaled = (np.asarray(polygons[int(key)]) - centroid) / length
         if in_section:
             way = scaled[1] - scaled[0]
             normal = np.array([way[2], 0.0, -way[0]]) / math.sqrt(float(way @ way))
@@ -555,10 +587,11 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Po
         cohesion=model.cohesion[first] / model.control_area[first],
         tan_friction=model.tan_friction[first],
         keys=keys,
-        load=model.load,
-        bolt_rows=model.bolt_rows,
+        load=model.load * to_bed,
+        bolt_rows=model.bolt_rows * to_bed,
         bolt_capacity=model.bolt_capacity,
         columns=columns,
+        length_scale=length,
         laws=laws,
         stress_scale=model.force_scale / model.area_scale,
     )
