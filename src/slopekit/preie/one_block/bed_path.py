@@ -156,7 +156,8 @@ def solved(matrices: Floats, vectors: Floats) -> Floats:
 
 def lengths(vectors: Floats) -> Floats:
     """Return the lengths (n,) of vectors (n, k)."""
-    return np.sqrt(np.einsum("nk,nk->n", vectors, vectors))
+    size: Floats = np.sqrt(np.einsum("nk,nk->n", vectors, vectors))
+    return size
 
 
 @dataclass(frozen=True, slots=True)

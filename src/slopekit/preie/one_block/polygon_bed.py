@@ -429,13 +429,14 @@ class BedSprings:
         rows = beds.rows.reshape(len(whole), 3, 3, -1)
         springs = np.array([1.0, beds.shear_ratio, beds.shear_ratio])[:, None, None]
         each = (rows.transpose(0, 1, 3, 2) @ (whole[:, None] @ rows) * springs).sum(axis=1)
-        return np.add.reduceat(each, beds.contact[:-1])
+        stiffness: Floats = np.add.reduceat(each, beds.contact[:-1])
+        return stiffness
 
     @cached_property
     def bonded(self) -> Floats:
         """(n, u) displacement under the loads with every point bonded."""
         try:
-            return np.linalg.solve(self.stiffness, self.beds.load[:, :, None])[:, :, 0]
+            return np.asarray(np.linalg.solve(self.stiffness, self.beds.load[:, :, None])[:, :, 0], dtype=np.float64)
         except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick does not resist turning
             each = zip(self.stiffness, self.beds.load, strict=True)
             return np.stack([np.linalg.lstsq(matrix, load, rcond=None)[0] for matrix, load in each])
@@ -443,7 +444,8 @@ class BedSprings:
     @cached_property
     def first(self) -> Floats:
         """(n,) the size of that displacement."""
-        return np.sqrt((self.bonded * self.bonded).sum(axis=1))
+        size: Floats = np.sqrt((self.bonded * self.bonded).sum(axis=1))
+        return size
 
     def first_slip(self, blocks: Ints, u: Floats) -> Floats:
         """Return λ (n,) at which a first corner of a pressed part, or a first bolt, yields if none did at more."""
