@@ -278,13 +278,13 @@ def _running(
 ) -> _Running:  # fmt: skip
     """Find the running states of blocks with as many free motions each.
 
-    Where there is one, all of a contact slips one way, and the coarsest triangles are exact.
+    Where there is one, all of a contact slips one way, and the coarsest triangles are exact for straight laws.
 
     Parameters
     ----------
     start : motions and displacements (n, u), λ (n,)
     """
-    if bases.free.shape[2] == 1:
+    if bases.free.shape[2] == 1 and not coarse.beds.laws:
         return _run(coarse, blocks, bases, start)[0]
     state, change = _run(finer[0].springs, blocks, bases, start, finer[0].springs.finer())
     found.change[blocks] = change

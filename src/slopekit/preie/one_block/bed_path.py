@@ -48,7 +48,8 @@ STRONGEST = 4096.0
 _CALMER, _FLOWS, _STIFFEST, _MOST_FLOW = 0.7, 30.0, 1e3, 40  # of viscous flow
 _MARCH = (0.05, 2e-3, 1e-4)  # parts of λ: less strength alone, where the path has a corner
 _MOST_POLISH = 14  # points to the least λ on a turn of the path
-_LEAST = 1e-8  # of ln λ: so near is the least value found
+_LEAST = 1e-10  # of ln λ: so near is the least value found
+_LOWER = 1e-8  # of ln λ along a path: lower by less is rounding
 
 _NONE = np.zeros(0)
 
@@ -413,7 +414,7 @@ class BedPath:
         fold = good & (before_slope < 0.0) & (slope >= 0.0)
         part, least = cubic_least(along, at.ln, before_slope, ln, slope)
         part, least = np.where(fold, part, 1.0), np.where(fold, least, ln)
-        lower = least < at.lowest[:, -1] - _LEAST
+        lower = least < at.lowest[:, -1] - _LOWER
         if lower.any():
             way = (u - at.u)[lower]
             at.lowest[lower] = np.concatenate([at.u[lower] + part[lower, None] * way, least[lower, None]], axis=1)
