@@ -15,7 +15,6 @@ Four stages, each for the rows that the one before did not settle:
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from enum import IntEnum
 
 import numpy as np
@@ -27,8 +26,8 @@ from slopekit.preie.one_block.bed_path import (
     FAR,
     BedPath,
     Newton,
-    Path,
     PathEnd,
+    Paths,
     lengths,
     solve_rows,
     solved,
@@ -356,7 +355,7 @@ def _along_paths(
         return
     path = _followed(coarse, finer[0], blocks, u, reduction, ends)
     found.early[blocks], found.steps[blocks] = np.exp(path.early), path.steps
-    lowest, tangent = path.lowest.copy(), path.end.tangent.copy()
+    lowest, tangent = path.lowest.copy(), path.tangent.copy()
     turns = np.flatnonzero(path.turns)
     for fine in (coarse, *finer):
         at, along = fine.settle(blocks[turns], lowest[turns], path.heading[turns], path.curvature[turns])
@@ -365,7 +364,7 @@ def _along_paths(
         if fine is coarse:
             continue
         turns = _too_coarse(fine.springs, blocks, turns, lowest, tangent, found)
-    ends_at = np.where(path.outcome == PathEnd.FAR, path.end.log_reduction, lowest[:, -1])
+    ends_at = np.where(path.outcome == PathEnd.FAR, path.ln, lowest[:, -1])
     may_run = np.flatnonzero((path.outcome != PathEnd.TURNED) & (ends_at - lowest[:, -1] < _FLAT))
     runs = may_run[_settled_runs(coarse.springs, finer, blocks[may_run], path, lowest, may_run, found)]
     creeps = np.setdiff1d(np.flatnonzero((path.outcome == PathEnd.FAR) & ~path.turns), runs)
@@ -393,13 +392,13 @@ def _too_coarse(
 
 def _followed(
     coarse: BedPath, fine: BedPath, blocks: Ints, u: Floats, reduction: Floats, ends: Floats
-) -> Path:  # fmt: skip
+) -> Paths:  # fmt: skip
     """Follow paths; on finer triangles, or from a rest at less strength, where one ends before its block runs."""
     elastic = lengths(u)
     path = coarse.follow(blocks, u, reduction, elastic, ends)
     lost = np.flatnonzero(path.outcome == PathEnd.CORNER)
     if len(lost):
-        path = _joined(path, lost, fine.follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost]))
+        path.go_on(lost, fine.follow(blocks[lost], u[lost], reduction[lost], elastic[lost], ends[lost]))
     lost = np.flatnonzero(path.outcome >= PathEnd.BACK)
     for _ in range(_MOST_LOWERED):
         at = path.lowest[lost]
@@ -408,35 +407,16 @@ def _followed(
         lost, rest, lower = lost[goes_on], rest[goes_on], lower[goes_on]
         if not len(lost):
             break
-        onward = coarse.follow(blocks[lost], rest, lower, elastic[lost], ends[lost])
-        path = _joined(path, lost, onward)
-        lost = lost[onward.outcome >= PathEnd.BACK]
+        path.go_on(lost, coarse.follow(blocks[lost], rest, lower, elastic[lost], ends[lost]))
+        lost = lost[path.outcome[lost] >= PathEnd.BACK]
     return path
-
-
-def _joined(path: Path, rows: Ints, onward: Path) -> Path:
-    """Return paths of which some rows went on."""
-    fields = {}
-    for name in ("lowest", "turns", "heading", "curvature", "outcome"):
-        values = getattr(path, name).copy()
-        values[rows] = getattr(onward, name)
-        fields[name] = values
-    early, steps = path.early.copy(), path.steps.copy()
-    early[rows] = np.minimum(early[rows], onward.early)
-    steps[rows] += onward.steps
-    end = []
-    for name in ("displacement", "log_reduction", "tangent"):
-        values = getattr(path.end, name).copy()
-        values[rows] = getattr(onward.end, name)
-        end.append(values)
-    return replace(path, end=type(path.end)(*end), early=early, steps=steps, **fields)
 
 
 def _settled_runs(
     coarse: BedSprings,
     finer: Sequence[BedPath],
     blocks: Ints,
-    path: Path,
+    path: Paths,
     lowest: Floats,
     rows: Ints,
     found: BedLimits,
@@ -444,9 +424,9 @@ def _settled_runs(
     """Find the running states that paths settle to; return for which of them there is one."""
     beds, settled = coarse.beds, np.zeros(len(rows), dtype=bool)
     is_far, least = path.outcome[rows] == PathEnd.FAR, np.exp(lowest[rows, -1])
-    u = np.where(is_far[:, None], path.end.displacement[rows], lowest[rows, :-1])
+    u = np.where(is_far[:, None], path.u[rows], lowest[rows, :-1])
     # at a corner all sticks until all runs: as it was displaced it goes on
-    tangent = path.end.tangent[rows]
+    tangent = path.tangent[rows]
     motion = np.where(lengths(tangent[:, :-1])[:, None] < LEVEL, u, tangent[:, :-1])
     slope = np.where(is_far & ~path.turns[rows], np.abs(tangent[:, -1]), 0.0)
     closest = np.minimum.reduceat(corner_gaps(beds, blocks, u), beds.corner[:-1])

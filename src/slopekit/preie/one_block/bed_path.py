@@ -177,21 +177,6 @@ class Balance:
     evaluations: Ints
 
 
-@dataclass(frozen=True, slots=True)
-class PathPoints:
-    """Points of the paths of n blocks.
-
-    Attributes
-    ----------
-    displacement : (n, u); log_reduction : (n,) ln λ
-    tangent : (n, u + 1) unit vectors in (u / |u|, ln λ)
-    """
-
-    displacement: Floats
-    log_reduction: Floats
-    tangent: Floats
-
-
 class PathEnd(IntEnum):
     """How the path of a block ends."""
 
@@ -201,32 +186,20 @@ class PathEnd(IntEnum):
     CORNER = 3  # no step leads on
 
 
-@dataclass(frozen=True, slots=True)
-class Path:
-    """What was found along the paths of n blocks.
+@dataclass(slots=True)
+class Paths:
+    """The elastic paths of some blocks: where they are, and what was found along them.
 
     Attributes
     ----------
-    end : the last point of each
+    rows : (n,) their numbers among the paths that were begun together
+    u : (n, u); ln : (n,) ln λ; scale : (n,) |u|; tangent : (n, u + 1) unit vectors in (u / |u|, ln λ)
+    length : (n,) of the next step
     lowest : (n, u + 1) u and ln λ where that is least; turns : (n,) whether λ rises again behind it
     heading : (n, u) unit direction of u there; curvature : (n,) of ln λ along it, per |u|²
     early : (n,) the least ln λ within `EARLY` elastic displacements; steps : (n,)
-    outcome : (n,) `PathEnd`
+    outcome : (n,) `PathEnd`, -1 on the way
     """
-
-    end: PathPoints
-    lowest: Floats
-    turns: Bools
-    heading: Floats
-    curvature: Floats
-    early: Floats
-    steps: Ints
-    outcome: Ints
-
-
-@dataclass(slots=True)
-class _Paths:
-    """Where some paths are: the last point, the length of the next step, and what `Path` has."""
 
     rows: Ints
     u: Floats
@@ -242,14 +215,20 @@ class _Paths:
     steps: Ints
     outcome: Ints
 
-    def of(self, places: Ints) -> "_Paths":
+    def of(self, places: Ints) -> "Paths":
         """Return some of them."""
-        return _Paths(*(getattr(self, field.name)[places] for field in fields(self)))
+        return Paths(*(getattr(self, field.name)[places] for field in fields(self)))
 
-    def put(self, some: "_Paths") -> None:
+    def put(self, some: "Paths") -> None:
         """Put some of them back, by their rows."""
         for field in fields(self):
             getattr(self, field.name)[some.rows] = getattr(some, field.name)
+
+    def go_on(self, rows: Ints, onward: "Paths") -> None:
+        """Put in place of some paths those that went on from them, begun together."""
+        onward.early = np.minimum(onward.early, self.early[rows])
+        onward.steps, onward.rows = onward.steps + self.steps[rows], rows
+        self.put(onward)
 
 
 class BedPath:
@@ -355,7 +334,7 @@ class BedPath:
         at[lengths(rest - u) > SNAP * elastic] = np.nan
         return rest, at
 
-    def follow(self, blocks: Ints, u: Floats, reduction: Floats, elastic: Floats, ends: Floats) -> Path:
+    def follow(self, blocks: Ints, u: Floats, reduction: Floats, elastic: Floats, ends: Floats) -> Paths:
         """Follow the paths from states of rest, each until its block runs or λ has turned for good.
 
         Parameters
@@ -368,7 +347,7 @@ class BedPath:
         down = np.zeros_like(x)
         down[:, -1] = -1.0
         begun = self.on_planes(blocks, down, -x[:, -1], scale, x)
-        every = _Paths(
+        every = Paths(
             rows=np.arange(len(blocks)),
             u=u.copy(),
             ln=x[:, -1],
@@ -389,12 +368,9 @@ class BedPath:
             if (at.outcome >= 0).any():
                 every.put(at.of(np.flatnonzero(at.outcome >= 0)))
                 at = at.of(np.flatnonzero(at.outcome < 0))
-        return Path(
-            PathPoints(every.u, every.ln, every.tangent), every.lowest, every.turns, every.heading, every.curvature,
-            every.early, every.steps, every.outcome,
-        )  # fmt: skip
+        return every
 
-    def _step(self, blocks: Ints, at: "_Paths", elastic: Floats, ends: Floats) -> None:
+    def _step(self, blocks: Ints, at: Paths, elastic: Floats, ends: Floats) -> None:
         """Take one step along each path, or shorten it."""
         along, tangent, here = at.length, at.tangent, at.scale
         goal = np.concatenate([at.u / here[:, None], at.ln[:, None]], axis=1)
@@ -445,7 +421,7 @@ class BedPath:
 
         Parameters
         ----------
-        lowest : (n, u + 1) u and ln λ; heading, curvature : as of `Path`
+        lowest : (n, u + 1) u and ln λ; heading, curvature : as of `Paths`
 
         Returns
         -------
