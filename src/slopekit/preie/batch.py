@@ -19,8 +19,8 @@ from slopekit.preie.one_block.polygon_bed import Beds, contact_rows
 from slopekit.preie.system.model import local_axes
 from slopekit.preie.tolerances import NO_FORCE, PARALLEL, TINY
 
-#: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (5 kB a row).
-CHUNK = 8192
+#: Rows that are taken at a time: with fewer NumPy's calls take the time, with more memory grows (9 kB a row).
+CHUNK = 4096
 
 
 class ForcesStatus(IntEnum):
